@@ -1,0 +1,1 @@
+"""The checker: passes over a linked library, and the driver that runs them."""

@@ -1,0 +1,1 @@
+"""IR to executable form: queries, terms, plans of methods."""

@@ -1,0 +1,1 @@
+"""The typed, frozen intermediate representation of RAP programs."""

@@ -1,0 +1,1 @@
+"""One file per top-level form: data to IR, one function per clause."""

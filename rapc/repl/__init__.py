@@ -1,0 +1,1 @@
+"""The interactive debugger's place in the house; nothing lives here yet."""

@@ -1,0 +1,1 @@
+"""The RAP interpreter: memory, tasks, agenda, monitors, and the port to worlds."""

@@ -1,0 +1,1 @@
+"""The RAP memory: facts with stamps, items, the handlers' way in."""

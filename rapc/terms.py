@@ -1,0 +1,73 @@
+"""Values that programs work with, and how they are written.
+
+Symbols are Python `str` (already folded to lower case), numbers are `int` or
+`float`, strings of the language are `Text`: so a symbol and a string of the same
+letters are different things. A whole float is always kept as the `int` it equals.
+Resources (sets and counters) are values too; they live in `rapc.runtime`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import msgspec
+
+
+class Text(msgspec.Struct, frozen=True, tag="text"):
+    """A string of the language; its letters are kept as written."""
+
+    value: str
+
+
+Atom = str | int | float | Text
+"""A ground value that may stand in a fact."""
+
+Number = int | float
+
+Fact = tuple[Atom, ...]
+"""A ground proposition: its name, then its arguments."""
+
+
+def number(value: float) -> Number:
+    """A number in its one form: a whole float becomes the integer it equals.
+
+    Raises:
+        ValueError: for infinities and for what is not a number.
+    """
+    if isinstance(value, int):
+        return value
+    if not math.isfinite(value):
+        raise ValueError("not a finite number")
+    return int(value) if value.is_integer() else value
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a number of the language (`bool` is not)."""
+    kind = type(value)
+    return kind is int or kind is float
+
+
+def format_atom(value: object) -> str:
+    """A value as RAP text; what knows how to write itself does so with `str`."""
+    if type(value) is Text:
+        body = value.value.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{body}"'
+    if type(value) is float:
+        return format_float(value)
+    return str(value)
+
+
+def format_float(value: float) -> str:
+    """A float as the language writes it: digits and a point, no exponent."""
+    text = repr(value)
+    if "e" not in text:
+        return text
+    text = f"{value:.20f}".rstrip("0")
+    return text + "0" if text.endswith(".") else text
+
+
+def format_list(parts: Iterable[object]) -> str:
+    """Values as a RAP list; nested tuples become nested lists."""
+    words = [format_list(p) if isinstance(p, tuple) else format_atom(p) for p in parts]
+    return f"({' '.join(words)})"

@@ -1,0 +1,1 @@
+"""Simulated worlds and their handlers; none of them knows the interpreter."""
