@@ -182,14 +182,12 @@ class World(ABC):
     def options(cls) -> Sequence[Option]:
         """The options with their defaults."""
 
-    @classmethod
     @abstractmethod
-    def offer(cls) -> Offer:
+    def offer(self) -> Offer:
         """The primitives, data, skills and events of this world."""
 
-    @classmethod
     @abstractmethod
-    def handlers(cls) -> Handlers:
+    def handlers(self) -> Handlers:
         """The handlers that belong to this world."""
 
     @classmethod
