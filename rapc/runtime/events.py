@@ -160,26 +160,25 @@ class QueryFaulted(Event, frozen=True, kw_only=True):
     what: str
 
 
-class ItemIntroduced(Event, frozen=True, kw_only=True):
-    """An item came into reach under a sensor name."""
+class ItemEvent(Event, frozen=True, kw_only=True):
+    """What the events about introduced items have in common; `sensor` may be lost."""
 
     item: str
-    sensor: str
+    sensor: str | None
     kind: str = msgspec.field(name="class")
     location: str
 
 
-class ItemMoved(Event, frozen=True, kw_only=True):
+class ItemIntroduced(ItemEvent, frozen=True, kw_only=True):
+    """An item came into reach under a sensor name."""
+
+
+class ItemMoved(ItemEvent, frozen=True, kw_only=True):
     """An item is at another place than before."""
 
-    item: str
-    location: str
 
-
-class ItemLost(Event, frozen=True, kw_only=True):
-    """An item is not where it was."""
-
-    item: str
+class ItemLost(ItemEvent, frozen=True, kw_only=True):
+    """An item is not where it was: its location is `unknown`."""
 
 
 class FamilySwitched(Event, frozen=True, kw_only=True):

@@ -1,0 +1,210 @@
+"""Formulas to generated Python: one function per kind of formula.
+
+A formula becomes a generator that yields its solutions in the order semantics 2
+promises: `and` is nested loops, left to right; `or` and long conjunctions become
+generators of their own; `not` asks such a generator for a first solution. The result
+depends on which variables are bound beforehand, so a formula is compiled once for
+each such set that occurs (`rapc.compiler.query`).
+
+Terms and facts have modules of their own. Generated code is handed a context `ctx`
+(see `rapc.compiler.query.Context`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from rapc.compiler import facts
+from rapc.compiler.emitter import MAX_LOOPS, Scope
+from rapc.compiler.terms import Clause, arguments, known_value, match
+from rapc.ir import nodes
+
+
+def write(clause: Clause, scope: Scope, formula: nodes.Formula) -> None:
+    """Append the code of a formula; what follows runs once for each solution."""
+    _WRITERS[type(formula)](clause, scope, formula)
+
+
+def variables(formula: nodes.Formula) -> tuple[str, ...]:
+    """The named variables a formula could bind or uses, in the order of the text."""
+    return tuple(dict.fromkeys(_variables(formula)))
+
+
+def _variables(node: object) -> Iterator[str]:
+    stack = [node]
+    while stack:
+        top = stack.pop()
+        if type(top) is nodes.Var:
+            if not top.anonymous:
+                yield top.name
+        elif isinstance(top, tuple):
+            stack.extend(reversed(top))
+        elif isinstance(top, nodes.Node):
+            names = top.__struct_fields__
+            stack.extend(getattr(top, n) for n in reversed(names) if n != "span")
+
+
+# --- connectives ---------------------------------------------------------------
+
+
+def _truth(clause: Clause, scope: Scope, formula: nodes.Truth) -> None:
+    if not formula.value:
+        scope.line(scope.skip)
+
+
+def _and(clause: Clause, scope: Scope, formula: nodes.And) -> None:
+    parts = list(_conjuncts(formula))
+    for at, part in enumerate(parts):
+        if scope.loops >= MAX_LOOPS:
+            _through(clause, scope, "rest", [nodes.And(tuple(parts[at:]))])
+            return
+        write(clause, scope, part)
+
+
+def _conjuncts(formula: nodes.And) -> Iterator[nodes.Formula]:
+    stack: list[nodes.Formula] = [formula]
+    while stack:
+        top = stack.pop()
+        if isinstance(top, nodes.And):
+            stack.extend(reversed(top.parts))
+        else:
+            yield top
+
+
+def _or(clause: Clause, scope: Scope, formula: nodes.Or) -> None:
+    _through(clause, scope, "either", formula.parts)
+
+
+def _through(
+    clause: Clause, scope: Scope, prefix: str, branches: Sequence[nodes.Formula]
+) -> None:
+    """Write branches as one generator and loop over what it yields."""
+    needed = [name for branch in branches for name in variables(branch)]
+    inner = scope.child(prefix, needed)
+    writers = [inner.child(prefix, inner.parameters) for _ in branches]
+    for writer, branch in zip(writers, branches, strict=True):
+        write(clause, writer, branch)
+    exports = [
+        name
+        for name in dict.fromkeys(needed)
+        if name not in scope.bound and any(name in w.bound | w.maybe for w in writers)
+    ]
+    for writer in writers:
+        _export(writer, exports)
+        inner.line(f"yield from {inner.call(writer)}")
+    inner.close()
+    call = scope.call(inner)
+    targets = "".join(
+        f"{scope.rename(n) if n in scope.maybe else scope.local(n)}, " for n in exports
+    )
+    scope.loop(f"for {f'({targets})' if targets else '_'} in {call}:")
+    for name in exports:
+        surely = all(name in writer.bound for writer in writers)
+        (scope.bound if surely else scope.maybe).add(name)
+        if surely:
+            scope.maybe.discard(name)
+
+
+def _export(writer: Scope, exports: Sequence[str]) -> None:
+    for name in exports:
+        if name not in writer.bound | writer.maybe:
+            writer.line(f"{writer.local(name)} = UNBOUND")
+    writer.finish(exports)
+    writer.close()
+
+
+def _not(clause: Clause, scope: Scope, formula: nodes.Not) -> None:
+    inner = scope.child("no", variables(formula.part))
+    write(clause, inner, formula.part)
+    inner.finish(())
+    inner.close()
+    scope.refuse(f"next({scope.call(inner)}, None) is not None")
+
+
+# --- tests -----------------------------------------------------------------------
+
+
+def _compare(clause: Clause, scope: Scope, formula: nodes.Compare) -> None:
+    args = arguments(clause, scope, (formula.left, formula.right))
+    if args is None:
+        return
+    left, right = args
+    if formula.op == "=":
+        scope.require(f"{left} == {right}")
+    elif formula.op == "n=":
+        scope.require(f"{left} != {right}")
+    else:
+        if formula.op in (">", ">="):
+            left, right = right, left
+        test = "less_equal" if "=" in formula.op else "less"
+        scope.require(f"{test}({left}, {right})")
+
+
+def _set_test(clause: Clause, scope: Scope, formula: nodes.SetTest) -> None:
+    args = arguments(clause, scope, formula.args)
+    if args is None:
+        return
+    members = clause.emitter.fresh("t")
+    scope.line("try:")
+    scope.line(f"    {members} = set_members({args[0]})")
+    scope.line("except Fault as fault:")
+    scope.line(f"    ctx.fault({clause.where}, str(fault))")
+    scope.line(f"    {scope.skip}")
+    if formula.test == "member":
+        scope.require(f"{args[1]} in {members}")
+    else:
+        scope.refuse(members)
+
+
+def _history(clause: Clause, scope: Scope, formula: nodes.History) -> None:
+    if formula.query == "method-tried":
+        args = arguments(clause, scope, formula.args)
+        if args is not None:
+            scope.require(f"ctx.method_tried({args[0]})")
+        return
+    *key, wanted = formula.args
+    known = arguments(clause, scope, key)
+    if known is None:
+        return
+    asked = f"ctx.last_result({', '.join(known)})"
+    result = clause.emitter.fresh("t")
+    scope.line(f"{result} = {asked}")
+    scope.refuse(f"{result} is None")
+    match(clause, scope, wanted, result)
+
+
+def _sensor_name(clause: Clause, scope: Scope, formula: nodes.SensorName) -> None:
+    item = known_value(clause, scope, formula.item)
+    if item is None:
+        local = clause.emitter.fresh("t")
+        scope.loop(f"for {local} in ctx.accessible_items():")
+        match(clause, scope, formula.item, local)
+        match(clause, scope, formula.value, clause.emitter.constant("true"))
+        return
+    state = clause.emitter.fresh("t")
+    scope.line(f"{state} = 'true' if ctx.is_accessible({item}) else 'false'")
+    match(clause, scope, formula.value, state)
+
+
+def _count(clause: Clause, scope: Scope, formula: nodes.Count) -> None:
+    args = arguments(clause, scope, (formula.kind, formula.place))
+    if args is None:
+        return
+    size = clause.emitter.fresh("t")
+    scope.line(f"{size} = ctx.count({args[0]}, {args[1]})")
+    match(clause, scope, formula.number, size)
+
+
+_WRITERS: dict[type, Callable[..., None]] = {
+    nodes.Truth: _truth,
+    nodes.And: _and,
+    nodes.Or: _or,
+    nodes.Not: _not,
+    nodes.Compare: _compare,
+    nodes.SetTest: _set_test,
+    nodes.History: _history,
+    nodes.SensorName: _sensor_name,
+    nodes.Count: _count,
+    nodes.Pattern: facts.pattern,
+    nodes.Believe: facts.believe,
+}

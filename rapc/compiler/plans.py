@@ -1,0 +1,280 @@
+"""A linked library in executable form: RAPs, methods and steps ready to run.
+
+A RAP is compiled when a task first needs it; its queries when they are first asked.
+Everything keeps its IR node, so that what happens at run time can point at source.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rapc.compiler.dependencies import Watch, watches
+from rapc.compiler.query import Query, TermValue
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.ir import nodes
+from rapc.library import Library
+from rapc.source import Span
+
+_DONE = nodes.History("last-result", (nodes.Const("okay"),))
+
+
+class StepPlan:
+    """A step: what its task asks for, and how it is ordered among its siblings.
+
+    `before` are the positions of the steps that must have ended first; `conditions`
+    the `for` formulas that point at this step, each with the position of the step
+    that carries it; both in the order of the text.
+    """
+
+    __slots__ = (
+        "args",
+        "before",
+        "conditions",
+        "effects",
+        "node",
+        "position",
+        "until",
+        "windows",
+    )
+
+    def __init__(self, compiler: Compiler, node: nodes.Step, position: int) -> None:
+        self.node = node
+        self.position = position
+        where = compiler.place(f"step `{node.tag}`", node.span)
+        self.args = tuple(TermValue(arg, where) for arg in node.goal.args)
+        self.before: list[int] = []
+        self.conditions: list[tuple[int, Query]] = []
+        self.until: list[tuple[int, bool]] = []
+        self.windows: list[WindowPlan] = []
+        self.effects: list[EffectPlan] = []
+
+
+class WindowPlan:
+    """A time window: `reference` is `now`, `absolute` or the position of a step."""
+
+    __slots__ = ("reference", "start", "stop")
+
+    def __init__(self, reference: str | int, start: TermValue, stop: TermValue) -> None:
+        self.reference = reference
+        self.start = start
+        self.stop = stop
+
+
+class EffectPlan:
+    """An effect of a step on a resource."""
+
+    __slots__ = ("amount", "node", "resource")
+
+    def __init__(self, compiler: Compiler, node: nodes.ResourceEffect) -> None:
+        where = compiler.place(f"effect `{node.op}`", node.span)
+        self.node = node
+        self.resource = TermValue(node.resource, where)
+        self.amount = TermValue(node.amount, where)
+
+
+class MethodPlan:
+    """A method. `choice` is `repeat-while` and context as one query.
+
+    `name` is what the trace prints, and `index` the place in the order of choice.
+    """
+
+    __slots__ = ("choice", "index", "name", "node", "notations", "request", "steps")
+
+    def __init__(
+        self, compiler: Compiler, rap: nodes.DefineRap, node: nodes.Method, index: int
+    ) -> None:
+        self.node = node
+        self.index = index
+        self.name = f"#{index + 1}" if node.name is None else str(node.name)
+        parts = [f for f in (rap.repeat_while, node.context) if f is not None]
+        self.choice: Query | None = None
+        if parts:
+            formula = parts[0] if len(parts) == 1 else nodes.And(tuple(parts))
+            what = f"context of method `{self.name}`"
+            self.choice = compiler.query(formula, what, node.span)
+        self.notations = tuple(
+            compiler.assertion(p, "notation") for p in node.notations
+        )
+        self.request: RequestPlan | None = None
+        self.steps: tuple[StepPlan, ...] = ()
+        if isinstance(node.body, nodes.Primitive):
+            self.request = compiler.assertion(node.body.request, "primitive")
+        elif isinstance(node.body, nodes.TaskNet):
+            self.steps = _steps(compiler, node.body)
+
+
+class RequestPlan:
+    """A proposition to be filled in: a primitive's request or a notation."""
+
+    __slots__ = ("args", "name", "node")
+
+    def __init__(
+        self, node: nodes.Pattern, args: Sequence[nodes.Term], where: str
+    ) -> None:
+        self.node = node
+        self.name = node.name
+        self.args = tuple(TermValue(arg, where) for arg in args)
+
+
+class RapPlan:
+    """A RAP ready to be instantiated."""
+
+    __slots__ = (
+        "constraints",
+        "duration",
+        "inputs",
+        "methods",
+        "monitor_state",
+        "monitor_time",
+        "name",
+        "node",
+        "outputs",
+        "preconditions",
+        "repeat_while",
+        "resources",
+        "succeed",
+        "watches",
+    )
+
+    def __init__(self, compiler: Compiler, node: nodes.DefineRap) -> None:
+        self.node = node
+        self.name = node.name
+        self.inputs = tuple(v.name for v in node.inputs)
+        self.outputs = tuple(v.name for v in node.outputs)
+        self.succeed = compiler.query(node.succeed or _DONE, "succeed", node.span)
+        self.preconditions = compiler.clause(node.preconditions, "preconditions", node)
+        self.constraints = compiler.clause(node.constraints, "constraints", node)
+        self.repeat_while = compiler.clause(node.repeat_while, "repeat-while", node)
+        self.monitor_state = compiler.clause(node.monitor_state, "monitor-state", node)
+        self.watches: tuple[Watch, ...] = ()
+        if node.monitor_state is not None:
+            self.watches = watches(node.monitor_state, compiler.vocabulary)
+        self.monitor_time: WindowPlan | None = None
+        if node.monitor_time is not None:
+            time = node.monitor_time
+            where = compiler.place("monitor-time", time.span)
+            start, stop = TermValue(time.start, where), TermValue(time.stop, where)
+            self.monitor_time = WindowPlan(time.reference, start, stop)
+        where = compiler.place("duration", node.span)
+        self.duration = TermValue(node.duration, where) if node.duration else None
+        self.resources = tuple(
+            (r, TermValue(r.initial, compiler.place("resources", r.span)))
+            if r.initial is not None
+            else (r, None)
+            for r in node.resources
+        )
+        self.methods = tuple(
+            MethodPlan(compiler, node, method, index)
+            for index, method in enumerate(node.methods)
+        )
+
+    @property
+    def monitored(self) -> bool:
+        """Whether the RAP has a monitor clause."""
+        return self.monitor_state is not None or self.monitor_time is not None
+
+
+class Compiler:
+    """What compiling shares: the vocabulary, and places to print in faults."""
+
+    def __init__(self, library: Library) -> None:
+        self.library = library
+        self.vocabulary = Vocabulary.of(library)
+
+    def place(self, what: str, span: Span) -> str:
+        """A clause's name with the row it stands in: `succeed at arms.rap:12`."""
+        source = self.library.files.get(span.file)
+        if source is None:
+            return what
+        return f"{what} at {span.file}:{source.position(span.start).row}"
+
+    def query(self, formula: nodes.Formula, what: str, span: Span) -> Query:
+        """A formula of the clause `what` as a query."""
+        span = formula.span if formula.span.file else span
+        return Query(formula, self.vocabulary, self.place(what, span))
+
+    def clause(
+        self, formula: nodes.Formula | None, what: str, node: nodes.DefineRap
+    ) -> Query | None:
+        """A clause that need not be there."""
+        return None if formula is None else self.query(formula, what, node.span)
+
+    def assertion(self, pattern: nodes.Pattern, what: str) -> RequestPlan:
+        """A proposition whose arguments are filled in at run time."""
+        relation = self.vocabulary.relations.get(pattern.name)
+        args = pattern.args
+        if relation is not None and what == "notation":
+            args = relation.full(args)
+        return RequestPlan(pattern, args, self.place(what, pattern.span))
+
+
+def _steps(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
+    plans = tuple(StepPlan(compiler, step, at) for at, step in enumerate(net.steps))
+    at_tag = {step.tag: at for at, step in enumerate(net.steps)}
+    for plan in plans:
+        for annotation in plan.node.annotations:
+            _annotate(compiler, plans, at_tag, plan, annotation)
+    return plans
+
+
+def _annotate(
+    compiler: Compiler,
+    plans: Sequence[StepPlan],
+    at_tag: Mapping[str, int],
+    plan: StepPlan,
+    annotation: nodes.Annotation,
+) -> None:
+    if isinstance(annotation, nodes.For):
+        target = plans[at_tag[annotation.tag]]
+        target.before.append(plan.position)
+        if annotation.formula is not None:
+            what = f"`for {annotation.tag}` formula"
+            query = compiler.query(annotation.formula, what, annotation.span)
+            target.conditions.append((plan.position, query))
+    elif isinstance(annotation, nodes.UntilEnd | nodes.UntilStart):
+        ended = isinstance(annotation, nodes.UntilEnd)
+        plans[at_tag[annotation.tag]].until.append((plan.position, ended))
+    elif isinstance(annotation, nodes.Window):
+        reference: str | int = annotation.reference
+        if annotation.reference not in ("now", "absolute"):
+            reference = at_tag[annotation.reference]
+            plan.before.append(reference)
+        where = compiler.place("window", annotation.span)
+        start = TermValue(annotation.start, where)
+        stop = TermValue(annotation.stop, where)
+        plan.windows.append(WindowPlan(reference, start, stop))
+    elif isinstance(annotation, nodes.ResourceEffect):
+        plan.effects.append(EffectPlan(compiler, annotation))
+
+
+class CompiledLibrary:
+    """A checked library in executable form: what the interpreter is given.
+
+    Args:
+        library: linked, and free of findings of severity error.
+    """
+
+    def __init__(self, library: Library) -> None:
+        self.library = library
+        self._compiler = Compiler(library)
+        self._plans: dict[str, RapPlan] = {}
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What the declarations say."""
+        return self._compiler.vocabulary
+
+    @property
+    def compiler(self) -> Compiler:
+        """For compiling what comes later: methods of problem solvers."""
+        return self._compiler
+
+    def rap(self, name: str) -> RapPlan | None:
+        """The plan of a RAP, compiled the first time it is asked for."""
+        plan = self._plans.get(name)
+        if plan is None:
+            node = self.library.raps.get(name)
+            if node is None:
+                return None
+            plan = self._plans[name] = RapPlan(self._compiler, node)
+        return plan

@@ -1,0 +1,126 @@
+"""Terms to generated Python: known values, computed ones, and matching.
+
+Shared by the writers of formulas and of facts. A value that is missing or of the
+wrong kind is traced as a fault and gives up the candidate (semantics 2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rapc.compiler import builtin
+from rapc.compiler.emitter import Emitter, Scope
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.ir import nodes
+
+
+class Clause:
+    """What the writers of one formula share: vocabulary and the clause's name."""
+
+    def __init__(self, emitter: Emitter, vocabulary: Vocabulary, where: str) -> None:
+        self.emitter = emitter
+        self.vocabulary = vocabulary
+        self.where = emitter.constant(where)
+        emitter.namespace.update(
+            UNBOUND=builtin.UNBOUND,
+            Fault=builtin.Fault,
+            less=builtin.less,
+            less_equal=builtin.less_equal,
+            holds=builtin.holds,
+            set_members=builtin.set_members,
+            NUMBERS=(int, float),
+        )
+
+
+def fault(clause: Clause, scope: Scope, what: str) -> None:
+    """Trace a fault and give up; `what` is an expression or a constant's name."""
+    scope.line(f"ctx.fault({clause.where}, {what})")
+    scope.line(scope.skip)
+
+
+def known_value(clause: Clause, scope: Scope, term: nodes.Term) -> str | None:
+    """An expression for a term's value, or None for a variable that is not bound.
+
+    A computed term is computed here, and a fault in it gives up the candidate.
+    """
+    if isinstance(term, nodes.Const):
+        return clause.emitter.constant(term.value)
+    if isinstance(term, nodes.Var):
+        if term.anonymous or term.name not in scope.bound:
+            return None
+        return scope.local(term.name)
+    return _computed(clause, scope, term)
+
+
+def bound_value(clause: Clause, scope: Scope, term: nodes.Term) -> str | None:
+    """As `known_value`, but a variable that is not bound is a fault that is traced.
+
+    Returns None when the code to give up has been written: nothing may follow.
+    """
+    known = known_value(clause, scope, term)
+    if known is not None:
+        return known
+    assert isinstance(term, nodes.Var)
+    what = clause.emitter.constant(f"{term.name} is not bound")
+    if term.name in scope.maybe:
+        local = scope.local(term.name)
+        scope.line(f"if {local} is UNBOUND:")
+        scope.line(f"    ctx.fault({clause.where}, {what})")
+        scope.line(f"    {scope.skip}")
+        scope.maybe.discard(term.name)
+        scope.bound.add(term.name)
+        return local
+    fault(clause, scope, what)
+    return None
+
+
+def arguments(
+    clause: Clause, scope: Scope, args: Sequence[nodes.Term]
+) -> list[str] | None:
+    """Expressions for terms that must be bound; None as `bound_value`."""
+    found = []
+    for arg in args:
+        known = bound_value(clause, scope, arg)
+        if known is None:
+            return None
+        found.append(known)
+    return found
+
+
+def _computed(clause: Clause, scope: Scope, term: nodes.Call) -> str:
+    result = clause.emitter.fresh("t")
+    args = arguments(clause, scope, term.args)
+    if args is None:
+        return "UNBOUND"
+    listed = "".join(f"{a}, " for a in args)
+    function = builtin.FUNCTIONS.get(term.function)
+    if function is None:
+        name = clause.emitter.constant(term.function)
+        expression = f"ctx.functions[{name}](ctx.view, {listed})"
+    else:
+        expression = f"{clause.emitter.constant(function)}(({listed}))"
+    scope.line("try:")
+    scope.line(f"    {result} = {expression}")
+    scope.line("except Fault as fault:")
+    scope.line(f"    ctx.fault({clause.where}, str(fault))")
+    scope.line(f"    {scope.skip}")
+    return result
+
+
+def match(clause: Clause, scope: Scope, term: nodes.Term, value: str) -> None:
+    """Match a term with a value that is there: test it or bind a variable."""
+    known = known_value(clause, scope, term)
+    if known is not None:
+        scope.require(f"{known} == {value}")
+        return
+    assert isinstance(term, nodes.Var)
+    if term.anonymous:
+        return
+    if term.name in scope.maybe:
+        old, local = scope.local(term.name), scope.rename(term.name)
+        scope.line(f"{local} = {value}")
+        scope.refuse(f"{old} is not UNBOUND and {old} != {local}")
+        scope.maybe.discard(term.name)
+    else:
+        scope.line(f"{scope.local(term.name)} = {value}")
+    scope.bound.add(term.name)

@@ -1,0 +1,183 @@
+"""The RAP memory: what may be asserted and erased, by whom, and who is told.
+
+Memory checks a fact against the declarations, stores it with its time (T 2.2, A.3),
+keeps notations as long as their methods (T 4.9), and knows where the robot is, so
+that `external` can be computed (semantics 7). Queries are in `rapc.compiler`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from rapc.compiler.vocabulary import Relation, Vocabulary
+from rapc.runtime.events import FactAsserted, FactErased
+from rapc.runtime.memory.facts import FactStore
+from rapc.runtime.memory.items import Items
+from rapc.runtime.recorder import Recorder
+from rapc.runtime.world import Time
+from rapc.terms import Atom, Fact, Text, format_list
+
+EXTERNAL = "external"
+"""The place outside the robot, wherever it is."""
+
+
+class FactError(ValueError):
+    """A fact that memory refuses; the text says why, in one line."""
+
+
+class Notation:
+    """How many methods note a fact that nobody else has asserted."""
+
+    __slots__ = ("count", "fact")
+
+    def __init__(self, fact: Fact) -> None:
+        self.fact = fact
+        self.count = 0
+
+
+class Memory:
+    """All that the robot believes.
+
+    Args:
+        vocabulary: the declarations; nothing undeclared gets in.
+        recorder: is told of each change.
+        clock: the time that new facts are stamped with.
+
+    `changed` is called with every fact that came, was refreshed or went; `moved` with
+    a word when something else that queries see has changed: `external` or
+    `know-sensor-name`.
+    """
+
+    def __init__(
+        self, vocabulary: Vocabulary, recorder: Recorder, clock: Callable[[], Time]
+    ) -> None:
+        self.vocabulary = vocabulary
+        self.facts = FactStore(self._is_property)
+        self.items = Items()
+        self.place: Atom | None = None
+        self.changed: Callable[[Fact], None] = lambda fact: None
+        self.moved: Callable[[str], None] = lambda word: None
+        self._recorder = recorder
+        self._clock = clock
+        self._notations: dict[Fact, Notation] = {}
+
+    def _is_property(self, name: str) -> bool:
+        relation = self.vocabulary.relations.get(name)
+        return relation is not None and relation.is_property
+
+    # --- changes -------------------------------------------------------------
+
+    def checked(self, fact: Fact) -> Fact:
+        """A fact in its full form, after looking at name, number and kinds.
+
+        Raises:
+            FactError: if the declarations do not allow it.
+        """
+        relation = self._relation(fact)
+        fact = self.vocabulary.short_fact(fact)
+        if relation.arity is not None and len(fact) - 1 != relation.arity:
+            raise FactError(
+                f"`{relation.name}` takes {relation.arity} arguments, "
+                f"not {len(fact) - 1}: {format_list(fact)}"
+            )
+        if relation.is_property and len(fact) == 1:
+            raise FactError(f"the property `{relation.name}` needs a value")
+        return fact
+
+    def _relation(self, fact: Fact) -> Relation:
+        relation = self.vocabulary.relations.get(str(fact[0])) if fact else None
+        if relation is None:
+            raise FactError(f"`{fact[0] if fact else ''}` is not declared")
+        for part in fact:
+            if type(part) not in (str, int, float, Text):
+                raise FactError(f"`{part}` is not a symbol, number or string")
+        return relation
+
+    def assert_fact(self, fact: Fact, by: str) -> None:
+        """Assert a full, checked fact now; a property's old value is erased."""
+        if self._notations:
+            self._notations.pop(fact, None)
+        self._store(fact, by)
+
+    def _store(self, fact: Fact, by: str) -> None:
+        recorder = self._recorder
+        replaced = self.facts.add(fact, self._clock())
+        if replaced is not None:
+            self._notations.pop(replaced, None)
+            if recorder.on:
+                recorder.emit(FactErased, fact=format_list(replaced), by=by)
+            self.changed(replaced)
+        if recorder.on:
+            recorder.emit(FactAsserted, fact=format_list(fact), by=by)
+        self.changed(fact)
+
+    def erase(self, prefix: Fact, by: str) -> None:
+        """Erase every fact that starts so.
+
+        Raises:
+            FactError: if the prefix names nothing declared.
+        """
+        self._relation(prefix)
+        for fact in self.facts.starting(prefix):
+            self._remove(fact, by)
+
+    def _remove(self, fact: Fact, by: str) -> None:
+        self._notations.pop(fact, None)
+        self.facts.remove(fact)
+        if self._recorder.on:
+            self._recorder.emit(FactErased, fact=format_list(fact), by=by)
+        self.changed(fact)
+
+    # --- notations -------------------------------------------------------------
+
+    def note(self, fact: Fact) -> Notation | None:
+        """Assert a checked fact for as long as a method lives.
+
+        Returns what `forget` wants back, or None where the fact was there anyway:
+        then only its stamp is new and nothing is to be taken away.
+        """
+        notation = self._notations.get(fact)
+        if notation is None and fact in self.facts.stamps:
+            self._store(fact, "notation")
+            return None
+        if notation is None:
+            notation = Notation(fact)
+        self._store(fact, "notation")
+        self._notations[fact] = notation
+        notation.count += 1
+        return notation
+
+    def forget(self, notation: Notation) -> None:
+        """A method that noted a fact has ended; the last one takes the fact along."""
+        if self._notations.get(notation.fact) is not notation:
+            return
+        notation.count -= 1
+        if notation.count == 0:
+            self._remove(notation.fact, "notation")
+
+    # --- where things are --------------------------------------------------------
+
+    def arrive(self, place: Atom) -> None:
+        """The robot is at a place, of which `external` speaks from now on."""
+        if self.place != place:
+            self.place = place
+            self.moved(EXTERNAL)
+
+    def is_here(self, fact: Fact | None) -> bool:
+        """Whether a location fact says that an item is where the robot is."""
+        if fact is None or self.place is None or fact[2] != self.place:
+            return False
+        return fact[1] in self.items.known
+
+    def facts_at(self, place: object) -> Iterator[Fact]:
+        """Location facts of a place, `external` computed, oldest assertion first."""
+        buckets = self.facts.buckets
+        there: dict[Fact, None] = buckets.get(("location", 2, place), {})  # type: ignore[arg-type]
+        if place != EXTERNAL or self.place is None:
+            return iter(there)
+        near = buckets.get(("location", 2, self.place), {})
+        found = [fact for fact in near if self.is_here(fact)]
+        found.extend(there)
+        if there:
+            found.sort(key=self.facts.serials.__getitem__)
+        return iter(found)
