@@ -1,0 +1,167 @@
+"""The primitives of the arms (T B.1): what each does, and how it fails.
+
+An arm is at a place (outside, in a bay, or folded) and there may be at one item.
+What it holds goes with it. An arm that is not one of the truck's is nowhere, at
+nothing, and holds nothing.
+"""
+
+from __future__ import annotations
+
+from rapc.runtime.world import OKAY, Reply
+from rapc.terms import Atom, Fact, Number, number
+from rapc.worlds.truck.eye import contents
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL, FOLDED, Arm, Item
+
+NOT_AT = Reply("arm-not-at")
+NOT_HOLDING = Reply("arm-not-holding")
+ROUNDS_A_TOGGLE = 3
+
+
+def arm_move(scene: Scene, name: Atom, place: Atom) -> Reply:
+    """Move an arm to a place, or to an item that lies where the arm is."""
+    arm = scene.arm(name)
+    if arm is None:
+        return Reply("arm-cant-find")
+    spot = scene.spot(place)
+    if spot in (EXTERNAL, *BAYS) or place == FOLDED:
+        arm.place, arm.at = spot or FOLDED, None
+        return Reply(OKAY)
+    item = scene.item(place)
+    if item is None or item.place != scene.true_place(arm.place):
+        return Reply("arm-cant-find")
+    arm.at = item.name
+    return Reply(OKAY)
+
+
+def arm_grasp(scene: Scene, name: Atom, thing: Atom) -> Reply:
+    """Pick up the item that the arm is at."""
+    arm, item = scene.arm(name), scene.item(thing)
+    if arm is None or item is None or arm.at != item.name:
+        return NOT_AT
+    if any(a is not arm and a.at == arm.at for a in scene.state.truck.arms.values()):
+        return Reply("arm-interference")
+    tool = scene.kind(item).tool
+    if tool and all(held.kind != tool for held in scene.items_at(str(name))):
+        return Reply("arm-cant-grasp")
+    if not scene.room(str(name), item):
+        return Reply("arm-too-full")
+    if scene.rng.uniform(0, 100) < _drops(scene, name):
+        return Reply("arm-dropped")
+    scene.put(item, str(name))
+    scene.sight(item, str(name))
+    return Reply(OKAY)
+
+
+def arm_ungrasp(scene: Scene, name: Atom, thing: Atom) -> Reply:
+    """Put a held item down where the arm is; the arm then is at it."""
+    arm, item = scene.arm(name), scene.held(name, thing)
+    if arm is None or item is None:
+        return NOT_HOLDING
+    if arm.place != EXTERNAL and not scene.room(arm.place, item):
+        return Reply("container-full")
+    scene.put(item, scene.true_place(arm.place))
+    scene.sight(item, arm.place)
+    arm.at = item.name
+    if arm.place == EXTERNAL:
+        scene.deliver(item)
+    return Reply(OKAY)
+
+
+def arm_pour(scene: Scene, name: Atom, thing: Atom) -> Reply:
+    """Pour a held vessel into what the arm is at; the rest stays in the vessel.
+
+    What is poured where nothing can take it in is spilt.
+    """
+    arm, vessel = scene.arm(name), _held_vessel(scene, name, thing)
+    if arm is None or vessel is None:
+        return NOT_HOLDING
+    target = scene.at(name)
+    if target is not None and vessel.liquid in _takes(scene, target):
+        room = scene.kind(target).capacity - target.amount
+        flow = min(vessel.amount, room)
+        target.liquid, target.amount = vessel.liquid, number(target.amount + flow)
+    elif _over_fuel_bay(arm) and vessel.liquid == "fuel":
+        truck = scene.state.truck
+        flow = min(vessel.amount, scene.settings.fuel_capacity - truck.fuel)
+        flow = max(flow, 0)
+        truck.fuel = _tidy(truck.fuel + flow)
+    else:
+        flow = vessel.amount
+    vessel.amount = _tidy(vessel.amount - flow)
+    return Reply(OKAY, _fuel(scene))
+
+
+def arm_ladle(scene: Scene, name: Atom, thing: Atom) -> Reply:
+    """Fill a held vessel from the vessel, or the fuel bay, that the arm is at."""
+    arm, vessel = scene.arm(name), _held_vessel(scene, name, thing)
+    if arm is None or vessel is None:
+        return NOT_HOLDING
+    truck, source = scene.state.truck, scene.at(name)
+    room = scene.kind(vessel).capacity - vessel.amount
+    if source is not None and scene.kind(source).liquid and source.amount > 0:
+        if source.liquid not in _takes(scene, vessel):
+            return NOT_AT
+        flow = min(source.amount, room)
+        source.amount = _tidy(source.amount - flow)
+        vessel.liquid = source.liquid
+    elif _over_fuel_bay(arm) and truck.fuel > 0 and "fuel" in _takes(scene, vessel):
+        flow = min(truck.fuel, room)
+        truck.fuel = _tidy(truck.fuel - flow)
+        vessel.liquid = "fuel"
+    else:
+        return NOT_AT
+    vessel.amount = _tidy(vessel.amount + flow)
+    return Reply(OKAY, _fuel(scene))
+
+
+def arm_toggle(scene: Scene, name: Atom, thing: Atom) -> Reply:
+    """Switch the item the arm is at: a gun in its bay fires up to three rounds."""
+    item = scene.item(thing)
+    if item is None or item is not scene.at(name):
+        return NOT_AT
+    if scene.kind(item).rounds is None or item.place != "weapon-bay":
+        return Reply("arm-cant-toggle")
+    item.amount = _tidy(item.amount - min(ROUNDS_A_TOGGLE, item.amount))
+    return Reply(OKAY)
+
+
+def arm_examine(scene: Scene, name: Atom, thing: Atom) -> Reply:
+    """Feel the contents and the size of an item that the arm is at or holds."""
+    item = scene.item(thing)
+    if item is None or (item is not scene.at(name) and item.place != name):
+        return NOT_AT
+    size: Fact = ("size", scene.sensor_name(item), scene.kind(item).size)
+    return Reply(OKAY, (*contents(scene, item), size))
+
+
+def _drops(scene: Scene, name: Atom) -> Number:
+    settings = scene.settings
+    return settings.arm1_drops if name == ARMS[0] else settings.arm2_drops
+
+
+def _held_vessel(scene: Scene, name: Atom, thing: Atom) -> Item | None:
+    item = scene.held(name, thing)
+    return item if item is not None and scene.kind(item).liquid else None
+
+
+def _takes(scene: Scene, item: Item) -> tuple[str | None, ...]:
+    """The liquids that may flow into an item: an empty vessel takes any."""
+    kind = scene.kind(item)
+    if kind.rounds:
+        return (kind.rounds,)
+    if kind.liquid is None:
+        return ()
+    return (item.liquid,) if item.amount > 0 else ("fuel", "ammo")
+
+
+def _over_fuel_bay(arm: Arm) -> bool:
+    return arm.place == "fuel-bay" and arm.at is None
+
+
+def _fuel(scene: Scene) -> tuple[Fact, ...]:
+    return (("fuel-level", scene.state.truck.fuel),)
+
+
+def _tidy(amount: Number) -> Number:
+    return number(round(amount, 2))

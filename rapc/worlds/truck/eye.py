@@ -1,0 +1,90 @@
+"""The primitives of the eye (T B.1), and what it tells about items (T B.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc.runtime.world import OKAY, Reply
+from rapc.terms import Atom, Fact
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import EXTERNAL, Item
+
+CANT_FIND = Reply("eye-cant-find")
+
+
+def eye_scan(scene: Scene, place: Atom) -> Reply:
+    """See all items at a place on the truck or outside, and there the roads too.
+
+    Items sensed there since the truck arrived, and now gone, are reported first.
+    """
+    spot = scene.spot(place)
+    if spot is None:
+        return CANT_FIND
+    return Reply(OKAY, (*_gone(scene, spot), *_seen(scene, spot), *_roads(scene, spot)))
+
+
+def eye_examine(scene: Scene, place: Atom, thing: Atom) -> Reply:
+    """Look closely at an item: its colour, or what it contains."""
+    spot, item = scene.spot(place), scene.item(thing)
+    if spot is None or item is None or item.place != scene.true_place(spot):
+        return CANT_FIND
+    return Reply(OKAY, (*_looks(scene, item), *contents(scene, item)))
+
+
+def eye_monitor(scene: Scene, kind: Atom) -> Reply:
+    """From now on notice items of a class that turn up outside."""
+    if str(kind) not in scene.state.monitored:
+        scene.state.monitored.append(str(kind))
+    return Reply(OKAY)
+
+
+def eye_unmonitor(scene: Scene, kind: Atom) -> Reply:
+    """Stop looking out for items of a class."""
+    if str(kind) in scene.state.monitored:
+        scene.state.monitored.remove(str(kind))
+    return Reply(OKAY)
+
+
+def notice(scene: Scene) -> Iterator[Fact]:
+    """Items outside of the classes looked out for, not sensed there before."""
+    for item in scene.items_at(scene.state.truck.place):
+        known = scene.state.sighted.get(item.name) == EXTERNAL
+        if item.kind in scene.state.monitored and not known:
+            yield ("object-seen", EXTERNAL, scene.sight(item, EXTERNAL), item.kind)
+
+
+def contents(scene: Scene, item: Item) -> Iterator[Fact]:
+    """What examining an item tells of its contents."""
+    name, kind = scene.sensor_name(item), scene.kind(item)
+    if kind.rounds:
+        yield ("shots-left", name, item.amount)
+    elif item.liquid is not None:
+        yield ("vessel", name, item.liquid, item.amount)
+        yield ("capacity", name, kind.capacity)
+
+
+def _looks(scene: Scene, item: Item) -> Iterator[Fact]:
+    if item.color is not None:
+        name = scene.sensor_name(item)
+        yield ("size", name, scene.kind(item).size)
+        yield ("color", name, item.color)
+
+
+def _gone(scene: Scene, spot: str) -> Iterator[Fact]:
+    state, place = scene.state, scene.true_place(spot)
+    for name in [n for n, seen in state.sighted.items() if seen == spot]:
+        item = state.items.get(name)
+        if item is None or item.place != place:
+            del state.sighted[name]
+            yield ("object-gone", spot, state.names.pop(name, name))
+
+
+def _seen(scene: Scene, spot: str) -> Iterator[Fact]:
+    for item in scene.items_at(scene.true_place(spot)):
+        yield ("object-seen", spot, scene.sight(item, spot), item.kind)
+
+
+def _roads(scene: Scene, spot: str) -> Iterator[Fact]:
+    if spot == EXTERNAL:
+        for leg in scene.map.legs(scene.state.truck.place):
+            yield ("road-seen", leg.direction, leg.road.name)

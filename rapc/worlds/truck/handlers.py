@@ -1,0 +1,283 @@
+"""The truck's handlers: what results and data mean for memory (T 3.3.2, B.3).
+
+A result handler is called first, then one for each datum. They know the robot's body
+and the world's ways as a maker of the truck would, and nothing of the simulator. The
+words they use are declared in stdlib/truck/world.rap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rapc.runtime.world import (
+    OKAY,
+    DatumHandler,
+    HandlerMemory,
+    Handlers,
+    ResultHandler,
+)
+from rapc.terms import Atom, Fact
+
+_ARMS = ("arm1", "arm2")
+_ON_BOARD = ("bay1", "bay2", "weapon-bay", "fuel-bay", "folded", *_ARMS)
+_LIQUIDS = ("liquid-held", "quantity-held")
+
+
+def _replace(memory: HandlerMemory, *fact: Atom, keep: int = 1) -> None:
+    """Assert a fact in place of all that begin with its first `keep` parts."""
+    memory.erase(*fact[:keep])
+    memory.assert_fact(*fact)
+
+
+def _spot(memory: HandlerMemory, place: Atom) -> Atom:
+    """A place as the truck names it: where it stands is `external`."""
+    return "external" if place == memory.place else place
+
+
+def _true_place(memory: HandlerMemory, place: Atom) -> Atom:
+    """A place as memory has it for items: `external` is where the truck stands."""
+    here = memory.place
+    return here if place == "external" and here is not None else place
+
+
+def _arm_place(memory: HandlerMemory, arm: Atom) -> Atom:
+    places = memory.query("arm-place", arm, None)
+    return places[-1][2] if places else "unknown"
+
+
+def _not_there(memory: HandlerMemory, item: Atom, place: Atom) -> None:
+    """An item is lost if it was believed where it was not found."""
+    believed = memory.value("location", item)
+    if believed is not None and believed == _true_place(memory, place):
+        memory.lose(str(item))
+
+
+# --- arms ------------------------------------------------------------------------
+
+
+def _arm_move(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, arm, target = request
+    if result != OKAY:
+        _not_there(memory, target, _arm_place(memory, arm))
+        return
+    memory.erase("arm-at", arm)
+    memory.erase("arm-interference")
+    spot = _spot(memory, target)
+    if spot == "external" or spot in _ON_BOARD:
+        _replace(memory, "arm-place", arm, spot, keep=2)
+    else:
+        memory.assert_fact("arm-at", arm, target)
+
+
+def _arm_grasp(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, arm, item = request
+    if result == OKAY:
+        place = memory.value("location", item)
+        if place is not None:
+            memory.erase("too-full-for", place)
+        memory.erase("arm-at", arm)
+        memory.assert_fact("arm-holding", arm, item)
+        memory.move(str(item), arm)
+    elif result == "arm-too-full":
+        full = memory.query("arm-holding", arm, None)
+        memory.assert_fact("too-full-for" if full else "too-small-for", arm, item)
+    elif result == "arm-not-at":
+        memory.erase("arm-at", arm, item)
+    elif result == "arm-cant-grasp":
+        memory.assert_fact("tool-needed", item, "gun-tool")
+    elif result == "arm-interference":
+        memory.assert_fact("arm-interference", item)
+
+
+def _arm_ungrasp(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, arm, item = request
+    place = _arm_place(memory, arm)
+    if result == OKAY:
+        memory.erase("arm-holding", arm, item)
+        memory.erase("too-full-for", arm)
+        _replace(memory, "arm-at", arm, item, keep=2)
+        memory.move(str(item), _true_place(memory, place))
+    elif result == "container-full":
+        memory.assert_fact("too-full-for", place, item)
+    else:
+        _not_holding(memory, arm, item)
+
+
+def _arm_pour(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, arm, vessel = request
+    if result == "arm-not-holding":
+        _not_holding(memory, arm, vessel)
+    elif result == "arm-not-at":
+        memory.erase("arm-at", arm)
+    else:
+        others = [fact[2] for fact in memory.query("arm-at", arm, None)]
+        for item in (vessel, *others):
+            memory.erase("examined-since-pour", item)
+            memory.assert_fact("quantity-held", item, "unknown")
+
+
+def _arm_toggle(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, arm, item = request
+    if result == OKAY:
+        memory.erase("examined-since-toggle", item)
+        memory.assert_fact("quantity-held", item, "unknown")
+    elif result == "arm-not-at":
+        memory.erase("arm-at", arm, item)
+
+
+def _arm_examine(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, arm, item = request
+    if result == OKAY:
+        _examined(memory, "arm-examined", item)
+    else:
+        memory.erase("arm-at", arm, item)
+
+
+def _not_holding(memory: HandlerMemory, arm: Atom, item: Atom) -> None:
+    memory.erase("arm-holding", arm, item)
+    _not_there(memory, item, arm)
+
+
+# --- eye and truck ---------------------------------------------------------------
+
+
+def _eye_scan(memory: HandlerMemory, request: Fact, result: str) -> None:
+    """What is known and not seen again is no longer there, but for rocks at a factory.
+
+    A factory takes rocks in, where the eye cannot follow: a scan of its yard does not
+    show all that is at the factory.
+    """
+    if result != OKAY:
+        return
+    spot = _spot(memory, request[1])
+    place = _true_place(memory, spot)
+    memory.assert_fact("eye-scanned", spot)
+    memory.assert_fact("scanned-since-move", spot)
+    if spot == "external":
+        memory.erase("direction", "external")
+    if spot in _ARMS:
+        memory.erase("arm-holding", spot)
+    if not memory.query("place", place, "factory"):
+        memory.fix_cardinality(place)
+
+
+def _eye_examine(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, place, item = request
+    if result == OKAY:
+        _examined(memory, "eye-examined", item)
+    else:
+        _not_there(memory, item, place)
+
+
+def _examined(memory: HandlerMemory, how: str, item: Atom) -> None:
+    memory.assert_fact(how, item)
+    for since in ("move", "toggle", "pour"):
+        memory.assert_fact(f"examined-since-{since}", item)
+
+
+def _eye_monitor(memory: HandlerMemory, request: Fact, result: str) -> None:
+    memory.assert_fact("monitoring", request[1])
+
+
+def _eye_unmonitor(memory: HandlerMemory, request: Fact, result: str) -> None:
+    memory.erase("monitoring", request[1])
+
+
+def _truck_move(memory: HandlerMemory, request: Fact, result: str) -> None:
+    """A trip that ended well speaks by its datum `new-location`."""
+    if result == "truck-mishap":
+        _replace(memory, "truck-status", "mishap")
+        memory.expire()
+
+
+# --- data ------------------------------------------------------------------------
+
+
+def _object_seen(memory: HandlerMemory, datum: Fact) -> None:
+    _, place, item, kind = datum
+    name = memory.introduce(str(item), str(kind), _true_place(memory, place))
+    if place in _ARMS:
+        memory.assert_fact("arm-holding", place, name)
+
+
+def _object_gone(memory: HandlerMemory, datum: Fact) -> None:
+    _, place, item = datum
+    _not_there(memory, item, place)
+
+
+def _road_seen(memory: HandlerMemory, datum: Fact) -> None:
+    _, direction, road = datum
+    memory.assert_fact("direction", "external", road, direction)
+
+
+def _new_location(memory: HandlerMemory, datum: Fact) -> None:
+    memory.expire()
+    memory.arrive(datum[1])
+    _replace(memory, "truck-location", datum[1])
+    _replace(memory, "time-arrived", memory.now)
+    for stale in ("scanned-since-move", "examined-since-move", "direction"):
+        memory.erase(stale)
+
+
+def _vessel(memory: HandlerMemory, datum: Fact) -> None:
+    _, item, liquid, amount = datum
+    memory.assert_fact("class", item, "vessel", "true")
+    memory.assert_fact("liquid-held", item, liquid)
+    memory.assert_fact("quantity-held", item, amount)
+
+
+def _shots_left(memory: HandlerMemory, datum: Fact) -> None:
+    """Only weapons report rounds, and every weapon takes the gun tool to lift."""
+    _, item, rounds = datum
+    memory.assert_fact("class", item, "weapon", "true")
+    memory.assert_fact("tool-needed", item, "gun-tool")
+    memory.assert_fact("liquid-held", item, "ammo")
+    memory.assert_fact("quantity-held", item, rounds)
+
+
+def _property(memory: HandlerMemory, datum: Fact) -> None:
+    memory.assert_fact(*datum)
+
+
+def _gauge(name: str) -> DatumHandler:
+    """A gauge's reading replaces the one before."""
+
+    def read(memory: HandlerMemory, datum: Fact) -> None:
+        _replace(memory, name, datum[1])
+
+    return read
+
+
+_RESULTS: Mapping[str, ResultHandler] = {
+    "arm-move": _arm_move,
+    "arm-grasp": _arm_grasp,
+    "arm-ungrasp": _arm_ungrasp,
+    "arm-pour": _arm_pour,
+    "arm-ladle": _arm_pour,
+    "arm-toggle": _arm_toggle,
+    "arm-examine": _arm_examine,
+    "eye-scan": _eye_scan,
+    "eye-examine": _eye_examine,
+    "eye-monitor": _eye_monitor,
+    "eye-unmonitor": _eye_unmonitor,
+    "truck-move": _truck_move,
+}
+
+_DATA: Mapping[str, DatumHandler] = {
+    "object-seen": _object_seen,
+    "object-gone": _object_gone,
+    "road-seen": _road_seen,
+    "new-location": _new_location,
+    "vessel": _vessel,
+    "shots-left": _shots_left,
+    "capacity": _property,
+    "color": _property,
+    "size": _property,
+    "heading": _gauge("truck-heading"),
+    "speed": _gauge("truck-speed"),
+    "fuel-level": _gauge("truck-fuel"),
+    "clock": _gauge("truck-time"),
+}
+
+HANDLERS = Handlers(_RESULTS, _DATA)
+"""The handlers of the truck; turning and speed speak by their data alone."""

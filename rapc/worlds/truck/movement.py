@@ -1,0 +1,105 @@
+"""The primitives that move the truck (T B.1): turning, speed, and trips down roads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rapc.runtime.world import OKAY, Reply
+from rapc.terms import Atom, Number, number
+from rapc.worlds.truck.demons import pass_time
+from rapc.worlds.truck.map import DIRECTIONS, Leg
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import EXTERNAL
+
+SPEEDS: Mapping[str, tuple[Number, Number]] = {
+    "slow": (1.5, 0.9),
+    "medium": (1, 1),
+    "fast": (0.75, 1.3),
+}
+"""By speed: the factors on a road's nominal time and on its nominal fuel."""
+
+MISHAP = "truck-mishap"
+
+
+def truck_turn(scene: Scene, direction: Atom) -> Reply:
+    """Point the truck in a direction."""
+    if direction not in DIRECTIONS:
+        return Reply("truck-bad-direction")
+    scene.state.truck.heading = str(direction)
+    return Reply(OKAY, (("heading", direction),))
+
+
+def truck_speed(scene: Scene, speed: Atom) -> Reply:
+    """Set the speed of later trips."""
+    if speed not in SPEEDS:
+        return Reply("truck-bad-speed")
+    scene.state.truck.speed = str(speed)
+    return Reply(OKAY, (("speed", speed),))
+
+
+def truck_move(scene: Scene) -> Reply:
+    """Travel down the road ahead to its end, or to where the eye has it stop.
+
+    Refused with no road ahead or an arm outside. Without fuel enough for the trip,
+    or in a mishap, the truck is left on the road and the run is over.
+    """
+    truck = scene.state.truck
+    leg = _ahead(scene)
+    if leg is None or any(arm.place == EXTERNAL for arm in truck.arms.values()):
+        return Reply("truck-cant-move")
+    stop = _stops_on(scene, leg)
+    part = leg.part * (0.5 if stop else 1)
+    time, fuel = _cost(scene, leg, part)
+    mishap = _mishap(scene, leg)
+    if fuel > truck.fuel:
+        return _stranded(
+            scene, leg, time * truck.fuel / fuel, truck.fuel, "out of fuel"
+        )
+    if mishap:
+        return _stranded(scene, leg, time, fuel, "mishap")
+    _drive(scene, leg.road.name if stop else leg.to, time, fuel)
+    data = (("new-location", truck.place), ("fuel-level", truck.fuel))
+    return Reply(OKAY, data)
+
+
+def _ahead(scene: Scene) -> Leg | None:
+    truck = scene.state.truck
+    legs = scene.map.legs(truck.place)
+    return next((leg for leg in legs if leg.direction == truck.heading), None)
+
+
+def _stops_on(scene: Scene, leg: Leg) -> bool:
+    """Whether on the road something lies that the eye is looking out for."""
+    if scene.state.truck.place == leg.road.name:
+        return False
+    lying = scene.items_at(leg.road.name)
+    return any(item.kind in scene.state.monitored for item in lying)
+
+
+def _cost(scene: Scene, leg: Leg, part: Number) -> tuple[Number, Number]:
+    settings = scene.settings
+    slower, thirstier = SPEEDS[scene.state.truck.speed]
+    time = scene.vary(leg.road.time * part * slower, settings.time_spread)
+    fuel = scene.vary(leg.road.fuel * part * thirstier, settings.fuel_spread)
+    return time, number(round(fuel * settings.fuel_use, 2))
+
+
+def _mishap(scene: Scene, leg: Leg) -> bool:
+    risky = leg.road.mishap > 0 and scene.state.truck.speed == "fast"
+    return risky and scene.rng.random() < leg.road.mishap
+
+
+def _stranded(scene: Scene, leg: Leg, time: Number, fuel: Number, why: str) -> Reply:
+    _drive(scene, leg.road.name, number(round(time, 2)), fuel)
+    scene.state.ended = f"{why} on {leg.road.name}"
+    return Reply(MISHAP, (("fuel-level", scene.state.truck.fuel),))
+
+
+def _drive(scene: Scene, to: str, time: Number, fuel: Number) -> None:
+    """The trip itself: what the truck sensed where it was it senses no more."""
+    state = scene.state
+    pass_time(scene, number(round(state.now + time, 2)))
+    state.truck.place = to
+    state.truck.fuel = number(round(state.truck.fuel - fuel, 2))
+    state.sighted.clear()
+    state.names.clear()

@@ -1,0 +1,124 @@
+"""The truck world's options: one typed row each, with unit, default and meaning.
+
+`Settings` is what the simulator works with; `rapc worlds truck` and `--set` see the
+same rows as `rapc.runtime.world.Option`. Durations of primitives are first values
+that average about four time units (T table 6.2); a later calibration may change them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, get_args, get_type_hints
+
+import msgspec
+from msgspec import Meta
+
+from rapc.runtime.world import Option
+from rapc.terms import Atom, Number, Text
+
+_TIME = "time units"
+
+
+def _row(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
+    return Meta(description=doc, extra={"unit": unit, "most": most})
+
+
+class Settings(msgspec.Struct, frozen=True, rename="kebab"):
+    """The options' values: numbers from 0 up to the `most` of their row."""
+
+    map: Annotated[str, _row("JSON", "another map than the one of T 6.1")] = ""
+    orders: Annotated[
+        str, _row("JSON", "orders to keep count of: [[time, colour, rocks, factory]]")
+    ] = ""
+    lasting_names: Annotated[
+        bool, _row("", "sensor names of rocks, drums and boxes outlast a move")
+    ] = True
+
+    arm1_capacity: Annotated[Number, _row("size", "what arm1 can hold")] = 8
+    arm2_capacity: Annotated[Number, _row("size", "what arm2 can hold")] = 15
+    arm1_drops: Annotated[Number, _row("%", "grasps that arm1 drops", 100)] = 15
+    arm2_drops: Annotated[Number, _row("%", "grasps that arm2 drops", 100)] = 50
+    bay1_capacity: Annotated[Number, _row("size", "what bay1 can hold")] = 20
+    bay2_capacity: Annotated[Number, _row("size", "what bay2 can hold")] = 100
+    fuel_capacity: Annotated[Number, _row("fuel", "what the fuel bay can hold")] = 30
+    fuel: Annotated[Number, _row("fuel", "in the fuel bay at the start")] = 30
+    fuel_use: Annotated[Number, _row("factor", "on what a road burns; 0: none")] = 1
+    fuel_spread: Annotated[Number, _row("%", "a trip burns more or less", 100)] = 20
+    time_spread: Annotated[Number, _row("%", "a trip takes more or less", 90)] = 20
+
+    arm_move_time: Annotated[Number, _row(_TIME, "for arm-move")] = 2
+    arm_grasp_time: Annotated[Number, _row(_TIME, "for arm-grasp")] = 2
+    arm_ungrasp_time: Annotated[Number, _row(_TIME, "for arm-ungrasp")] = 2
+    arm_pour_time: Annotated[Number, _row(_TIME, "for arm-pour")] = 3
+    arm_ladle_time: Annotated[Number, _row(_TIME, "for arm-ladle")] = 3
+    arm_toggle_time: Annotated[Number, _row(_TIME, "for arm-toggle")] = 3
+    arm_examine_time: Annotated[Number, _row(_TIME, "for arm-examine")] = 1
+    truck_turn_time: Annotated[Number, _row(_TIME, "for truck-turn")] = 1
+    truck_speed_time: Annotated[Number, _row(_TIME, "for truck-speed")] = 1
+    truck_move_time: Annotated[Number, _row(_TIME, "for truck-move, trip aside")] = 1
+    eye_examine_time: Annotated[Number, _row(_TIME, "for eye-examine")] = 2
+    eye_scan_time: Annotated[Number, _row(_TIME, "for eye-scan")] = 2
+    eye_monitor_time: Annotated[Number, _row(_TIME, "for eye-(un)monitor")] = 1
+
+    quarry_interval: Annotated[Number, _row(_TIME, "a quarry's rocks; 0: none")] = 80
+    warehouse_interval: Annotated[Number, _row(_TIME, "a warehouse's boxes")] = 200
+    depot_interval: Annotated[Number, _row(_TIME, "a depot's drums")] = 60
+    factory_interval: Annotated[Number, _row(_TIME, "a factory's taking in")] = 40
+    item_limit: Annotated[int, _row("items", "no more are made at a place")] = 10
+
+
+def read_settings(options: Mapping[str, Atom | bool]) -> Settings:
+    """Settings from option values; those not given have their defaults.
+
+    Raises:
+        ValueError: for an option out of range or of the wrong kind.
+    """
+    plain = {k: v.value if isinstance(v, Text) else v for k, v in options.items()}
+    try:
+        settings = msgspec.convert(plain, Settings)
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error).replace("`$.", "`").lower()) from error
+    for name, _, meta in _rows():
+        value = getattr(settings, name)
+        if not isinstance(value, str) and not 0 <= value <= _most(meta):
+            raise ValueError(f"`{_kebab(name)}` must be between 0 and {_most(meta)}")
+        if name.endswith("_interval") and 0 < value < 1:
+            raise ValueError(f"`{_kebab(name)}` must be 0 or at least 1")
+    return settings
+
+
+def describe_options() -> tuple[Option, ...]:
+    """All options, in the order in which they are listed."""
+    return tuple(_option(name, default, meta) for name, default, meta in _rows())
+
+
+def _rows() -> Iterator[tuple[str, str | bool | Number, Meta]]:
+    hints = get_type_hints(Settings, include_extras=True)
+    for field in msgspec.structs.fields(Settings):
+        yield field.name, field.default, get_args(hints[field.name])[1]
+
+
+def _option(name: str, default: str | bool | Number, meta: Meta) -> Option:
+    kinds = {bool: "flag", str: "text"}
+    kind = kinds.get(type(default), "integer" if name == "item_limit" else "number")
+    return Option(
+        name=_kebab(name),
+        kind=kind,
+        default=Text(default) if isinstance(default, str) else default,
+        unit=_unit(meta),
+        doc=meta.description or "",
+    )
+
+
+def _most(meta: Meta) -> Number:
+    most: Number = (meta.extra or {})["most"]
+    return most
+
+
+def _unit(meta: Meta) -> str:
+    unit: str = (meta.extra or {})["unit"]
+    return unit
+
+
+def _kebab(name: str) -> str:
+    return name.replace("_", "-")

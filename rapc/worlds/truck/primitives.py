@@ -1,0 +1,91 @@
+"""The table of the truck's primitives (T B.1) and data (T B.2): all that it offers.
+
+Results beyond T's lists, and why, are in docs/truck.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import msgspec
+
+from rapc.runtime.world import Offer, Reply
+from rapc.worlds.truck import arms, eye, movement
+
+
+class Primitive(msgspec.Struct, frozen=True):
+    """A primitive: how long it takes, its results, and what it does at its end."""
+
+    time: str
+    results: tuple[str, ...]
+    act: Callable[..., Reply]
+    arity: int
+    by_eye: bool = False
+
+
+_MOVE = ("okay", "truck-cant-move", "truck-mishap")
+_GRASP = (
+    "okay",
+    "arm-too-full",
+    "arm-not-at",
+    "arm-dropped",
+    "arm-cant-grasp",
+    "arm-interference",
+)
+
+PRIMITIVES: Mapping[str, Primitive] = {
+    "arm-move": Primitive("arm_move_time", ("okay", "arm-cant-find"), arms.arm_move, 2),
+    "arm-grasp": Primitive("arm_grasp_time", _GRASP, arms.arm_grasp, 2),
+    "arm-ungrasp": Primitive(
+        "arm_ungrasp_time",
+        ("okay", "arm-not-holding", "container-full"),
+        arms.arm_ungrasp,
+        2,
+    ),
+    "arm-pour": Primitive(
+        "arm_pour_time", ("okay", "arm-not-holding"), arms.arm_pour, 2
+    ),
+    "arm-ladle": Primitive(
+        "arm_ladle_time", ("okay", "arm-not-holding", "arm-not-at"), arms.arm_ladle, 2
+    ),
+    "arm-toggle": Primitive(
+        "arm_toggle_time", ("okay", "arm-not-at", "arm-cant-toggle"), arms.arm_toggle, 2
+    ),
+    "arm-examine": Primitive(
+        "arm_examine_time", ("okay", "arm-not-at"), arms.arm_examine, 2
+    ),
+    "truck-turn": Primitive(
+        "truck_turn_time", ("okay", "truck-bad-direction"), movement.truck_turn, 1
+    ),
+    "truck-speed": Primitive(
+        "truck_speed_time", ("okay", "truck-bad-speed"), movement.truck_speed, 1
+    ),
+    "truck-move": Primitive("truck_move_time", _MOVE, movement.truck_move, 0),
+    "eye-examine": Primitive(
+        "eye_examine_time", ("okay", "eye-cant-find"), eye.eye_examine, 2, by_eye=True
+    ),
+    "eye-scan": Primitive(
+        "eye_scan_time", ("okay", "eye-cant-find"), eye.eye_scan, 1, by_eye=True
+    ),
+    "eye-monitor": Primitive("eye_monitor_time", ("okay",), eye.eye_monitor, 1),
+    "eye-unmonitor": Primitive("eye_monitor_time", ("okay",), eye.eye_unmonitor, 1),
+}
+
+OFFER = Offer(
+    primitives={name: (p.arity, p.results) for name, p in PRIMITIVES.items()},
+    data={
+        "object-seen": 3,
+        "object-gone": 2,
+        "road-seen": 2,
+        "new-location": 1,
+        "vessel": 3,
+        "capacity": 2,
+        "shots-left": 2,
+        "color": 2,
+        "size": 2,
+        "heading": 1,
+        "speed": 1,
+        "fuel-level": 1,
+        "clock": 1,
+    },
+)

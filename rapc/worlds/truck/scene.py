@@ -1,0 +1,177 @@
+"""The ground truth of the truck world, and the physics that all primitives share.
+
+What single primitives do is in `arms`, `movement` and `eye`; what happens without
+the truck in `demons`. Nothing here is told to the robot unless one of them does.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+from rapc.terms import Number, number
+from rapc.worlds.truck.kinds import KINDS, Kind
+from rapc.worlds.truck.map import Map
+from rapc.worlds.truck.options import Settings
+from rapc.worlds.truck.state import (
+    ARMS,
+    BAYS,
+    EXTERNAL,
+    FOLDED,
+    Arm,
+    Delivery,
+    Item,
+    State,
+)
+
+
+class Scene:
+    """A map, settings and a random stream, with the state that they act on."""
+
+    def __init__(
+        self, ground: Map, settings: Settings, rng: random.Random, state: State
+    ) -> None:
+        self.map = ground
+        self.settings = settings
+        self.rng = rng
+        self.state = state
+
+    # --- items -----------------------------------------------------------------
+
+    def make(self, kind: str, place: str, color: str | None = None) -> Item:
+        """A new item, full if it can hold something, named after its kind."""
+        made = self.state.made
+        made[kind] = made.get(kind, 0) + 1
+        what = KINDS[kind]
+        item = Item(
+            name=f"{kind}-{made[kind]}",
+            kind=kind,
+            place=place,
+            color=color,
+            liquid=what.liquid or what.rounds,
+            amount=what.capacity,
+        )
+        self.state.items[item.name] = item
+        return item
+
+    def remove(self, item: Item) -> None:
+        """An item leaves the world for good."""
+        self.put(item, "gone")
+        del self.state.items[item.name]
+        self.state.gone += 1
+
+    def put(self, item: Item, place: str) -> None:
+        """An item now is somewhere else; no arm is at it any more."""
+        item.place = place
+        for arm in self.state.truck.arms.values():
+            if arm.at == item.name:
+                arm.at = None
+
+    def items_at(self, place: str) -> Iterator[Item]:
+        """The items at a place, in the order in which they were made."""
+        return (item for item in self.state.items.values() if item.place == place)
+
+    def kind(self, item: Item) -> Kind:
+        """What an item has in common with others of its kind."""
+        return KINDS[item.kind]
+
+    # --- places ----------------------------------------------------------------
+
+    def spot(self, place: object) -> str | None:
+        """What the truck calls a place within reach of its eye, or None.
+
+        The place where the truck stands and `external` are one.
+        """
+        if place in (EXTERNAL, self.state.truck.place):
+            return EXTERNAL
+        return place if isinstance(place, str) and place in (*BAYS, *ARMS) else None
+
+    def true_place(self, spot: str) -> str:
+        """The place of the items at a spot: for `external`, where the truck is."""
+        return self.state.truck.place if spot == EXTERNAL else spot
+
+    def room(self, place: str, item: Item) -> bool:
+        """Whether an arm or a place on the truck has room for one more item."""
+        settings = self.settings
+        capacity: Number = {
+            "arm1": settings.arm1_capacity,
+            "arm2": settings.arm2_capacity,
+            "bay1": settings.bay1_capacity,
+            "bay2": settings.bay2_capacity,
+            "weapon-bay": KINDS["gun"].size if self.kind(item).rounds else 0,
+            "fuel-bay": 0,
+            FOLDED: 0,
+        }[place]
+        held = sum(self.kind(other).size for other in self.items_at(place))
+        return held + self.kind(item).size <= capacity
+
+    # --- what a request means --------------------------------------------------
+
+    def arm(self, name: object) -> Arm | None:
+        """The arm of a name, or None."""
+        return self.state.truck.arms.get(str(name))
+
+    def item(self, sensor_name: object) -> Item | None:
+        """The item of a sensor name within reach of arms or eye, or None."""
+        name = str(sensor_name)
+        if not self.settings.lasting_names:
+            name = next((n for n, s in self.state.names.items() if s == name), name)
+        item = self.state.items.get(name)
+        if item is None or self.sensor_name(item) != str(sensor_name):
+            return None
+        within = (self.state.truck.place, *BAYS, *ARMS)
+        return item if item.place in within else None
+
+    def held(self, arm: object, sensor_name: object) -> Item | None:
+        """The item of a sensor name if that arm holds it, or None."""
+        item = self.item(sensor_name)
+        return item if item is not None and item.place == arm else None
+
+    def at(self, arm: object) -> Item | None:
+        """The item that an arm is at, or None."""
+        found = self.arm(arm)
+        name = found.at if found is not None else None
+        return self.state.items[name] if name is not None else None
+
+    def sensor_name(self, item: Item) -> str:
+        """An item's sensor name; without lasting names, its own for this visit."""
+        if self.settings.lasting_names or self.kind(item).distinct:
+            return item.name
+        return self.state.names.get(item.name, "")
+
+    def sight(self, item: Item, spot: str) -> str:
+        """The truck senses an item somewhere: its sensor name, new at first sight."""
+        state = self.state
+        state.sighted[item.name] = spot
+        if not self.sensor_name(item):
+            state.named += 1
+            state.names[item.name] = f"{item.kind}-s{state.named}"
+        return self.sensor_name(item)
+
+    # --- orders ----------------------------------------------------------------
+
+    def deliver(self, item: Item) -> None:
+        """A rock put down at a factory is logged, and counts once for one order."""
+        state, place = self.state, self.map.place(item.place)
+        if place is None or place.kind != "factory" or item.color is None:
+            return
+        made = Delivery(state.now, item.name, item.color, place.name)
+        again = any(
+            (d.item, d.factory) == (item.name, place.name) for d in state.deliveries
+        )
+        state.deliveries.append(made)
+        if again:
+            return
+        for order in state.orders:
+            wanted = (order.color, order.factory) == (item.color, place.name)
+            if wanted and order.filled is None and order.time <= state.now:
+                order.received += 1
+                order.filled = state.now if order.received == order.rocks else None
+                return
+
+    # --- chance ----------------------------------------------------------------
+
+    def vary(self, nominal: Number, per_cent: Number) -> Number:
+        """A number about a nominal one, evenly spread, to two digits."""
+        spread = per_cent / 100
+        return number(round(nominal * self.rng.uniform(1 - spread, 1 + spread), 2))

@@ -1,0 +1,198 @@
+"""The delivery truck as a world: the port on one side, the scene on the other.
+
+The physics is in `scene`, `arms`, `movement`, `eye` and `demons`; the handlers, which
+know nothing of it, in `handlers`.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Mapping, Sequence
+from typing import cast
+
+import msgspec
+
+from rapc.runtime.world import (
+    Datum,
+    Handlers,
+    Message,
+    Offer,
+    Option,
+    Reply,
+    Time,
+    World,
+)
+from rapc.terms import Atom, Fact, Number, number
+from rapc.worlds.truck import eye
+from rapc.worlds.truck.default_map import MAP
+from rapc.worlds.truck.demons import pass_time, summon
+from rapc.worlds.truck.handlers import HANDLERS
+from rapc.worlds.truck.kinds import Color
+from rapc.worlds.truck.map import Map, MapError, read_map
+from rapc.worlds.truck.options import Settings, describe_options, read_settings
+from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import ARMS, Delivery, Order, State, Truck
+
+
+class Saved(msgspec.Struct, frozen=True):
+    """What `save` writes: the options are kept to refuse a state of other ones."""
+
+    settings: Settings
+    state: State
+    rng: tuple[int, tuple[int, ...], float | None]
+
+
+class TruckWorld(World):
+    """The simulated truck and its world (T 6.1, appendix B).
+
+    Raises:
+        ValueError: for an option out of range, or a map or orders that make no sense.
+    """
+
+    name = "truck"
+
+    def __init__(self, rng: random.Random, options: Mapping[str, Atom | bool]) -> None:
+        settings = read_settings(options)
+        if settings.fuel > settings.fuel_capacity:
+            raise ValueError("`fuel` is more than `fuel-capacity`")
+        ground = _read_map(settings)
+        truck = Truck(ground.start, ground.heading, number(settings.fuel))
+        self._scene = Scene(ground, settings, rng, State(truck))
+        for lying in ground.items:
+            for _ in range(lying.count):
+                self._scene.make(lying.kind, lying.place, lying.color)
+        self._scene.state.orders.extend(_read_orders(settings.orders, ground))
+        summon(self._scene)
+        self._scene.state.pending.extend(_first_data(truck))
+
+    @classmethod
+    def options(cls) -> Sequence[Option]:
+        """See docs/truck.md."""
+        return describe_options()
+
+    def offer(self) -> Offer:
+        """The primitives and data that stdlib/truck/world.rap declares."""
+        return OFFER
+
+    def handlers(self) -> Handlers:
+        """See `rapc.worlds.truck.handlers`."""
+        return HANDLERS
+
+    def facts(self) -> Iterable[Fact]:
+        """The map and the truck's own body; no item."""
+        settings = self._scene.settings
+        yield from self._scene.map.facts()
+        yield ("arm-capacity", "arm1", settings.arm1_capacity)
+        yield ("arm-capacity", "arm2", settings.arm2_capacity)
+        yield ("bay-capacity", "bay1", settings.bay1_capacity)
+        yield ("bay-capacity", "bay2", settings.bay2_capacity)
+        yield ("bay-capacity", "fuel-bay", settings.fuel_capacity)
+        for arm in ARMS:
+            yield ("arm-place", arm, self._scene.state.truck.arms[arm].place)
+        yield ("truck-status", "ready")
+
+    def now(self) -> Time:
+        """The clock."""
+        return self._scene.state.now
+
+    def perform(self, ticket: int, request: Fact) -> Reply:
+        """Carry out a request: it takes its time first, then what it does happens.
+
+        Raises:
+            ValueError: for a primitive or a number of arguments not on offer.
+        """
+        name, *arguments = request
+        primitive = PRIMITIVES.get(str(name))
+        if primitive is None or primitive.arity != len(arguments):
+            raise ValueError(f"the truck has no primitive `{name}` of that form")
+        scene = self._scene
+        takes: Number = getattr(scene.settings, primitive.time)
+        pass_time(scene, number(round(scene.state.now + takes, 2)))
+        reply = primitive.act(scene, *arguments)
+        noticed = () if primitive.by_eye else tuple(eye.notice(scene))
+        return Reply(reply.result, (*reply.data, *noticed, ("clock", scene.state.now)))
+
+    def next_time(self) -> Time | None:
+        """Nothing comes unasked but the first look at the truck's own gauges."""
+        return self._scene.state.now if self._scene.state.pending else None
+
+    def advance(self, to: Time) -> None:
+        """Move the clock on; quarries, factories and the rest go about their work."""
+        pass_time(self._scene, to)
+
+    def messages(self) -> Sequence[Message]:
+        """What the truck knows of itself when it is switched on, then nothing."""
+        pending = self._scene.state.pending
+        found = tuple(Datum(content) for content in pending)
+        pending.clear()
+        return found
+
+    def ended(self) -> str | None:
+        """Out of fuel, or a mishap, and the road on which it happened."""
+        return self._scene.state.ended
+
+    def save(self) -> bytes:
+        """The state of world and random stream, as JSON."""
+        version, internal, gauss = self._scene.rng.getstate()
+        rng = (version, tuple(internal), gauss)
+        return msgspec.json.encode(Saved(self._scene.settings, self._scene.state, rng))
+
+    def restore(self, state: bytes) -> None:
+        """Take up a saved state.
+
+        Raises:
+            ValueError: if it is none, or one of a truck world with other options.
+        """
+        saved = msgspec.json.decode(state, type=Saved)
+        if saved.settings != self._scene.settings:
+            raise ValueError("the state is that of a truck world with other options")
+        self._scene.rng.setstate(saved.rng)
+        self._scene.state = saved.state
+
+    @property
+    def deliveries(self) -> tuple[Delivery, ...]:
+        """The world's own log: every putting down of a rock at a factory, in order."""
+        return tuple(self._scene.state.deliveries)
+
+    @property
+    def orders(self) -> tuple[Order, ...]:
+        """The orders of the option `orders`, with what has come for them."""
+        return tuple(msgspec.structs.replace(o) for o in self._scene.state.orders)
+
+    @property
+    def state(self) -> State:
+        """A copy of the whole truth, for tests and pictures; the robot has no part."""
+        return msgspec.json.decode(msgspec.json.encode(self._scene.state), type=State)
+
+
+def _read_map(settings: Settings) -> Map:
+    try:
+        return read_map(settings.map or MAP)
+    except MapError as error:
+        raise ValueError(f"`map`: {error}") from error
+
+
+def _read_orders(text: str, ground: Map) -> Iterable[Order]:
+    if not text:
+        return
+    try:
+        rows = msgspec.json.decode(
+            text.encode(), type=list[tuple[Number, Color, int, str]]
+        )
+    except (msgspec.DecodeError, UnicodeEncodeError) as error:
+        raise ValueError(f"`orders`: {str(error).lower()}") from error
+    for time, color, rocks, factory in rows:
+        place = ground.place(factory)
+        if place is None or place.kind != "factory":
+            raise ValueError(f"`orders`: `{factory}` is no factory")
+        if rocks < 1 or time < 0:
+            raise ValueError("`orders`: an order of no rocks, or before the start")
+        yield Order(number(time), cast(str, color), rocks, factory)
+
+
+def _first_data(truck: Truck) -> Iterable[Fact]:
+    yield ("new-location", truck.place)
+    yield ("heading", truck.heading)
+    yield ("speed", truck.speed)
+    yield ("fuel-level", truck.fuel)
