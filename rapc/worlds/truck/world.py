@@ -13,6 +13,7 @@ from typing import cast
 import msgspec
 
 from rapc.runtime.world import (
+    Callables,
     Datum,
     Handlers,
     Message,
@@ -27,10 +28,11 @@ from rapc.worlds.truck import eye
 from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.demons import pass_time, summon
 from rapc.worlds.truck.handlers import HANDLERS
-from rapc.worlds.truck.kinds import Color
+from rapc.worlds.truck.kinds import KINDS, Color
 from rapc.worlds.truck.map import Map, MapError, read_map
 from rapc.worlds.truck.options import Settings, describe_options, read_settings
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
+from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import ARMS, Delivery, Order, State, Truck
 
@@ -79,6 +81,11 @@ class TruckWorld(World):
         """See `rapc.worlds.truck.handlers`."""
         return HANDLERS
 
+    @classmethod
+    def solvers(cls) -> Callables:
+        """The route planner, for the RAP `travel-route`."""
+        return {SOLVED_RAP: plan_route}
+
     def facts(self) -> Iterable[Fact]:
         """The map and the truck's own body; no item."""
         settings = self._scene.settings
@@ -87,6 +94,7 @@ class TruckWorld(World):
         yield ("arm-capacity", "arm2", settings.arm2_capacity)
         yield ("bay-capacity", "bay1", settings.bay1_capacity)
         yield ("bay-capacity", "bay2", settings.bay2_capacity)
+        yield ("bay-capacity", "weapon-bay", KINDS["gun"].size)
         yield ("bay-capacity", "fuel-bay", settings.fuel_capacity)
         for arm in ARMS:
             yield ("arm-place", arm, self._scene.state.truck.arms[arm].place)
