@@ -21,17 +21,20 @@ _DONE = nodes.History("last-result", (nodes.Const("okay"),))
 class StepPlan:
     """A step: what its task asks for, and how it is ordered among its siblings.
 
-    `before` are the positions of the steps that must have ended first; `conditions`
+    `before` counts the steps that must have ended first, `after` are the positions of
+    those that wait for this one, each once; `conditions`
     the `for` formulas that point at this step, each with the position of the step
     that carries it; both in the order of the text.
     """
 
     __slots__ = (
+        "after",
         "args",
         "before",
         "conditions",
         "effects",
         "node",
+        "outputs",
         "position",
         "until",
         "windows",
@@ -42,11 +45,24 @@ class StepPlan:
         self.position = position
         where = compiler.place(f"step `{node.tag}`", node.span)
         self.args = tuple(TermValue(arg, where) for arg in node.goal.args)
-        self.before: list[int] = []
+        self.outputs = tuple(OutputPlan(out, where) for out in node.goal.outputs)
+        self.before = 0
+        self.after: list[int] = []
         self.conditions: list[tuple[int, Query]] = []
         self.until: list[tuple[int, bool]] = []
         self.windows: list[WindowPlan] = []
         self.effects: list[EffectPlan] = []
+
+
+class OutputPlan:
+    """What a step does with an output: bind a variable, or compare (semantics 3)."""
+
+    __slots__ = ("anonymous", "term", "variable")
+
+    def __init__(self, term: nodes.Term, where: str) -> None:
+        self.term = TermValue(term, where)
+        self.variable = term.name if isinstance(term, nodes.Var) else None
+        self.anonymous = isinstance(term, nodes.Var) and term.anonymous
 
 
 class WindowPlan:
@@ -106,13 +122,14 @@ class MethodPlan:
 class RequestPlan:
     """A proposition to be filled in: a primitive's request or a notation."""
 
-    __slots__ = ("args", "name", "node")
+    __slots__ = ("args", "name", "node", "where")
 
     def __init__(
         self, node: nodes.Pattern, args: Sequence[nodes.Term], where: str
     ) -> None:
         self.node = node
         self.name = node.name
+        self.where = where
         self.args = tuple(TermValue(arg, where) for arg in args)
 
 
@@ -226,7 +243,7 @@ def _annotate(
 ) -> None:
     if isinstance(annotation, nodes.For):
         target = plans[at_tag[annotation.tag]]
-        target.before.append(plan.position)
+        _order(plan, target)
         if annotation.formula is not None:
             what = f"`for {annotation.tag}` formula"
             query = compiler.query(annotation.formula, what, annotation.span)
@@ -238,7 +255,7 @@ def _annotate(
         reference: str | int = annotation.reference
         if annotation.reference not in ("now", "absolute"):
             reference = at_tag[annotation.reference]
-            plan.before.append(reference)
+            _order(plans[reference], plan)
         where = compiler.place("window", annotation.span)
         start = TermValue(annotation.start, where)
         stop = TermValue(annotation.stop, where)
@@ -247,15 +264,23 @@ def _annotate(
         plan.effects.append(EffectPlan(compiler, annotation))
 
 
+def _order(first: StepPlan, then: StepPlan) -> None:
+    if then.position not in first.after:
+        first.after.append(then.position)
+        then.before += 1
+
+
 class CompiledLibrary:
     """A checked library in executable form: what the interpreter is given.
 
     Args:
         library: linked, and free of findings of severity error.
+        name: what traces call it.
     """
 
-    def __init__(self, library: Library) -> None:
+    def __init__(self, library: Library, name: str = "library") -> None:
         self.library = library
+        self.name = name
         self._compiler = Compiler(library)
         self._plans: dict[str, RapPlan] = {}
 

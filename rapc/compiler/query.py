@@ -23,11 +23,25 @@ Bindings = Mapping[str, Value]
 class Context(Protocol):
     """What generated code asks of memory and of the task whose clause it is."""
 
-    values: Mapping[tuple[Any, ...], Fact]
-    buckets: Mapping[tuple[Any, ...], Mapping[Fact, None]]
-    stamps: Mapping[Fact, Number]
-    functions: Mapping[str, Callable[..., Any]]
-    view: object
+    @property
+    def values(self) -> Any:
+        """The asserted fact of each property, by all of it but the value."""
+
+    @property
+    def buckets(self) -> Any:
+        """The facts of each index key, oldest assertion first."""
+
+    @property
+    def stamps(self) -> Any:
+        """The time of each fact's last assertion."""
+
+    @property
+    def functions(self) -> Mapping[str, Callable[..., Any]]:
+        """The registered functions."""
+
+    @property
+    def view(self) -> object:
+        """Memory to be read, as functions are given it."""
 
     def fault(self, where: str, what: str) -> None:
         """Trace that a clause met an unbound variable or an ill-typed value."""

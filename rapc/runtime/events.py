@@ -204,8 +204,18 @@ class SolverCalled(Event, frozen=True, kw_only=True):
     methods: int
 
 
+class TaskResult(msgspec.Struct, frozen=True):
+    """What became of a top-level task: `succeeded`, `failed` or `unfinished`."""
+
+    task: int
+    goal: str
+    outcome: str
+    result: str | None
+    background: bool
+
+
 class RunEnded(Event, frozen=True, kw_only=True):
     """The last event: why the run is over, and what became of each task given."""
 
     reason: str
-    results: Mapping[str, str]
+    results: tuple[TaskResult, ...]

@@ -1,0 +1,115 @@
+"""What compiled queries see: memory, and the history of the task that asks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from rapc.compiler.builtin import UNBOUND
+from rapc.runtime.events import QueryFaulted
+from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.memory.memory import EXTERNAL, Memory
+from rapc.runtime.recorder import Recorder
+from rapc.runtime.task import Task
+from rapc.runtime.world import Time
+from rapc.terms import Fact, Number
+
+
+class QueryContext:
+    """The `Context` of `rapc.compiler.query`, one for a run.
+
+    `task` is set before each query to the task whose clause it is. While `horizon`
+    is a list, the times at which beliefs that held go stale are added to it.
+    """
+
+    def __init__(
+        self,
+        memory: Memory,
+        recorder: Recorder,
+        functions: Mapping[str, Callable[..., Any]],
+    ) -> None:
+        self.values = memory.facts.values
+        self.buckets = memory.facts.buckets
+        self.stamps = memory.facts.stamps
+        self.functions = functions
+        self.view = MemoryView(memory, recorder)
+        self.task: Task | None = None
+        self.horizon: list[Time] | None = None
+        self._memory = memory
+        self._recorder = recorder
+
+    def fault(self, where: str, what: str) -> None:
+        """Trace that a clause met an unbound variable or an ill-typed value."""
+        if self._recorder.on:
+            number = self.task.number if self.task is not None else None
+            self._recorder.emit(QueryFaulted, task=number, what=f"{where}: {what}")
+
+    def young(self, fact: Fact, limit: Number) -> bool:
+        """Whether a fact was asserted less than `limit` time units ago."""
+        stale = self.stamps.get(fact, self._recorder.time) + limit
+        if self._recorder.time >= stale:
+            return False
+        if self.horizon is not None:
+            self.horizon.append(stale)
+        return True
+
+    def age(self, fact: Fact) -> Number:
+        """Time units since a fact was last asserted."""
+        return self._recorder.time - self.stamps[fact]
+
+    def is_here(self, fact: Fact | None, place: object) -> bool:
+        """Whether `place` is `external` and a location fact says it of an item."""
+        return place == EXTERNAL and self._memory.is_here(fact)
+
+    def facts_at(self, place: object) -> Iterator[Fact]:
+        """Location facts of a place, `external` among them, oldest first."""
+        return self._memory.facts_at(place)
+
+    def candidates(
+        self, name: str, values: Sequence[Any], with_default: bool
+    ) -> Iterator[tuple[Fact, Fact]]:
+        """Facts that match values (UNBOUND: any), as stored and as asked for."""
+        relation = self._memory.vocabulary.relations[name]
+        pattern = tuple(None if v is UNBOUND else v for v in values)
+        if name == "location" and relation.is_property and pattern[-1] == EXTERNAL:
+            for fact in self._memory.facts_at(EXTERNAL):
+                if pattern[0] in (None, fact[1]):
+                    yield fact, (name, fact[1], EXTERNAL)
+            return
+        for fact in self._memory.facts.matching((name, *pattern)):
+            yield fact, fact
+        index = (name, *values[:-1])
+        known = UNBOUND not in index and index not in self.values
+        if with_default and relation.is_property and known:
+            function = relation.default_function
+            default: Any = relation.default
+            if function is not None:
+                default = self.functions[function](self.view, index)
+            if pattern[-1] in (None, default):
+                yield (*index, default), (*index, default)
+
+    def method_tried(self, name: object) -> bool:
+        """Whether the task has tried a method of that name."""
+        return self.task is not None and name in self.task.tried
+
+    def last_result(self, method: object = None) -> str | None:
+        """The result of the last method, or of the last one so named, or None."""
+        if self.task is None:
+            return None
+        if method is None:
+            return self.task.last_result
+        return self.task.results.get(method)
+
+    def accessible_items(self) -> Sequence[str]:
+        """The items with a sensor name, in the order of introduction."""
+        return self._memory.items.accessible()
+
+    def is_accessible(self, item: object) -> bool:
+        """Whether an item has a sensor name; a plain symbol is its own."""
+        return self._memory.items.is_accessible(item)
+
+    def count(self, kind: object, place: object) -> Number:
+        """How many introduced items of a class memory holds at a place."""
+        known = self._memory.items.known
+        found = (known.get(str(f[1])) for f in self._memory.facts_at(place))
+        return sum(1 for item in found if item is not None and item.kind == kind)

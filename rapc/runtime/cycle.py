@@ -1,0 +1,222 @@
+"""One task's cycle: from being selected to succeeding, failing, blocking or trying.
+
+The steps are those of semantics 3 (T 3.2, 3.4.1); the first that settles the task
+ends the cycle.
+"""
+
+from __future__ import annotations
+
+from rapc.compiler.plans import MethodPlan
+from rapc.runtime.choice import Choice, choose
+from rapc.runtime.endings import (
+    FUTILE_LOOP,
+    INTERFERENCE,
+    NO_METHOD,
+    create,
+    end_method,
+    fail,
+    fill_inputs,
+    late_recursion,
+    let_go,
+    repeats_ancestor,
+    state_windows,
+    succeed,
+    until,
+)
+from rapc.runtime.events import FamilySwitched, MethodChosen, TaskSelected
+from rapc.runtime.machine import Machine
+from rapc.runtime.memory.memory import FactError
+from rapc.runtime.requests import ground, request
+from rapc.runtime.task import MethodRun, State, Task
+from rapc.runtime.world import OKAY
+from rapc.terms import format_atom
+
+
+def run_cycle(machine: Machine, task: Task) -> None:
+    """Process the task that the agenda has chosen."""
+    machine.recorder.cycle += 1
+    _tell_selected(machine, task)
+    task.after_method = False
+    if not task.begun:
+        _begin(machine, task)
+    if not task.bound and _misses_inputs(machine, task):
+        return
+    if task.spoilt:
+        fail(machine, task, INTERFERENCE)
+        return
+    machine.context.task = task
+    found = task.plan.succeed.first(machine.context, task.env)
+    if found is not None:
+        succeed(machine, task, found)
+    elif task.plan.monitored and not machine.monitors.holds(task):
+        machine.monitors.block(task)
+    elif not _conditions_hold(machine, task):
+        if task.live:
+            fail(machine, task, INTERFERENCE)
+    else:
+        _try_method(machine, task)
+
+
+def _tell_selected(machine: Machine, task: Task) -> None:
+    agenda, recorder = machine.agenda, machine.recorder
+    if recorder.on:
+        last = agenda.last_family
+        if last is not None and last != task.family:
+            recorder.emit(FamilySwitched, task=task.number, from_=last, to=task.family)
+        recorder.emit(TaskSelected, task=task.number, goal=task.goal())
+    agenda.last_family = task.family
+
+
+def _begin(machine: Machine, task: Task) -> None:
+    """The first selection with monitors holding sets off `until-start`."""
+    step, run = task.step, task.within
+    if step is None or run is None or not step.until:
+        task.begun = True
+        return
+    if task.plan.monitored and task.bound and not machine.monitors.holds(task):
+        return
+    task.begun = True
+    for target, at_end in step.until:
+        if not at_end:
+            until(machine, run, target)
+
+
+def _misses_inputs(machine: Machine, task: Task) -> bool:
+    """Step 1: try to bind what is unbound; whether that has settled the task."""
+    run, step = task.within, task.step
+    if run is not None and step is not None:
+        machine.context.task = run.task
+        for carrier, query in step.conditions:
+            found = None
+            if carrier not in run.lapsed:
+                found = query.first(machine.context, run.env)
+            if found:
+                run.env.update(found)
+        if late_recursion(machine, run):
+            return True
+    if not task.bound:
+        fail(machine, task, INTERFERENCE)
+    return not task.live
+
+
+def _conditions_hold(machine: Machine, task: Task) -> bool:
+    """Step 4: `for` formulas, preconditions, constraints of the task and above.
+
+    False also if a binding found here has ended the task's method.
+    """
+    run, step, context = task.within, task.step, machine.context
+    if run is not None and step is not None:
+        for carrier, query in step.conditions:
+            if carrier in run.lapsed:
+                continue
+            context.task = run.task
+            found = query.first(context, run.env)
+            if found is None:
+                return False
+            if found:
+                run.env.update(found)
+                if late_recursion(machine, run):
+                    return False
+    context.task = task
+    own = task.plan.preconditions
+    if own is not None and not own.holds(context, task.env):
+        return False
+    above: Task | None = task
+    while above is not None:
+        constraints = above.plan.constraints
+        if constraints is not None:
+            context.task = above
+            if not constraints.holds(context, above.env):
+                return False
+        above = above.parent
+    return True
+
+
+def _try_method(machine: Machine, task: Task) -> None:
+    """Steps 5 to 9."""
+    choice = choose(machine, task)
+    if choice is None:
+        fail(machine, task, NO_METHOD)
+        return
+    count = task.choices.get(choice.key, 0)
+    if count >= machine.settings.futile_limit:
+        fail(machine, task, FUTILE_LOOP)
+        return
+    task.choices[choice.key] = count + 1
+    run = MethodRun(
+        task, choice.method, {**task.env, **choice.found}, machine.recorder.time
+    )
+    steps = _spawn(machine, run)
+    if steps is None:
+        fail(machine, task, FUTILE_LOOP)
+        return
+    _start(machine, run, steps, choice)
+
+
+def _spawn(machine: Machine, run: MethodRun) -> list[Task] | None:
+    """The steps' tasks, not yet numbered; None if one repeats an ancestor."""
+    tasks = []
+    for step in run.plan.steps:
+        plan = machine.library.rap(step.node.goal.name)
+        if plan is None:
+            raise LookupError(f"no RAP is named `{step.node.goal.name}`")
+        task = Task(0, plan, run)
+        task.step = step
+        task.priority = run.task.priority + step.node.priority
+        task.waiting = step.before
+        task.goal_args = ()
+        tasks.append(task)
+    run.steps = tasks
+    for task in tasks:
+        fill_inputs(machine, task)
+        if task.bound and repeats_ancestor(task):
+            return None
+    return tasks
+
+
+def _start(machine: Machine, run: MethodRun, steps: list[Task], choice: Choice) -> None:
+    """Step 9: the method starts and the task waits for it."""
+    task, method = run.task, run.plan
+    task.run = run
+    task.state = State.RUNNING
+    task.tried.add(method.node.name)
+    if machine.recorder.on:
+        machine.recorder.emit(
+            MethodChosen,
+            task=task.number,
+            rap=task.plan.name,
+            method=method.name,
+            bindings={name: format_atom(v) for name, v in run.env.items()},
+        )
+    if not _note(machine, run, method):
+        run.steps = []
+        end_method(machine, run, INTERFERENCE)
+        return
+    if method.request is not None:
+        request(machine, run, method.request)
+        return
+    for step in steps:
+        step.number = machine.next_number()
+        create(machine, step)
+    for step in steps:
+        state_windows(machine, step, None)
+        if step.waiting == 0:
+            let_go(machine, step)
+    if run.left == 0:
+        end_method(machine, run, OKAY)
+
+
+def _note(machine: Machine, run: MethodRun, method: MethodPlan) -> bool:
+    """Assert a method's notations; False if one of them cannot be."""
+    for plan in method.notations:
+        fact = ground(machine, run, plan)
+        if fact is None:
+            return False
+        try:
+            notation = machine.memory.note(machine.memory.checked(fact))
+        except FactError as error:
+            machine.context.fault(plan.where, str(error))
+            return False
+        if notation is not None:
+            run.notations.append(notation)
+    return True

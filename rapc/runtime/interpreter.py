@@ -1,0 +1,316 @@
+"""The interpreter: a library, a world and tasks put together and run.
+
+Wiring only: one turn takes in what the world has sent, tests what has changed, and
+processes one task (T figure 3.3, semantics 4). What a cycle does is in `cycle`.
+"""
+
+from __future__ import annotations
+
+import heapq
+import random
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.resources import Value
+from rapc.runtime.cycle import run_cycle
+from rapc.runtime.endings import create, let_go, remove, settle_inputs
+from rapc.runtime.events import RunEnded, RunStarted, TaskResult
+from rapc.runtime.machine import Machine, Settings
+from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.recorder import Listener
+from rapc.runtime.refusals import Refused, refusals, refuse_tasks
+from rapc.runtime.requests import take_in
+from rapc.runtime.task import Task
+from rapc.runtime.world import Time, World
+from rapc.terms import Atom, Fact
+
+FORMAT = 1
+"""The version of the trace format."""
+
+
+class Submission(msgspec.Struct, frozen=True):
+    """A top-level task: a goal `(rap args...)` and how it is to be run.
+
+    `deadline` and `at` are absolute times; a task that stands in the `background`
+    does not keep the run going.
+    """
+
+    goal: Fact
+    priority: int = 0
+    deadline: Time | None = None
+    at: Time | None = None
+    background: bool = False
+
+
+class Interpreter:
+    """One run of a compiled library against a world.
+
+    Args:
+        library: the compiled library.
+        world: the world, freshly made.
+        seed: the run's seed; the interpreter's random stream is made from it.
+        settings: see `Settings`.
+        functions: callables by registered name, besides those the world registers;
+            each gets a `MemoryView` and then its arguments, a default function the
+            property's index as a tuple.
+        solvers: problem solvers by RAP name; each gets the goal and a `MemoryView`
+            and returns methods (T 7.4.1).
+
+    Raises:
+        Refused: if the library cannot run in this world, before anything happens.
+    """
+
+    def __init__(
+        self,
+        library: CompiledLibrary,
+        world: World,
+        seed: int = 0,
+        settings: Settings | None = None,
+        functions: Mapping[str, Callable[..., Any]] | None = None,
+        solvers: Mapping[str, Callable[..., Any]] | None = None,
+    ) -> None:
+        self.seed = seed
+        self._options: Mapping[str, Any] = {}
+        self._machine = Machine(
+            library,
+            world,
+            random.Random(f"{seed}:interpreter"),
+            settings or Settings(),
+            {**world.functions(), **(functions or {})},
+            {**world.solvers(), **(solvers or {})},
+        )
+        found = refusals(library.library, world, self._machine.context.functions)
+        if found:
+            raise Refused(found)
+        self._given: list[Task] = []
+        self._scheduled: list[tuple[Time, int, Submission]] = []
+        self._serial = 0
+        self._idle = 0
+        self._started = False
+        self._reason: str | None = None
+
+    # --- before and while it runs -------------------------------------------------
+
+    @property
+    def memory(self) -> MemoryView:
+        """What the robot believes, to be read."""
+        return self._machine.context.view
+
+    @property
+    def now(self) -> Time:
+        """The time of the world's clock, as last looked at."""
+        return self._machine.recorder.time
+
+    @property
+    def reason(self) -> str | None:
+        """Why the run is over, or None while it is not."""
+        return self._reason
+
+    def listen(self, listener: Listener) -> None:
+        """Call `listener` with every event from now on."""
+        self._machine.recorder.listen(listener)
+
+    def assert_fact(self, *fact: Atom) -> None:
+        """Assert a fact on behalf of the user.
+
+        Raises:
+            FactError: if the declarations do not allow it.
+        """
+        memory = self._machine.memory
+        memory.assert_fact(memory.checked(fact), "user")
+
+    def submit(self, task: Submission) -> None:
+        """Give the robot a task, now or for a later time.
+
+        Raises:
+            Refused: for an unknown RAP, a wrong number of inputs, or a task that can
+                reach something this version cannot run.
+        """
+        refuse_tasks(self._machine.library, [task.goal])
+        self.start()
+        if task.at is not None and task.at > self.now:
+            self._serial += 1
+            heapq.heappush(self._scheduled, (task.at, self._serial, task))
+        else:
+            self._create(task)
+
+    def _create(self, submission: Submission) -> None:
+        machine = self._machine
+        name, *args = submission.goal
+        plan = machine.library.rap(str(name))
+        if plan is None:
+            raise Refused([f"no RAP is named `{name}`"])
+        task = Task(machine.next_number(), plan, None)
+        inputs: tuple[Value, ...] = tuple(args)
+        task.goal_args = inputs
+        task.priority = submission.priority
+        task.background = submission.background
+        self._given.append(task)
+        create(machine, task)
+        settle_inputs(machine, task)
+        if submission.deadline is not None:
+            task.given_deadline = submission.deadline
+            machine.monitors.state_deadline(task)
+        let_go(machine, task)
+
+    # --- running --------------------------------------------------------------------
+
+    def run(self, until: Time | None = None, cycles: int | None = None) -> str:
+        """Run until the run is over or the clock has passed `until`.
+
+        At most `cycles` further cycles are run. Returns the reason why the run is
+        over; it is over for good.
+        """
+        self._machine.until = until
+        while self._reason is None:
+            if cycles is not None:
+                if cycles <= 0:
+                    self.end("cycles")
+                    break
+                cycles -= 1
+            self.step()
+        return self._reason or "done"
+
+    def step(self) -> bool:
+        """One cycle, waiting for its time to come; False once the run is over."""
+        self.start()
+        machine = self._machine
+        while self._reason is None:
+            self._take_in()
+            over = self._over()
+            if over is not None:
+                self.end(over)
+                break
+            task = machine.agenda.choose()
+            if task is not None:
+                before = machine.recorder.time
+                run_cycle(machine, task)
+                self._spend(before)
+                return True
+            self._wait()
+        return False
+
+    def start(
+        self, options: Mapping[str, Any] | None = None, tasks: Sequence[str] = ()
+    ) -> None:
+        """Begin the run: tell of it, and let the robot know what it knows at first.
+
+        `options` are the world's and `tasks` the ones to come, for the trace. The
+        first task or step begins a run that nobody has begun.
+        """
+        if self._started:
+            return
+        self._started = True
+        machine = self._machine
+        if machine.recorder.on:
+            settings = machine.settings
+            machine.recorder.emit(
+                RunStarted,
+                format=FORMAT,
+                library=machine.library.name,
+                world=machine.world.name,
+                options=dict(options or {}),
+                settings={
+                    name.replace("_", "-"): getattr(settings, name)
+                    for name in settings.__struct_fields__
+                },
+                seed=self.seed,
+                tasks=tuple(tasks),
+            )
+        for fact in machine.world.facts():
+            self.assert_fact(*fact)
+
+    def _take_in(self) -> None:
+        """What falls on this time, up to the choice (semantics 4)."""
+        machine = self._machine
+        machine.look_at_clock()
+        take_in(machine, machine.world.messages())
+        while self._scheduled and self._scheduled[0][0] <= self.now:
+            self._create(heapq.heappop(self._scheduled)[2])
+        for task in machine.monitors.due():
+            let_go(machine, task)
+        machine.monitors.settle()
+
+    def _over(self) -> str | None:
+        machine = self._machine
+        if machine.too_late():
+            return "until"
+        if machine.world.ended() is not None:
+            return "world"
+        if not any(task.live and not task.background for task in self._given) and not (
+            any(not later.background for _, _, later in self._scheduled)
+        ):
+            return "done"
+        if self._idle > machine.settings.idle_cycles:
+            return "runaway"
+        return None
+
+    def _spend(self, before: Time) -> None:
+        """Let a cycle take its time, and count cycles in which no time passes."""
+        machine = self._machine
+        if machine.settings.cycle_cost:
+            machine.world.advance(machine.world.now() + machine.settings.cycle_cost)
+            machine.look_at_clock()
+        self._idle = self._idle + 1 if machine.recorder.time == before else 0
+
+    def _wait(self) -> None:
+        """Nothing is eligible: move time on to what comes next, or end the run."""
+        machine = self._machine
+        times = [machine.monitors.next_time(), machine.world.next_time()]
+        if self._scheduled:
+            times.append(self._scheduled[0][0])
+        known = [time for time in times if time is not None]
+        if not known:
+            self.end("stuck")
+            return
+        target = max(min(known), machine.recorder.time)
+        if machine.until is not None and target > machine.until:
+            self.end("until")
+            return
+        self._idle = self._idle + 1 if target == machine.recorder.time else 0
+        machine.world.advance(target)
+
+    # --- the end ------------------------------------------------------------------
+
+    def end(self, reason: str) -> None:
+        """End the run: every live task is removed, the results are told."""
+        if self._reason is not None:
+            return
+        self._reason = reason
+        machine = self._machine
+        results = self.results()
+        for task in self._given:
+            if task.live:
+                remove(machine, task, "run-over")
+        if machine.recorder.on:
+            machine.recorder.emit(RunEnded, reason=reason, results=tuple(results))
+
+    def results(self) -> Sequence[TaskResult]:
+        """What has become of each task given so far, in the order in which it came."""
+        found = []
+        for task in self._given:
+            outcome = "unfinished"
+            if not task.live and task.last_result is not None:
+                outcome = "succeeded" if task.succeeded else "failed"
+            found.append(
+                TaskResult(
+                    task=task.number,
+                    goal=task.goal(),
+                    outcome=outcome,
+                    result=task.last_result if outcome != "unfinished" else None,
+                    background=task.background,
+                )
+            )
+        return found
+
+    def waiting(self) -> list[str]:
+        """Each live task that cannot go on, with what it waits for."""
+        monitors = self._machine.monitors
+        return [
+            f"{task.goal()} [{task.number}] waits for {monitors.reason(task)}"
+            for task in self._machine.tasks.values()
+            if task.plan.monitored and task.run is None
+        ]

@@ -1,0 +1,105 @@
+"""The parts of a run that its procedures share, put in one place.
+
+Nothing is decided here: `cycle`, `endings`, `monitors` and `requests` act on a
+machine, `interpreter` builds one and turns its crank.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import msgspec
+
+from rapc.compiler.plans import CompiledLibrary, MethodPlan, RapPlan
+from rapc.runtime.agenda import Agenda
+from rapc.runtime.context import QueryContext
+from rapc.runtime.memory.handling import HandlerAccess
+from rapc.runtime.memory.memory import Memory
+from rapc.runtime.monitors import Monitors
+from rapc.runtime.recorder import Recorder
+from rapc.runtime.task import Task
+from rapc.runtime.world import Time, World
+
+
+class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Settings of the interpreter (`--set rapc.NAME=value`).
+
+    `futile_limit`: how often one choice is allowed (T 3.2.5). `idle_cycles`: cycles
+    without the clock moving after which a run is called off. `cycle_cost`: time
+    units that a cycle takes (T 7.2.1).
+    """
+
+    futile_limit: int = 2
+    idle_cycles: int = 100_000
+    cycle_cost: int | float = 0
+
+
+class Machine:
+    """The shared state of one run.
+
+    `tasks` are the live tasks by number; `pending` the tasks whose requests are under
+    way, by ticket (None once the task is gone).
+    """
+
+    def __init__(
+        self,
+        library: CompiledLibrary,
+        world: World,
+        rng: random.Random,
+        settings: Settings,
+        functions: Mapping[str, Callable[..., Any]],
+        solvers: Mapping[str, Callable[..., Any]],
+    ) -> None:
+        self.library = library
+        self.world = world
+        self.settings = settings
+        self.solvers = solvers
+        self.rng = rng
+        self.recorder = Recorder()
+        self.recorder.time = world.now()
+        self.memory = Memory(library.vocabulary, self.recorder, self.clock)
+        self.access = HandlerAccess(self.memory, self.recorder)
+        self.context = QueryContext(self.memory, self.recorder, functions)
+        self.agenda = Agenda(rng)
+        self.monitors = Monitors(self.memory, self.context, self.recorder, self.agenda)
+        self.tasks: dict[int, Task] = {}
+        self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
+        self.ended_top: list[Task] = []
+        self.until: Time | None = None
+        self.handlers = world.handlers()
+        self._numbers = 0
+        self._tickets = 0
+        self._overlay: dict[str, list[MethodPlan]] = {}
+
+    def clock(self) -> Time:
+        """The time now; the world's clock as last looked at."""
+        return self.recorder.time
+
+    def look_at_clock(self) -> None:
+        """Take the time from the world."""
+        self.recorder.time = self.world.now()
+
+    def next_number(self) -> int:
+        """The number of a new task, from 1."""
+        self._numbers += 1
+        return self._numbers
+
+    def next_ticket(self) -> int:
+        """The ticket of a new request, from 1."""
+        self._tickets += 1
+        return self._tickets
+
+    def too_late(self) -> bool:
+        """Whether the clock has passed the time at which the run is to stop."""
+        return self.until is not None and self.recorder.time > self.until
+
+    def methods(self, plan: RapPlan) -> tuple[MethodPlan, ...]:
+        """A RAP's methods with those that solvers have added in this run."""
+        added = self._overlay.get(plan.name)
+        return plan.methods if added is None else (*plan.methods, *added)
+
+    def add_method(self, plan: RapPlan, method: MethodPlan) -> None:
+        """A solver's method joins the RAP for the rest of the run."""
+        self._overlay.setdefault(plan.name, []).append(method)

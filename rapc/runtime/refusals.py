@@ -1,0 +1,150 @@
+"""What cannot be run, said before the first cycle rather than found out in a run.
+
+A world that lacks what a library declares, callables that nobody registered, and
+parts of the language whose behaviour this version does not have yet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.vocabulary import CONSTANT_DEFAULTS
+from rapc.ir import nodes
+from rapc.library import Library
+from rapc.runtime.world import World
+from rapc.source import Span
+from rapc.spell import nearest
+from rapc.terms import Fact
+
+
+class Refused(Exception):
+    """A library, world or task that cannot be run; `reasons` are lines of text."""
+
+    def __init__(self, reasons: Sequence[str]) -> None:
+        super().__init__("; ".join(reasons))
+        self.reasons = tuple(reasons)
+
+
+def refusals(
+    library: Library, world: World, functions: Mapping[str, object]
+) -> list[str]:
+    """Why a library cannot be run in a world at all, one line per reason."""
+    return [
+        *_lacking(library, world),
+        *_unregistered(library, functions),
+        *_unsupported(library),
+    ]
+
+
+def _lacking(library: Library, world: World) -> Iterator[str]:
+    offer = world.offer()
+    for primitive in library.primitives.values():
+        offered = offer.primitives.get(primitive.name)
+        place = _place(library, primitive.span)
+        if offered is None:
+            near = nearest(primitive.name, offer.primitives)
+            hint = f"; it has `{near}`" if near else ""
+            yield (
+                f"{place}the world `{world.name}` has no primitive "
+                f"`{primitive.name}`{hint}"
+            )
+        elif offered[0] != len(primitive.args):
+            yield (
+                f"{place}the primitive `{primitive.name}` takes {offered[0]} "
+                f"arguments in the world `{world.name}`, not {len(primitive.args)}"
+            )
+    for datum in library.data.values():
+        if datum.name not in offer.data:
+            place = _place(library, datum.span)
+            yield f"{place}the world `{world.name}` has no datum `{datum.name}`"
+
+
+def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator[str]:
+    for declared in library.properties.values():
+        default = declared.default
+        if default not in CONSTANT_DEFAULTS and default not in functions:
+            place = _place(library, declared.span)
+            yield f"{place}no default function is registered as `{default}`"
+    for function in library.functions.values():
+        if function.name not in functions:
+            place = _place(library, function.span)
+            yield f"{place}no function is registered as `{function.name}`"
+
+
+def _unsupported(library: Library) -> Iterator[str]:
+    """Declarations that would change how all tasks run, and do not yet."""
+    found: list[tuple[str, nodes.Node, Span]] = []
+    found.extend(
+        ("recognising items of an indistinct class", n, n.span)
+        for n in library.indistinct.values()
+    )
+    found.extend(("a class comparator", n, n.span) for n in library.comparators)
+    found.extend(("a memory rule", n, n.span) for n in library.memory_rules)
+    found.extend(("an event rule", n, n.span) for n in library.event_rules)
+    found.extend(
+        ("`:excludes` of a property", n, n.span)
+        for n in library.properties.values()
+        if n.excludes
+    )
+    for what, _node, span in found:
+        yield f"{_place(library, span)}{what} cannot be run yet"
+
+
+def refuse_tasks(library: CompiledLibrary, goals: Iterable[Fact]) -> None:
+    """Refuse goals that no RAP serves or that can reach what cannot be run yet.
+
+    Raises:
+        Refused: with one line for each thing found.
+    """
+    reasons: list[str] = []
+    raps = library.library.raps
+    for goal in goals:
+        name = str(goal[0])
+        rap = raps.get(name)
+        if rap is None:
+            near = nearest(name, raps)
+            hint = f"; did you mean `{near}`?" if near else ""
+            reasons.append(f"no RAP is named `{name}`{hint}")
+        elif len(rap.inputs) != len(goal) - 1:
+            reasons.append(
+                f"`{name}` takes {len(rap.inputs)} inputs, not {len(goal) - 1}"
+            )
+        else:
+            reasons.extend(_reached(library.library, rap))
+    if reasons:
+        raise Refused(list(dict.fromkeys(reasons)))
+
+
+def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
+    """What a task of a RAP can reach that cannot be run yet, with its place."""
+    seen = {root.name}
+    stack = [root]
+    while stack:
+        rap = stack.pop()
+        for method in rap.methods:
+            body = method.body
+            if isinstance(body, nodes.Skills):
+                yield _cannot(library, rap, "a primitive that enables skills", body)
+            elif isinstance(body, nodes.TaskNet):
+                for step in body.steps:
+                    for note in step.annotations:
+                        if isinstance(note, nodes.WaitFor):
+                            yield _cannot(library, rap, "`wait-for`", note)
+                    below = library.raps.get(step.goal.name)
+                    if below is not None and below.name not in seen:
+                        seen.add(below.name)
+                        stack.append(below)
+
+
+def _cannot(library: Library, rap: nodes.DefineRap, what: str, node: nodes.Node) -> str:
+    span: Span = getattr(node, "span", rap.span)
+    return f"{_place(library, span)}{what} in `{rap.name}` cannot be run yet"
+
+
+def _place(library: Library, span: Span) -> str:
+    source = library.files.get(span.file)
+    if source is None:
+        return ""
+    position = source.position(span.start)
+    return f"{span.file}:{position.row}:{position.column}: "

@@ -1,0 +1,139 @@
+"""Primitives: requests to the world, its replies, and the handlers (T 3.3).
+
+Names are translated on the way out and on the way in; a result and its data go
+through their handlers as one batch, result first (semantics 3 and 7).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rapc.compiler.plans import RequestPlan
+from rapc.resources import Counter, SetResource
+from rapc.runtime.endings import INTERFERENCE, end_method
+from rapc.runtime.events import DataReceived, PrimitiveEnded, PrimitiveRequested
+from rapc.runtime.machine import Machine
+from rapc.runtime.task import MethodRun, Task
+from rapc.runtime.world import OKAY, Datum, Finished, Message, Reply
+from rapc.terms import Atom, Fact, format_list
+
+
+class WorldError(Exception):
+    """A world that does not keep to the port; the text says how."""
+
+
+def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
+    """A request or notation filled in; None with an unbound variable or resource."""
+    machine.context.task = run.task
+    parts: list[Atom] = [plan.name]
+    for arg in plan.args:
+        value = arg.value(machine.context, run.env)
+        if value is None or isinstance(value, Counter | SetResource):
+            return None
+        parts.append(value)
+    return tuple(parts)
+
+
+def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
+    """Send a method's request; an atomic one has ended when this returns."""
+    asked = ground(machine, run, plan)
+    sent = None if asked is None else _sensed(machine, asked)
+    if asked is None or sent is None:
+        end_method(machine, run, INTERFERENCE)
+        return
+    task = run.task
+    if machine.recorder.on:
+        machine.recorder.emit(
+            PrimitiveRequested,
+            task=task.number,
+            request=format_list(asked),
+            sent=format_list(sent),
+        )
+    ticket = machine.next_ticket()
+    machine.pending[ticket] = (task, asked)
+    run.ticket = ticket
+    reply = machine.world.perform(ticket, sent)
+    machine.look_at_clock()
+    if reply is not None and not machine.too_late():
+        finish(machine, ticket, reply)
+
+
+def _sensed(machine: Machine, request: Fact) -> Fact | None:
+    """A request with sensor names; None if an item has none now."""
+    sensor_of = machine.memory.items.sensor_of
+    parts: list[Atom] = [request[0]]
+    for part in request[1:]:
+        name = sensor_of(part) if isinstance(part, str) else part
+        if name is None:
+            return None
+        parts.append(name)
+    return tuple(parts)
+
+
+def finish(machine: Machine, ticket: int, reply: Reply) -> None:
+    """A primitive has ended: run its handlers, then end its method.
+
+    Raises:
+        WorldError: for a ticket that is not under way, or a datum nobody handles.
+    """
+    if ticket not in machine.pending:
+        raise WorldError(f"the world ended a request that is not under way: {ticket}")
+    task, asked = machine.pending.pop(ticket)
+    handler = machine.handlers.results.get(str(asked[0]))
+    if handler is not None:
+        handler(machine.access, asked, reply.result)
+    for content in reply.data:
+        _handle(machine, content)
+    if machine.recorder.on:
+        machine.recorder.emit(
+            PrimitiveEnded,
+            task=task.number if task is not None else None,
+            request=format_list(asked),
+            result=reply.result,
+            data=tuple(format_list(_named(machine, d)) for d in reply.data),
+        )
+    if task is not None:
+        _end(machine, task, reply.result)
+
+
+def _end(machine: Machine, task: Task, result: str) -> None:
+    run = task.run
+    assert run is not None
+    if result != OKAY:
+        task.world_failure = result
+    end_method(machine, run, result)
+
+
+def _named(machine: Machine, content: Fact) -> Fact:
+    """A datum with memory names for the sensor names that are known."""
+    name_of = machine.memory.items.name_of
+    return tuple(name_of(part) if isinstance(part, str) else part for part in content)
+
+
+def _handle(machine: Machine, content: Fact) -> Fact:
+    handler = machine.handlers.data.get(str(content[0]))
+    if handler is None:
+        raise WorldError(f"the world has no handler for its datum {content[0]}")
+    named = (content[0], *_named(machine, content[1:]))
+    handler(machine.access, named)
+    return named
+
+
+def take_in(machine: Machine, messages: Iterable[Message]) -> None:
+    """Take in what the world has sent: ends of primitives first, then the rest.
+
+    Raises:
+        WorldError: as `finish`, and for a signal: nothing waits for signals yet.
+    """
+    others: list[Message] = []
+    for message in messages:
+        if isinstance(message, Finished):
+            finish(machine, message.ticket, message.reply)
+        else:
+            others.append(message)
+    for message in others:
+        if not isinstance(message, Datum):
+            raise WorldError("nothing can take a signal: skills are not supported")
+        named = _handle(machine, message.content)
+        if machine.recorder.on:
+            machine.recorder.emit(DataReceived, data=format_list(named))
