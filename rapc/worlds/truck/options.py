@@ -26,9 +26,9 @@ def _row(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
 class Settings(msgspec.Struct, frozen=True, rename="kebab"):
     """The options' values: numbers from 0 up to the `most` of their row."""
 
-    map: Annotated[str, _row("JSON", "another map than the one of T 6.1")] = ""
+    map: Annotated[str, _row("", "another map than that of T 6.1, as JSON")] = ""
     orders: Annotated[
-        str, _row("JSON", "orders to keep count of: [[time, colour, rocks, factory]]")
+        str, _row("", "orders to count, as JSON: [[time, colour, rocks, factory]]")
     ] = ""
     lasting_names: Annotated[
         bool, _row("", "sensor names of rocks, drums and boxes outlast a move")

@@ -1,0 +1,187 @@
+"""Worlds by name, their option values from text, and worlds made from both.
+
+A package offers a world by an entry point of the group `rapc.worlds`, or it is named
+`module:Class`. Nothing is imported before a world is asked for. What the user got
+wrong is a `WorldError`; how it is shown is for the front ends.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import random
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+
+from rapc.runtime.world import Option, World
+from rapc.spell import nearest
+from rapc.terms import Atom, Text, number
+
+GROUP = "rapc.worlds"
+"""The entry-point group under which packages offer their worlds."""
+
+_NUMBER = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?")
+_SYMBOL = re.compile(r"[^\s()\";?]+")
+
+
+class WorldError(Exception):
+    """A world or an option that is not to be had: one line, and perhaps a remedy."""
+
+    def __init__(self, message: str, help_: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.help = help_
+
+
+def available() -> tuple[str, ...]:
+    """The names of all installed worlds, sorted."""
+    return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
+
+
+def find_world(name: str) -> type[World]:
+    """The world of an installed name, or of `module:Class`.
+
+    A module is looked for in the working directory too.
+
+    Raises:
+        WorldError: if there is none, or it is no world.
+    """
+    if ":" in name:
+        module, _, attribute = name.partition(":")
+        point = EntryPoint(name, f"{module}:{attribute}", GROUP)
+    else:
+        point = _installed(name)
+    found = _load(point)
+    if not (isinstance(found, type) and issubclass(found, World)):
+        raise WorldError(f"`{point.value}` is not a subclass of `rapc.World`")
+    if inspect.isabstract(found):
+        missing = ", ".join(sorted(found.__abstractmethods__))
+        raise WorldError(f"the world `{point.value}` does not define {missing}")
+    return found
+
+
+def _installed(name: str) -> EntryPoint:
+    points = {p.value: p for p in entry_points(group=GROUP) if p.name == name}
+    if len(points) == 1:
+        return next(iter(points.values()))
+    if points:
+        listed = ", ".join(f"`{value}`" for value in sorted(points))
+        raise WorldError(
+            f"several packages offer a world `{name}`", f"name one of {listed}"
+        )
+    raise WorldError(f"unknown world `{name}`", _did_you_mean(name, available()))
+
+
+def _load(point: EntryPoint) -> object:
+    try:
+        with _working_directory_on_path():
+            found = importlib.import_module(point.module)
+            for part in point.attr.split("."):
+                found = getattr(found, part)
+    except Exception as error:  # whatever code from elsewhere may raise on import
+        what = f"{type(error).__name__}: {error}"
+        raise WorldError(
+            f"the world `{point.name}` cannot be loaded: {what}"
+        ) from error
+    return found
+
+
+@contextmanager
+def _working_directory_on_path() -> Iterator[None]:
+    here = str(Path.cwd())
+    sys.path.append(here)
+    try:
+        yield
+    finally:
+        sys.path.remove(here)
+
+
+def split_setting(text: str) -> tuple[str, str, str]:
+    """The owner, name and value of a setting `owner.name=value`.
+
+    Raises:
+        WorldError: if it is not of that form.
+    """
+    key, equals, value = text.partition("=")
+    owner, dot, name = key.strip().partition(".")
+    if not (equals and dot and owner and name):
+        raise WorldError(f"`{text}` is not of the form `world.option=value`")
+    return owner, name, value.strip()
+
+
+def read_options(
+    world: type[World], texts: Mapping[str, str]
+) -> dict[str, Atom | bool]:
+    """Option values from text, each of the kind its option has.
+
+    The value of an option of kind `text` may be `@FILE`, for what that file holds.
+
+    Raises:
+        WorldError: for an unknown option or a value of another kind.
+    """
+    options = {option.name: option for option in world.options()}
+    return {
+        name: _value(world, _known(world, options, name), text)
+        for name, text in texts.items()
+    }
+
+
+def _known(world: type[World], options: Mapping[str, Option], name: str) -> Option:
+    if name not in options:
+        message = f"the world `{world.name}` has no option `{name}`"
+        near = _did_you_mean(name, options)
+        raise WorldError(message, near or f"`rapc worlds {world.name}` lists them")
+    return options[name]
+
+
+def _value(world: type[World], option: Option, text: str) -> Atom | bool:
+    wrong = WorldError(
+        f"`{world.name}.{option.name}` is a {option.kind}, not `{text}`", option.doc
+    )
+    if option.kind == "text":
+        return Text(_file(text[1:]) if text.startswith("@") else text)
+    if option.kind == "flag":
+        if text.lower() not in ("true", "false"):
+            raise wrong
+        return text.lower() == "true"
+    if option.kind == "symbol":
+        if not _SYMBOL.fullmatch(text):
+            raise wrong
+        return text.lower()
+    if not _NUMBER.fullmatch(text) or len(text) > 300:
+        raise wrong
+    value = number(float(text)) if "." in text else int(text)
+    if option.kind == "integer" and not isinstance(value, int):
+        raise wrong
+    return value
+
+
+def _file(path: str) -> str:
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise WorldError(f"`{path}` cannot be read: {error}") from error
+
+
+def build_world(
+    world: type[World], seed: int, options: Mapping[str, Atom | bool]
+) -> World:
+    """A world for one run, with the random stream `world` of a seed.
+
+    Raises:
+        WorldError: for option values that the world refuses.
+    """
+    rng = random.Random(f"{seed}:world")
+    try:
+        return world(rng, options)
+    except ValueError as error:
+        raise WorldError(f"the world `{world.name}` refuses: {error}") from error
+
+
+def _did_you_mean(name: str, names: Iterable[str]) -> str | None:
+    near = nearest(name, names)
+    return f"did you mean `{near}`?" if near else None

@@ -1,0 +1,185 @@
+"""The rows of a script, how they match requests, and what is wrong with them.
+
+Rows are tried in order for each request; the first whose pattern matches and that is
+not used up answers it, and its variables serve its effects. Symbols that begin with
+`?` are variables, `?` alone matches anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from typing import Protocol
+
+import msgspec
+
+from rapc.ir.nodes import DeclareDatum, DeclareEvent, DeclarePrimitive, DeclareSkill
+from rapc.runtime.world import OKAY, Offer, Time
+from rapc.terms import Atom, Fact, format_list
+
+Bindings = Mapping[str, Atom]
+
+
+class Row(msgspec.Struct, frozen=True):
+    """One row of a script: the requests it answers, and what comes of them.
+
+    Args:
+        pattern: the request, with variables.
+        result: its result.
+        times: how often the row may be used; None: always.
+        takes: how long the primitive holds the robot, in time units.
+        after: given, the primitive is not atomic: its end, with all that comes with
+            it, is that many time units after `takes`.
+        asserts: facts asserted with the result.
+        erases: prefixes erased with the result, before that.
+        data: sensor data sent with the result.
+        signals: signals sent with the result.
+    """
+
+    pattern: Fact
+    result: str = OKAY
+    times: int | None = None
+    takes: Time = 0
+    after: Time | None = None
+    asserts: tuple[Fact, ...] = ()
+    erases: tuple[Fact, ...] = ()
+    data: tuple[Fact, ...] = ()
+    signals: tuple[Fact, ...] = ()
+
+
+class At(msgspec.Struct, frozen=True):
+    """What happens at a time without a request: changes of memory, then signals.
+
+    In the course of an atomic primitive it happens at its end, before its result.
+    """
+
+    time: Time
+    asserts: tuple[Fact, ...] = ()
+    erases: tuple[Fact, ...] = ()
+    signals: tuple[Fact, ...] = ()
+
+
+class Declarations(Protocol):
+    """What a library says of its world: the part of `rapc.library.Library` needed."""
+
+    @property
+    def primitives(self) -> Mapping[str, DeclarePrimitive]: ...
+    @property
+    def data(self) -> Mapping[str, DeclareDatum]: ...
+    @property
+    def skills(self) -> Mapping[str, DeclareSkill]: ...
+    @property
+    def events(self) -> Mapping[str, DeclareEvent]: ...
+
+
+def match(pattern: Fact, request: Fact) -> Bindings | None:
+    """The variables of a pattern as a request binds them, or None."""
+    if len(pattern) != len(request):
+        return None
+    bound: dict[str, Atom] = {}
+    for part, value in zip(pattern, request, strict=True):
+        if part == "?":
+            continue
+        variable = is_variable(part)
+        expected = bound.setdefault(str(part), value) if variable else part
+        if expected != value:
+            return None
+    return bound
+
+
+def fill(row: Row, bound: Bindings) -> Row:
+    """A row with its variables put into its effects."""
+
+    def put(facts: Iterable[Fact]) -> tuple[Fact, ...]:
+        return tuple(tuple(bound.get(str(p), p) for p in fact) for fact in facts)
+
+    return msgspec.structs.replace(
+        row,
+        asserts=put(row.asserts),
+        erases=put(row.erases),
+        data=put(row.data),
+        signals=put(row.signals),
+    )
+
+
+def is_variable(part: Atom) -> bool:
+    """Whether a part of a pattern is a variable."""
+    return isinstance(part, str) and part.startswith("?")
+
+
+def offer_of(declared: Declarations) -> Offer:
+    """All that a library declares."""
+    return Offer(
+        primitives={
+            name: (len(form.args), form.results)
+            for name, form in declared.primitives.items()
+        },
+        data={name: len(form.args) for name, form in declared.data.items()},
+        skills={name: len(form.args) for name, form in declared.skills.items()},
+        events={name: len(form.args) for name, form in declared.events.items()},
+    )
+
+
+def mentioned(rows: Sequence[Row], at: Sequence[At]) -> Offer:
+    """All that a script mentions."""
+    results: dict[str, dict[str, None]] = {}
+    arity: dict[str, int] = {}
+    for row in rows:
+        name = str(row.pattern[0])
+        arity.setdefault(name, len(row.pattern) - 1)
+        results.setdefault(name, {OKAY: None})[row.result] = None
+    signals = [signal for row in rows for signal in row.signals]
+    signals += [signal for entry in at for signal in entry.signals]
+    return Offer(
+        primitives={name: (arity[name], tuple(results[name])) for name in results},
+        data=_arities(datum for row in rows for datum in row.data),
+        events=_arities(signals),
+    )
+
+
+def check_script(
+    rows: Sequence[Row], at: Sequence[At], offer: Offer, handled: Container[str]
+) -> None:
+    """See that a script keeps to an offer.
+
+    Raises:
+        ValueError: with the first row or entry that does not, and why.
+    """
+    for row in rows:
+        for problem in _row_problems(row, offer, handled):
+            raise ValueError(f"row {format_list(row.pattern)}: {problem}")
+    for entry in at:
+        facts = (*entry.asserts, *entry.erases, *entry.signals)
+        for problem in (*_unbound(facts, ()), *_unknown(entry.signals, offer.events)):
+            raise ValueError(f"at {entry.time}: {problem}")
+
+
+def _row_problems(row: Row, offer: Offer, handled: Container[str]) -> Iterator[str]:
+    arity, results = offer.primitives.get(str(row.pattern[0]), (-1, ()))
+    if arity != len(row.pattern) - 1:
+        yield "no such primitive is declared"
+    elif row.result not in results:
+        yield f"`{row.result}` is not among its results"
+    yield from _unbound(
+        (*row.asserts, *row.erases, *row.data, *row.signals), row.pattern
+    )
+    yield from _unknown(row.signals, offer.events)
+    yield from _unknown(row.data, offer.data)
+    for datum in row.data:
+        if datum[0] not in handled:
+            yield f"there is no handler for the datum `{datum[0]}`"
+
+
+def _unbound(facts: Iterable[Fact], pattern: Fact) -> Iterator[str]:
+    for part in (part for fact in facts for part in fact):
+        if is_variable(part) and (part == "?" or part not in pattern):
+            yield f"`{part}` is not bound by its pattern"
+
+
+def _unknown(facts: Iterable[Fact], declared: Mapping[str, int]) -> Iterator[str]:
+    for fact in facts:
+        if declared.get(str(fact[0])) != len(fact) - 1:
+            yield f"{format_list(fact)} is not declared"
+
+
+def _arities(facts: Iterable[Fact]) -> dict[str, int]:
+    return {str(fact[0]): len(fact) - 1 for fact in facts}
