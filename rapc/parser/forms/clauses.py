@@ -1,0 +1,93 @@
+"""What the clauses of several forms have in common: finding them, a lone formula."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import cast
+
+from rapc.ir import nodes
+from rapc.parser.data import Datum, List, Symbol
+from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.forms.formulas import formula
+from rapc.parser.names import METHOD_CLAUSES, RAP_CLAUSES
+
+
+def clauses(
+    ctx: Context, data: Sequence[Datum], owner: str, known: Sequence[str]
+) -> Iterator[tuple[str, List]]:
+    """The clauses among some data with the names they are meant to have.
+
+    Reports what is no clause, or a clause of something else.
+    """
+    for datum in data:
+        name = head_of(datum)
+        if name is None or not isinstance(datum, List):
+            ctx.report(
+                "malformed-clause",
+                f"{kind_of(datum)} stands where a clause of `{owner}` is wanted",
+                datum,
+                help="a clause is a list that begins with its name",
+            )
+        elif name in known:
+            yield name, datum
+        elif name in RAP_CLAUSES or name in METHOD_CLAUSES:
+            other = "a method" if name in METHOD_CLAUSES else "the RAP itself"
+            ctx.report(
+                "misplaced-clause",
+                f"`{name}` is a clause of {other}, not of `{owner}`",
+                datum.items[0],
+                help="a parenthesis may be missing or too many before it",
+            )
+        else:
+            word = cast(Symbol, datum.items[0])
+            meant = ctx.unknown("unknown-clause", f"clause of `{owner}`", word, known)
+            if meant:
+                yield meant, datum
+
+
+def single(
+    ctx: Context,
+    found: Iterable[tuple[str, List]],
+    many: Sequence[str] = (),
+) -> dict[str, list[List]]:
+    """Clauses by name; reports those that stand twice and may not.
+
+    The first of two counts.
+    """
+    kept: dict[str, list[List]] = {}
+    for name, datum in found:
+        have = kept.setdefault(name, [])
+        if have and name not in many:
+            ctx.report(
+                "duplicate-clause",
+                f"there is a second `{name}`",
+                datum.items[0],
+                labels=[(have[0].items[0], "the first is here")],
+            )
+        else:
+            have.append(datum)
+    return kept
+
+
+def lone_formula(ctx: Context, datum: List) -> nodes.Formula | None:
+    """The formula of a clause that holds just one."""
+    name, operands = head_of(datum), datum.items[1:]
+    if not operands:
+        ctx.report("malformed-clause", f"`{name}` has no formula", datum)
+        return None
+    first, *others = operands
+    if others:
+        stray = next((d for d in others if head_of(d) in _CLAUSES), None)
+        ctx.report(
+            "malformed-clause",
+            f"`{name}` takes one formula, not {len(operands)}",
+            others[0],
+            help=f"a `)` may be missing before `({head_of(stray)}`"
+            if stray
+            else "`and` joins several",
+            fix=None if stray else ctx.wrap(first, operands[-1], "(and ", sure=False),
+        )
+    return formula(ctx, first)
+
+
+_CLAUSES = frozenset((*RAP_CLAUSES, *METHOD_CLAUSES))

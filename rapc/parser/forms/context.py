@@ -1,0 +1,150 @@
+"""What every form function works with: places, findings, the shape of data.
+
+A form function takes a `Context` and a datum, reports what is wrong with it in the
+author's words, and returns the node, or None if nothing could be made of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rapc.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.parser.data import Datum, Keyword, List, Numeral, String, Symbol, Variable
+from rapc.parser.names import SLIPS
+from rapc.source import SourceFile, Span
+from rapc.spell import nearest
+
+_KINDS = {
+    Symbol: "a symbol",
+    Variable: "a variable",
+    Keyword: "a keyword",
+    Numeral: "a number",
+    String: "a string",
+    List: "a list",
+}
+
+
+class Context:
+    """The file in hand and what has been said about it.
+
+    `lost` tells whether something of the form in hand had to be left out, so that
+    what others miss in it may not be the author's fault.
+    """
+
+    def __init__(self, source: SourceFile) -> None:
+        self.source = source
+        self.diagnostics: list[Diagnostic] = []
+        self.lost = False
+
+    def span(self, datum: Datum) -> Span:
+        """The place of a datum."""
+        return Span(self.source.name, datum.start, datum.end)
+
+    def text(self, datum: Datum) -> str:
+        """A datum as it was written."""
+        return self.source.text[datum.start : datum.end]
+
+    def report(
+        self,
+        rule: str,
+        message: str,
+        at: Datum,
+        *,
+        labels: Iterable[tuple[Datum, str]] = (),
+        help: str = "",
+        fix: Fix | None = None,
+    ) -> None:
+        """Report a fault for which something of the form is left out."""
+        self.lost = True
+        self.slip(rule, message, at, labels=labels, help=help, fix=fix)
+
+    def slip(
+        self,
+        rule: str,
+        message: str,
+        at: Datum,
+        *,
+        labels: Iterable[tuple[Datum, str]] = (),
+        help: str = "",
+        fix: Fix | None = None,
+    ) -> None:
+        """Report a fault whose meaning is clear, so that nothing is left out."""
+        self.diagnostics.append(
+            Diagnostic(
+                rule,
+                message,
+                self.span(at),
+                labels=tuple(Label(self.span(d), text) for d, text in labels),
+                help=help,
+                fix=fix,
+            )
+        )
+
+    def replace(self, datum: Datum, content: str, *, sure: bool = True) -> Fix:
+        """The fix that writes `content` in place of a datum."""
+        edit = Edit(self.span(datum), content)
+        return _fix(sure, f"write `{content}`", (edit,))
+
+    def insert(self, offset: int, content: str, *, sure: bool = True) -> Fix:
+        """The fix that inserts `content`."""
+        edit = Edit(self.source.span(offset, offset), content)
+        return _fix(sure, f"insert `{content.strip()}`", (edit,))
+
+    def wrap(self, first: Datum, last: Datum, left: str, *, sure: bool = True) -> Fix:
+        """The fix that puts `left` before some data and `)` behind them."""
+        before = Edit(self.source.span(first.start, first.start), left)
+        after = Edit(self.source.span(last.end, last.end), ")")
+        return _fix(sure, "put parentheses around it", (before, after))
+
+    def delete(self, start: int, end: int, *, sure: bool = True) -> Fix:
+        """The fix that takes a stretch of text out."""
+        return _fix(sure, "take it out", (Edit(self.source.span(start, end), ""),))
+
+    def unknown(
+        self, rule: str, what: str, word: Symbol | Keyword, known: Iterable[str]
+    ) -> str | None:
+        """Report a word that is not among the known ones; returns what was meant.
+
+        The answer is None where that can only be guessed.
+        """
+        options = tuple(known)
+        printed = SLIPS.get(word.name)
+        if printed in options:
+            self.slip(
+                rule,
+                f"the {what} is called `{printed}`, not `{word.name}`",
+                word,
+                fix=self.replace(word, printed),
+            )
+            return printed
+        meant = nearest(word.name, options)
+        self.report(
+            rule,
+            f"`{word.name}` is no {what}",
+            word,
+            help=f"did you mean `{meant}`?" if meant else _listing(options),
+            fix=self.replace(word, meant, sure=False) if meant else None,
+        )
+        return meant
+
+
+def _fix(sure: bool, message: str, edits: tuple[Edit, ...]) -> Fix:
+    return Fix(Applicability.SAFE if sure else Applicability.UNSAFE, message, edits)
+
+
+def _listing(options: tuple[str, ...]) -> str:
+    return "known are " + ", ".join(f"`{option}`" for option in options)
+
+
+def kind_of(datum: Datum) -> str:
+    """What a datum is, with its article."""
+    return _KINDS[type(datum)]
+
+
+def head_of(datum: Datum) -> str | None:
+    """The name of the symbol that heads a list, or None."""
+    if type(datum) is List and datum.items:
+        first = datum.items[0]
+        if type(first) is Symbol:
+            return first.name
+    return None

@@ -1,0 +1,147 @@
+"""Rules that keep memory up to date, `define-memory-rule` and `define-event-rule`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, cast
+
+from rapc.ir import nodes
+from rapc.parser.data import Datum, Keyword, List, Symbol, Variable
+from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.forms.formulas import formula
+from rapc.parser.forms.terms import goal, pattern, signal, terms
+from rapc.parser.names import TRUTHS
+
+_ACTIONS = ("mem-add", "mem-del")
+
+
+def memory_rule(ctx: Context, form: List) -> nodes.MemoryRule | None:
+    """`(define-memory-rule index :finish|:event (match-result case...))` (S 4.2)."""
+    operands = form.items[1:]
+    index = goal(ctx, operands[0]) if operands else None
+    when = operands[1] if len(operands) > 1 else None
+    body = operands[2] if len(operands) == 3 else None
+    if not isinstance(when, Keyword) or when.name not in (":finish", ":event"):
+        ctx.report(
+            "malformed-rule",
+            "a memory rule says when it runs, `:finish` or `:event`",
+            when or form,
+        )
+        return None
+    if not isinstance(body, List) or head_of(body) != "match-result":
+        ctx.report(
+            "malformed-rule",
+            "behind its time a memory rule has one `match-result`",
+            body or form,
+            help="write `(match-result (succeed (rule (query action...))))`",
+        )
+        return None
+    if index is None:
+        return None
+    cases = [_case(ctx, one) for one in body.items[1:]]
+    moment = cast(Literal["finish", "event"], when.name[1:])
+    kept = tuple([case for case in cases if case])
+    return nodes.MemoryRule(index, moment, kept, ctx.span(form))
+
+
+def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
+    """`(pattern (rule ...)...)`."""
+    if not isinstance(datum, List) or not datum.items:
+        message = "a case is a result and the rules for it"
+        ctx.report("malformed-rule", message, datum)
+        return None
+    first = datum.items[0]
+    result: nodes.Const | nodes.Var | nodes.Pattern | None = None
+    if isinstance(first, Symbol):
+        result = nodes.Const(first.name, ctx.span(first))
+    elif isinstance(first, Variable):
+        result = nodes.Var(first.name, ctx.span(first))
+    elif isinstance(first, List) and first.items:
+        result = _awaited(ctx, first)
+    else:
+        message = f"a result is a symbol, a variable or a signal, not {kind_of(first)}"
+        ctx.report("malformed-rule", message, first)
+    found = _rules(ctx, datum.items[1:])
+    return nodes.ResultCase(result, found, ctx.span(datum)) if result else None
+
+
+def _awaited(ctx: Context, datum: List) -> nodes.Pattern | None:
+    """A signal; S 4.2 prints it here without the colon it has elsewhere."""
+    first = datum.items[0]
+    if isinstance(first, Symbol):
+        args = terms(ctx, datum.items[1:])
+        return nodes.Pattern(f":{first.name}", args, ctx.span(datum))
+    return signal(ctx, datum)
+
+
+def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
+    """`(define-event-rule (:signal args...) (rule ...)...)` (S 4.3)."""
+    operands = form.items[1:]
+    if not operands:
+        ctx.report("malformed-rule", "an event rule names a signal", form)
+        return None
+    awaited = signal(ctx, operands[0])
+    found = _rules(ctx, operands[1:])
+    if awaited is None:
+        return None
+    return nodes.EventRule(awaited.name, awaited.args, found, ctx.span(form))
+
+
+def _rules(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Rule, ...]:
+    made = [_rule(ctx, one) for one in data]
+    return tuple([rule for rule in made if rule])
+
+
+def _rule(ctx: Context, datum: Datum) -> nodes.Rule | None:
+    """`(rule (query action...)...)`."""
+    if not isinstance(datum, List) or head_of(datum) != "rule":
+        ctx.report("malformed-rule", "a `(rule ...)` is wanted here", datum)
+        return None
+    operands = datum.items[1:]
+    if any(head_of(one) in _ACTIONS for one in operands):
+        ctx.slip(
+            "bare-rule",
+            "the query and the actions of a rule stand in parentheses together",
+            datum.items[0],
+            fix=ctx.wrap(operands[0], operands[-1], "("),
+        )
+        whole = List(operands, operands[0].start, operands[-1].end)
+        operands = (whole,)
+    made = [_alternative(ctx, one) for one in operands]
+    return nodes.Rule(tuple([one for one in made if one]), ctx.span(datum))
+
+
+def _alternative(ctx: Context, datum: Datum) -> nodes.Alternative | None:
+    """`(query action...)`, or actions alone, which run always."""
+    named = head_of(datum) not in (None, *TRUTHS)
+    if not isinstance(datum, List) or not datum.items or named:
+        ctx.report(
+            "malformed-rule",
+            "a query and its actions stand in parentheses together",
+            datum,
+            help="write `(rule (query (mem-add p) (mem-del p))...)`",
+        )
+        return None
+    query: nodes.Formula | None = nodes.Truth(True, ctx.span(datum))
+    actions = datum.items
+    if head_of(datum.items[0]) not in _ACTIONS:
+        query, actions = formula(ctx, datum.items[0]), datum.items[1:]
+    made = tuple([one for one in (_action(ctx, d) for d in actions) if one])
+    return nodes.Alternative(query, made, ctx.span(datum)) if query else None
+
+
+def _action(ctx: Context, datum: Datum) -> nodes.RuleAction | None:
+    """`(mem-add fact)` or `(mem-del prefix)`."""
+    name = head_of(datum)
+    if name not in _ACTIONS or not isinstance(datum, List) or len(datum.items) != 2:
+        ctx.report(
+            "malformed-rule",
+            "an action is `(mem-add fact)` or `(mem-del prefix)`",
+            datum,
+        )
+        return None
+    fact = pattern(ctx, datum.items[1])
+    if fact is None:
+        return None
+    op = cast(Literal["mem-add", "mem-del"], name)
+    return nodes.RuleAction(op, fact, ctx.span(datum))

@@ -1,0 +1,113 @@
+"""A method: its name, its clauses, and what it does (T 4.5, 4.9; S 3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rapc.ir import nodes
+from rapc.parser.data import Datum, List, Numeral, Symbol
+from rapc.parser.forms.clauses import clauses, lone_formula, single
+from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.forms.steps import task_net, wait_for
+from rapc.parser.forms.terms import pattern, patterns, signal
+from rapc.parser.names import METHOD_CLAUSES
+
+
+def method(ctx: Context, datum: List, position: int) -> nodes.Method:
+    """`(method [name] clause...)` with a `task-net` or a `primitive` among them.
+
+    `position` counts the methods of a RAP from 1. A method without a body gets an
+    empty task-net, and a finding.
+    """
+    items = datum.items[1:]
+    name: str | int | None = None
+    if items and not isinstance(items[0], List):
+        name, items = _name(ctx, items[0]), items[1:]
+    found = single(ctx, clauses(ctx, items, "method", METHOD_CLAUSES))
+    one = {key: rows[0] for key, rows in found.items()}
+    context = one.get("context")
+    notations = one.get("notations")
+    return nodes.Method(
+        name=name,
+        position=position,
+        context=lone_formula(ctx, context) if context else None,
+        notations=patterns(ctx, notations.items[1:]) if notations else (),
+        body=_body(ctx, datum, one),
+        span=ctx.span(datum),
+    )
+
+
+def _name(ctx: Context, datum: Datum) -> str | int | None:
+    if isinstance(datum, Symbol):
+        return datum.name
+    if isinstance(datum, Numeral) and isinstance(datum.value, int):
+        return datum.value
+    ctx.report(
+        "malformed-clause",
+        f"a method is named by a symbol or an integer, not by {kind_of(datum)}",
+        datum,
+    )
+    return None
+
+
+def _body(ctx: Context, datum: List, one: Mapping[str, List]) -> nodes.Body:
+    net, request = one.get("task-net"), one.get("primitive")
+    if net and request:
+        ctx.report(
+            "malformed-clause",
+            "a method has a `task-net` or a `primitive`, not both",
+            request.items[0],
+            labels=[(net.items[0], "the task-net is here")],
+        )
+    if net:
+        return task_net(ctx, net)
+    made = _primitive(ctx, request) if request else None
+    if request is None:
+        ctx.report(
+            "method-without-body",
+            "this method does not say what to do",
+            datum.items[0],
+            help="give it a `task-net` or a `primitive`; `(task-net)` does nothing",
+        )
+    return made or nodes.TaskNet((), ctx.span(datum))
+
+
+def _primitive(ctx: Context, clause: List) -> nodes.Primitive | nodes.Skills | None:
+    operands = clause.items[1:]
+    if any(head_of(d) in _SKILL_PARTS for d in operands):
+        return _skills(ctx, clause, operands)
+    if len(operands) != 1:
+        ctx.report(
+            "malformed-clause",
+            f"`primitive` takes one request, not {len(operands)}",
+            operands[1] if operands else clause,
+            help="a request is a name and its arguments, as in `(arm-grasp arm1 ?x)`",
+        )
+    request = pattern(ctx, operands[0]) if operands else None
+    return nodes.Primitive(request, ctx.span(clause)) if request else None
+
+
+_SKILL_PARTS = ("enable", "wait-for", "disable")
+
+
+def _skills(ctx: Context, clause: List, operands: Sequence[Datum]) -> nodes.Skills:
+    """`(primitive (enable (:skill args...)...) (wait-for ...)... (disable ...))`."""
+    enable: list[nodes.Pattern] = []
+    disable: list[nodes.Pattern] = []
+    waits: list[nodes.WaitFor] = []
+    for datum in operands:
+        name = head_of(datum)
+        if not isinstance(datum, List) or name not in _SKILL_PARTS:
+            ctx.report(
+                "malformed-clause",
+                "a primitive of skills enables, waits and disables, nothing else",
+                datum,
+            )
+        elif name == "wait-for":
+            wait = wait_for(ctx, datum, ("succeed", "fail"))
+            waits.extend([wait] if wait else [])
+        else:
+            made = [signal(ctx, one) for one in datum.items[1:]]
+            named = enable if name == "enable" else disable
+            named.extend(one for one in made if one)
+    return nodes.Skills(tuple(enable), tuple(waits), tuple(disable), ctx.span(clause))

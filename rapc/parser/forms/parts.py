@@ -1,0 +1,179 @@
+"""The parts of a declaration: its name, operands, doc string and `:options`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import msgspec
+
+from rapc.ir import nodes
+from rapc.parser.data import Datum, Keyword, List, String, Symbol, Variable
+from rapc.parser.forms.context import Context, head_of, kind_of
+
+
+class Option(msgspec.Struct, frozen=True):
+    """An option with its operands, as many as it takes."""
+
+    word: Keyword
+    operands: tuple[Datum, ...]
+
+
+class Parts(msgspec.Struct, frozen=True):
+    """A declaration taken apart; names of skills and events keep their colon."""
+
+    form: List
+    name: str
+    place: Datum
+    operands: tuple[Datum, ...]
+    doc: str
+    options: tuple[Option, ...]
+
+
+def parts(
+    ctx: Context,
+    form: List,
+    most: int,
+    options: Mapping[str, int] | None = None,
+    *,
+    colon: bool = False,
+) -> Parts | None:
+    """A declaration with at most so many operands behind its name.
+
+    `options` gives the number of operands for each option; `colon` says that the
+    name begins with one. None if there is no name.
+    """
+    place = form.items[1] if len(form.items) > 1 else form
+    name = _name(ctx, form, place, colon)
+    if name is None:
+        return None
+    operands, docs, found = _sort(ctx, form, options or {})
+    for extra in (*operands[most:], *docs[1:]):
+        ctx.report(
+            "malformed-form", f"{kind_of(extra)} too many for `{head_of(form)}`", extra
+        )
+    doc = docs[0].value if docs else ""
+    return Parts(form, name, place, tuple(operands[:most]), doc, tuple(found))
+
+
+def _name(ctx: Context, form: List, place: Datum, colon: bool) -> str | None:
+    if isinstance(place, Keyword) and colon:
+        return place.name
+    if isinstance(place, Symbol):
+        if not colon:
+            return place.name
+        ctx.slip(
+            "malformed-form",
+            f"the name `{place.name}` of a skill or event begins with a colon",
+            place,
+            fix=ctx.replace(place, f":{place.name}"),
+        )
+        return f":{place.name}"
+    wanted = "a name with a colon" if colon else "a symbol for its name"
+    ctx.report("malformed-form", f"`{head_of(form)}` wants {wanted} first", place)
+    return None
+
+
+def _sort(
+    ctx: Context, form: List, known: Mapping[str, int]
+) -> tuple[list[Datum], list[String], list[Option]]:
+    """Operands, doc strings and options behind the name."""
+    operands: list[Datum] = []
+    docs: list[String] = []
+    found: list[Option] = []
+    data = form.items[2:]
+    at = 0
+    while at < len(data):
+        here = data[at]
+        at += 1
+        if isinstance(here, String):
+            docs.append(here)
+        elif not isinstance(here, Keyword):
+            operands.append(here)
+        elif here.name in known:
+            taken = data[at : at + known[here.name]]
+            at += len(taken)
+            if len(taken) < known[here.name]:
+                ctx.report("malformed-form", f"`{here.name}` lacks its value", here)
+            else:
+                found.append(Option(here, taken))
+        else:
+            ctx.unknown("unknown-clause", f"option of `{head_of(form)}`", here, known)
+            if at < len(data) and not isinstance(data[at], Keyword | String):
+                at += 1
+    return operands, docs, found
+
+
+def arguments(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
+    """`(?variable ...)`, each of them with its kind if wanted: `(?size number)`."""
+    if not isinstance(datum, List):
+        message = f"a list of variables is wanted here, not {kind_of(datum)}"
+        ctx.report("malformed-form", message, datum)
+        return ()
+    seen: dict[str, Datum] = {}
+    made = [_argument(ctx, one, seen) for one in datum.items]
+    return tuple([one for one in made if one])
+
+
+def required_arguments(ctx: Context, found: Parts) -> tuple[nodes.Argument, ...]:
+    """The list of arguments that a declaration cannot do without."""
+    if found.operands:
+        return arguments(ctx, found.operands[0])
+    ctx.report(
+        "malformed-form",
+        f"the arguments of `{found.name}` are missing",
+        found.place,
+        help="without any, write `()`",
+        fix=ctx.insert(found.place.end, " ()", sure=False),
+    )
+    return ()
+
+
+def _argument(
+    ctx: Context, datum: Datum, seen: dict[str, Datum]
+) -> nodes.Argument | None:
+    kind = None
+    first = datum
+    if isinstance(datum, List) and datum.items:
+        first = datum.items[0]
+        kind = symbol(ctx, datum.items[1], "a kind") if len(datum.items) == 2 else None
+        if len(datum.items) != 2:
+            message = "an argument in parentheses is a variable and its kind"
+            ctx.report("malformed-form", message, datum)
+    variable = parameter(ctx, first, seen)
+    return nodes.Argument(variable, kind, ctx.span(datum)) if variable else None
+
+
+def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
+    """A variable with a name that is not yet among those `seen`."""
+    if not isinstance(datum, Variable) or datum.name == "?":
+        what = "a bare `?`" if isinstance(datum, Variable) else kind_of(datum)
+        message = f"a variable with a name is wanted here, not {what}"
+        ctx.report("malformed-form", message, datum)
+        return None
+    first = seen.setdefault(datum.name, datum)
+    if first is not datum:
+        ctx.report(
+            "repeated-variable",
+            f"`{datum.name}` stands here twice",
+            datum,
+            labels=[(first, "the first is here")],
+        )
+    return nodes.Var(datum.name, ctx.span(datum))
+
+
+def symbol(ctx: Context, datum: Datum, what: str) -> str | None:
+    """A symbol's name; anything else is reported."""
+    if isinstance(datum, Symbol):
+        return datum.name
+    ctx.report("malformed-form", f"{what} is wanted here, not {kind_of(datum)}", datum)
+    return None
+
+
+def symbols(ctx: Context, datum: Datum, what: str) -> tuple[str, ...]:
+    """The names of a list of symbols."""
+    if not isinstance(datum, List):
+        message = f"a list of {what} is wanted here, not {kind_of(datum)}"
+        ctx.report("malformed-form", message, datum)
+        return ()
+    made: Sequence[str | None] = [symbol(ctx, one, "a name") for one in datum.items]
+    return tuple([name for name in made if name is not None])

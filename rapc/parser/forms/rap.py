@@ -1,0 +1,276 @@
+"""`define-rap` and its clauses, in both spellings (T chapter 4, S 3).
+
+Methods are read by `rapc.parser.forms.method`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Literal, cast
+
+from rapc.ir import nodes
+from rapc.parser.data import Datum, List, Symbol
+from rapc.parser.forms.clauses import clauses, lone_formula, single
+from rapc.parser.forms.context import Context, head_of
+from rapc.parser.forms.method import method
+from rapc.parser.forms.parts import parameter
+from rapc.parser.forms.terms import pattern, split_arrow, term
+from rapc.parser.names import METHOD_CLAUSES, RAP_CLAUSES
+from rapc.spell import nearest
+
+
+def define_rap(ctx: Context, datum: List) -> nodes.DefineRap | None:
+    """`(define-rap (index (name in... => out...)) clause...)`, or without `index`."""
+    items = datum.items[1:]
+    index: Datum | None = None
+    if items and _is_index(items[0]):
+        index, items = items[0], items[1:]
+    found = single(ctx, clauses(ctx, items, "define-rap", RAP_CLAUSES), ("method",))
+    for clause in found.get("index", ()):
+        if index is None:
+            index = _index(ctx, clause)
+        else:
+            ctx.report(
+                "duplicate-clause",
+                "the index of this RAP is given twice",
+                clause.items[0],
+                labels=[(index, "the first is here")],
+            )
+    name = _name(ctx, datum, index)
+    if name is None or index is None:
+        return None
+    return _rap(ctx, datum, name, index, found)
+
+
+def _is_index(datum: Datum) -> bool:
+    """Whether a first operand is the index itself (S 3), not a clause."""
+    if isinstance(datum, Symbol):
+        return True
+    name = head_of(datum)
+    if name is None or name in RAP_CLAUSES or name in METHOD_CLAUSES:
+        return False
+    plain = not any(isinstance(item, List) for item in cast(List, datum).items)
+    return plain or nearest(name, RAP_CLAUSES) is None
+
+
+def _index(ctx: Context, clause: List) -> Datum | None:
+    """What an `index` clause holds."""
+    operands = clause.items[1:]
+    if operands and isinstance(operands[0], Symbol):
+        ctx.slip(
+            "malformed-goal",
+            "the index stands in parentheses of its own",
+            operands[0],
+            fix=ctx.wrap(operands[0], operands[-1], "("),
+        )
+        return List(operands, operands[0].start, operands[-1].end)
+    for extra in operands[1:]:
+        name = head_of(extra)
+        ctx.report(
+            "malformed-clause",
+            "`index` holds one list, nothing more",
+            extra,
+            help=f"a `)` may be missing before `({name}`"
+            if name in RAP_CLAUSES
+            else "",
+        )
+    return operands[0] if operands else None
+
+
+def _name(ctx: Context, datum: List, index: Datum | None) -> Symbol | None:
+    """The name in an index, if there is one."""
+    if isinstance(index, Symbol):
+        ctx.report(
+            "malformed-goal",
+            "the index stands in parentheses",
+            index,
+            help=f"write `({index.name} ?input... => ?output...)`",
+            fix=ctx.wrap(index, index, "(", sure=False),
+        )
+        return index
+    if isinstance(index, List) and index.items:
+        first = index.items[0]
+        if isinstance(first, Symbol) and first.name != "=>":
+            return first
+        message = "an index begins with the name of the RAP"
+        ctx.report("malformed-goal", message, first)
+        return None
+    ctx.report(
+        "missing-index",
+        "this RAP has no name",
+        index or datum.items[0],
+        help="write `(define-rap (index (name ?input... => ?output...)) ...)`",
+    )
+    return None
+
+
+def _rap(
+    ctx: Context,
+    datum: List,
+    name: Symbol,
+    index: Datum,
+    found: Mapping[str, Sequence[List]],
+) -> nodes.DefineRap:
+    whole = index if isinstance(index, List) else List((), name.start, name.end)
+    inputs, outputs = _parameters(ctx, *split_arrow(ctx, whole))
+    one = {key: rows[0] for key, rows in found.items()}
+    formulas = {
+        key: lone_formula(ctx, one[key]) for key in _FORMULA_CLAUSES if key in one
+    }
+    methods = [
+        method(ctx, row, position)
+        for position, row in enumerate(found.get("method", ()), start=1)
+    ]
+    _check_method_names(ctx, methods, found.get("method", ()))
+    return nodes.DefineRap(
+        name=name.name,
+        inputs=inputs,
+        outputs=outputs,
+        duration=_duration(ctx, one.get("duration")),
+        monitor_state=formulas.get("monitor-state"),
+        monitor_time=_monitor_time(ctx, one.get("monitor-time")),
+        repeat_while=formulas.get("repeat-while"),
+        succeed=formulas.get("succeed"),
+        preconditions=formulas.get("preconditions"),
+        constraints=formulas.get("constraints"),
+        resources=_resources(ctx, one.get("resources")),
+        effects=_effects(ctx, one.get("effects")),
+        methods=tuple(methods),
+        name_span=ctx.span(name),
+        span=ctx.span(datum),
+    )
+
+
+_FORMULA_CLAUSES = (
+    "monitor-state",
+    "repeat-while",
+    "succeed",
+    "preconditions",
+    "constraints",
+)
+
+
+def _parameters(
+    ctx: Context, before: Sequence[Datum], after: Sequence[Datum]
+) -> tuple[tuple[nodes.Var, ...], tuple[nodes.Var, ...]]:
+    seen: dict[str, Datum] = {}
+    sides: tuple[list[nodes.Var], list[nodes.Var]] = ([], [])
+    for side, data in zip(sides, (before, after), strict=True):
+        for datum in data:
+            variable = parameter(ctx, datum, seen)
+            if variable is not None:
+                side.append(variable)
+    return tuple(sides[0]), tuple(sides[1])
+
+
+def _duration(ctx: Context, clause: List | None) -> nodes.Term | None:
+    if clause is None:
+        return None
+    if len(clause.items) != 2:
+        message = "`duration` takes one number or computed term"
+        ctx.report("malformed-clause", message, clause)
+        return None
+    return term(ctx, clause.items[1])
+
+
+def _monitor_time(ctx: Context, clause: List | None) -> nodes.MonitorTime | None:
+    """`(monitor-time now|absolute start stop)` (T 4.7.1)."""
+    if clause is None:
+        return None
+    operands = clause.items[1:]
+    if len(operands) == 1 and isinstance(operands[0], List):
+        inner = operands[0]
+        ctx.slip(
+            "parenthesised-times",
+            "the times of `monitor-time` stand without parentheses of their own",
+            inner,
+            fix=ctx.replace(inner, ctx.text(inner)[1:-1].strip()),
+        )
+        operands = inner.items
+    first = operands[0] if operands else None
+    if len(operands) != 3 or not isinstance(first, Symbol) or first.name not in _CLOCKS:
+        ctx.report(
+            "malformed-clause",
+            "`monitor-time` takes `now` or `absolute` and two times",
+            clause,
+        )
+        return None
+    start, stop = term(ctx, operands[1]), term(ctx, operands[2])
+    if start is None or stop is None:
+        return None
+    reference = cast(Literal["now", "absolute"], first.name)
+    return nodes.MonitorTime(reference, start, stop, ctx.span(clause))
+
+
+_CLOCKS = ("now", "absolute")
+
+
+def _resources(ctx: Context, clause: List | None) -> tuple[nodes.Resource, ...]:
+    if clause is None:
+        return ()
+    seen: dict[str, Datum] = {}
+    made = [_resource(ctx, row, seen) for row in clause.items[1:]]
+    return tuple([row for row in made if row is not None])
+
+
+def _resource(
+    ctx: Context, datum: Datum, seen: dict[str, Datum]
+) -> nodes.Resource | None:
+    """`(set ?name [set])` or `(counter ?name [number-or-counter])` (T 4.8.1)."""
+    kind = head_of(datum)
+    if kind not in ("set", "counter") or not isinstance(datum, List):
+        ctx.report(
+            "malformed-clause",
+            "a resource is a set or a counter",
+            datum,
+            help="write `(set ?name)` or `(counter ?name 0)`",
+        )
+        return None
+    operands = datum.items[1:]
+    if not 1 <= len(operands) <= 2:
+        message = f"`{kind}` takes a variable and at most one first value"
+        ctx.report("malformed-clause", message, datum)
+        return None
+    variable = parameter(ctx, operands[0], seen)
+    initial = term(ctx, operands[1]) if len(operands) == 2 else None
+    if variable is None:
+        return None
+    named = cast(Literal["set", "counter"], kind)
+    return nodes.Resource(named, variable, initial, ctx.span(datum))
+
+
+def _effects(ctx: Context, clause: List | None) -> tuple[nodes.Effect, ...]:
+    if clause is None:
+        return ()
+    made = []
+    for datum in clause.items[1:]:
+        negated = head_of(datum) == "not"
+        inner: Sequence[Datum] = (datum,)
+        if negated and isinstance(datum, List):
+            inner = datum.items[1:]
+        if len(inner) != 1:
+            message = "`not` takes one effect away; write one for each"
+            ctx.report("malformed-clause", message, datum)
+        for one in inner:
+            fact = pattern(ctx, one)
+            if fact is not None:
+                made.append(nodes.Effect(fact, negated, ctx.span(datum)))
+    return tuple(made)
+
+
+def _check_method_names(
+    ctx: Context, methods: Sequence[nodes.Method], data: Sequence[List]
+) -> None:
+    first: dict[str | int, List] = {}
+    for made, datum in zip(methods, data, strict=True):
+        if made.name is None:
+            continue
+        other = first.setdefault(made.name, datum)
+        if other is not datum:
+            ctx.report(
+                "duplicate-method",
+                f"two methods are named `{made.name}`",
+                datum.items[1],
+                labels=[(other.items[1], "the first is here")],
+                help="`method-tried` and `result-with-method` tell methods by name",
+            )

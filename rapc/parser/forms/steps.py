@@ -1,0 +1,247 @@
+"""Task-nets: steps with their goals and annotations (T 4.5.2, 4.8; S 3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Literal, cast
+
+from rapc.ir import nodes
+from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol
+from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.forms.formulas import formula
+from rapc.parser.forms.terms import goal, signal, term
+from rapc.parser.names import ANNOTATIONS, METHOD_CLAUSES, SLIPS
+from rapc.spell import nearest
+
+_MODES = ("proceed", "succeed", "fail")
+
+
+def task_net(ctx: Context, datum: List) -> nodes.TaskNet:
+    """`(task-net step...)`."""
+    made = [_step(ctx, row) for row in datum.items[1:]]
+    steps = tuple([step for step in made if step is not None])
+    return nodes.TaskNet(steps, ctx.span(datum))
+
+
+def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
+    """`(tag [priority] goal annotation...)`."""
+    tag = head_of(datum)
+    if tag is None or not isinstance(datum, List):
+        ctx.report(
+            "malformed-step",
+            "a step begins with its tag, a symbol",
+            datum,
+            help="write `(tag (rap args...) annotation...)`",
+        )
+        return None
+    items = datum.items[1:]
+    priority = 0
+    if items and isinstance(items[0], Numeral):
+        priority, items = _priority(ctx, items[0]), items[1:]
+    if not items:
+        ctx.report("malformed-step", f"the step `{tag}` asks for nothing", datum)
+        return None
+    asked = goal(ctx, items[0])
+    annotations = _annotations(ctx, items[1:])
+    if asked is None:
+        return None
+    return nodes.Step(tag, priority, asked, annotations, ctx.span(datum))
+
+
+def _priority(ctx: Context, datum: Numeral) -> int:
+    if isinstance(datum.value, int):
+        return datum.value
+    ctx.report("malformed-step", "a priority is an integer", datum)
+    return 0
+
+
+def _annotations(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Annotation, ...]:
+    made: list[nodes.Annotation] = []
+    at = 0
+    while at < len(data):
+        bare = _bare_for(ctx, data, at)
+        if bare is not None:
+            node, at = bare
+        else:
+            node, at = _annotation(ctx, data[at]), at + 1
+        made.extend([node] if node else [])
+    return tuple(made)
+
+
+def _bare_for(
+    ctx: Context, data: Sequence[Datum], at: int
+) -> tuple[nodes.Annotation | None, int] | None:
+    """`for tag`, alone or behind a formula, without the parentheses it needs."""
+    formed = isinstance(data[at], List) and head_of(data[at]) not in ANNOTATIONS
+    start = at + 1 if formed else at
+    if len(data) < start + 2 or not _is_for(data[start]):
+        return None
+    tag = data[start + 1]
+    if not isinstance(tag, Symbol):
+        return None
+    ctx.slip(
+        "bare-for",
+        "`for` stands in parentheses with its tag",
+        data[start],
+        fix=ctx.wrap(data[at], tag, "("),
+    )
+    asked = formula(ctx, data[at]) if formed else None
+    span = ctx.span(data[at]).to(ctx.span(tag))
+    lost = formed and asked is None
+    return None if lost else nodes.For(asked, tag.name, span), start + 2
+
+
+def _is_for(datum: Datum) -> bool:
+    return isinstance(datum, Symbol) and datum.name == "for"
+
+
+def _annotation(ctx: Context, datum: Datum) -> nodes.Annotation | None:
+    if not isinstance(datum, List) or not datum.items:
+        message = f"{kind_of(datum)} stands where an annotation is wanted"
+        ctx.report("malformed-annotation", message, datum)
+        return None
+    name = head_of(datum)
+    if name is not None and name in _READERS:
+        return _READERS[name](ctx, name, datum)
+    second = datum.items[1] if len(datum.items) > 1 else None
+    if second is not None and _is_for(second):
+        return _formula_for(ctx, datum)
+    if second is not None and head_of(second) == "for" and len(datum.items) == 2:
+        return _parenthesised_for(ctx, datum, second)
+    return _unknown(ctx, datum)
+
+
+def _formula_for(ctx: Context, datum: List) -> nodes.For | None:
+    """`(formula for tag)`."""
+    tag = datum.items[2] if len(datum.items) == 3 else None
+    asked = formula(ctx, datum.items[0])
+    if not isinstance(tag, Symbol):
+        message = "`for` is followed by the tag of one step"
+        ctx.report("malformed-annotation", message, datum.items[-1])
+        return None
+    return nodes.For(asked, tag.name, ctx.span(datum)) if asked else None
+
+
+def _parenthesised_for(ctx: Context, datum: List, second: Datum) -> nodes.For | None:
+    inner = cast(List, second)
+    ctx.slip(
+        "parenthesised-for",
+        "`for` behind a formula stands without parentheses of its own",
+        inner,
+        fix=ctx.replace(inner, ctx.text(inner)[1:-1].strip()),
+    )
+    whole = List((datum.items[0], *inner.items), datum.start, datum.end)
+    return _formula_for(ctx, whole)
+
+
+def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
+    first = datum.items[0]
+    help = "an annotation is `(formula for tag)`, `(for tag)`, `(until-end tag)`, ..."
+    if not isinstance(first, Symbol):
+        ctx.report("malformed-annotation", "this is no annotation", datum, help=help)
+        return None
+    if SLIPS.get(first.name) in ANNOTATIONS or nearest(first.name, ANNOTATIONS):
+        meant = ctx.unknown("unknown-annotation", "annotation", first, ANNOTATIONS)
+        return _READERS[meant](ctx, meant, datum) if meant else None
+    if first.name in METHOD_CLAUSES or isinstance(datum.items[-1], List):
+        help = "each step stands in parentheses of its own; is one missing?"
+    ctx.report(
+        "unknown-annotation", f"`{first.name}` is no annotation", first, help=help
+    )
+    return None
+
+
+def _tag(ctx: Context, name: str, datum: List) -> str | None:
+    """The one tag an annotation such as `(for tag)` names."""
+    if len(datum.items) == 2 and isinstance(datum.items[1], Symbol):
+        return datum.items[1].name
+    message = f"`{name}` takes the tag of one step"
+    ctx.report("malformed-annotation", message, datum)
+    return None
+
+
+def _for(ctx: Context, name: str, datum: List) -> nodes.For | None:
+    tag = _tag(ctx, name, datum)
+    return nodes.For(None, tag, ctx.span(datum)) if tag else None
+
+
+def _until_start(ctx: Context, name: str, datum: List) -> nodes.UntilStart | None:
+    tag = _tag(ctx, name, datum)
+    return nodes.UntilStart(tag, ctx.span(datum)) if tag else None
+
+
+def _until_end(ctx: Context, name: str, datum: List) -> nodes.UntilEnd | None:
+    tag = _tag(ctx, name, datum)
+    return nodes.UntilEnd(tag, ctx.span(datum)) if tag else None
+
+
+def _window(ctx: Context, name: str, datum: List) -> nodes.Window | None:
+    """`(window tag|now|absolute start stop)`."""
+    operands = datum.items[1:]
+    if len(operands) != 3 or not isinstance(operands[0], Symbol):
+        message = f"`{name}` takes a tag, `now` or `absolute`, and two times"
+        ctx.report("malformed-annotation", message, datum)
+        return None
+    start, stop = term(ctx, operands[1]), term(ctx, operands[2])
+    if start is None or stop is None:
+        return None
+    return nodes.Window(operands[0].name, start, stop, ctx.span(datum))
+
+
+def wait_for(
+    ctx: Context, datum: List, modes: Sequence[str] = _MODES
+) -> nodes.WaitFor | None:
+    """`(wait-for (:signal args...) [:proceed|:succeed|:fail])`.
+
+    Where `:proceed` is among the modes it is assumed.
+    """
+    operands = datum.items[1:]
+    if not operands:
+        message = "`wait-for` does not name a signal"
+        ctx.report("malformed-annotation", message, datum)
+        return None
+    awaited = signal(ctx, operands[0])
+    words = [f"`:{mode}`" for mode in modes]
+    said = operands[1] if len(operands) > 1 else None
+    mode = said.name[1:] if isinstance(said, Keyword) else None
+    if said is None and modes is _MODES:
+        mode = "proceed"
+    if mode not in modes or len(operands) > 2:
+        ctx.report(
+            "malformed-annotation",
+            f"behind its signal `wait-for` takes {' or '.join(words)}",
+            operands[2] if len(operands) > 2 else said or datum,
+        )
+        return None
+    if awaited is None:
+        return None
+    chosen = cast(Literal["proceed", "succeed", "fail"], mode)
+    return nodes.WaitFor(awaited.name, awaited.args, chosen, ctx.span(datum))
+
+
+def _wait_for(ctx: Context, name: str, datum: List) -> nodes.WaitFor | None:
+    return wait_for(ctx, datum)
+
+
+def _effect(ctx: Context, name: str, datum: List) -> nodes.ResourceEffect | None:
+    """`(set-add ?s x)` and the like (T 4.8.1)."""
+    operands = datum.items[1:]
+    if len(operands) != 2:
+        message = f"`{name}` takes a resource and one thing or amount"
+        ctx.report("malformed-annotation", message, datum)
+        return None
+    resource, amount = term(ctx, operands[0]), term(ctx, operands[1])
+    if resource is None or amount is None:
+        return None
+    op = cast(Literal["set-add", "set-sub", "counter-add", "counter-sub"], name)
+    return nodes.ResourceEffect(op, resource, amount, ctx.span(datum))
+
+
+_READERS: Mapping[str, Callable[[Context, str, List], nodes.Annotation | None]] = {
+    "for": _for,
+    "until-start": _until_start,
+    "until-end": _until_end,
+    "window": _window,
+    "wait-for": _wait_for,
+    **dict.fromkeys(("set-add", "set-sub", "counter-add", "counter-sub"), _effect),
+}

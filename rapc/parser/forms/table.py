@@ -1,0 +1,29 @@
+"""Which function reads which top-level form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from rapc.ir import nodes
+from rapc.parser.data import List
+from rapc.parser.forms import declarations, memory_rules, offers
+from rapc.parser.forms.context import Context
+from rapc.parser.forms.rap import define_rap
+from rapc.parser.forms.require import require
+
+FORMS: Mapping[str, Callable[[Context, List], nodes.TopForm | None]] = {
+    "define-rap": define_rap,
+    "declare-memory-proposition": declarations.proposition,
+    "declare-memory-property": declarations.property_,
+    "declare-memory-function": declarations.function,
+    "declare-indistinct-class": declarations.indistinct_class,
+    "declare-class-comparator": declarations.comparator,
+    "declare-primitive": offers.primitive,
+    "declare-sensor-datum": offers.datum,
+    "declare-skill": offers.skill,
+    "declare-event": offers.event,
+    "define-memory-rule": memory_rules.memory_rule,
+    "define-event-rule": memory_rules.event_rule,
+    "require": require,
+}
+"""The top-level forms by name."""

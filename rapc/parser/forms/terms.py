@@ -1,0 +1,172 @@
+"""Data to terms, propositions and goals: whatever has arguments (semantics 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rapc.ir import nodes
+from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol, Variable
+from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.names import CALLS, QUERIES
+from rapc.source import Span
+from rapc.terms import Text
+
+ARROW = "=>"
+"""The symbol between the inputs and the outputs of a goal."""
+
+_ARITY: Mapping[str, tuple[int, int | None, str]] = {
+    "+": (2, None, "two or more"),
+    "*": (2, None, "two or more"),
+    "/": (2, None, "two or more"),
+    "-": (1, None, "one or more"),
+    "size-of": (1, 1, "one"),
+    "value": (1, 1, "one"),
+}
+
+
+def term(ctx: Context, datum: Datum) -> nodes.Term | None:
+    """A constant, a variable or a computed term."""
+    span = Span(ctx.source.name, datum.start, datum.end)
+    if isinstance(datum, Variable):
+        return nodes.Var(datum.name, span)
+    if isinstance(datum, Symbol | Keyword):
+        return nodes.Const(datum.name, span)
+    if isinstance(datum, Numeral):
+        return nodes.Const(datum.value, span)
+    if isinstance(datum, List):
+        return _call(ctx, datum)
+    return nodes.Const(Text(datum.value), span)
+
+
+def terms(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Term, ...]:
+    """Terms in a row; what is none has been reported and is left out."""
+    made = (term(ctx, datum) for datum in data)
+    return tuple([node for node in made if node is not None])
+
+
+def _call(ctx: Context, datum: List) -> nodes.Call | None:
+    name = head_of(datum)
+    if name is None:
+        help = "a term in parentheses begins with the name of a function"
+        ctx.report("malformed-term", "this list is no term", datum, help=help)
+        return None
+    if name in QUERIES:
+        help = "only functions such as `+` may stand inside of arguments"
+        ctx.report(
+            "malformed-term",
+            f"`{name}` asks a question, it has no value",
+            datum,
+            help=help,
+        )
+        return None
+    args = terms(ctx, datum.items[1:])
+    least, most, words = _ARITY.get(name, (0, None, ""))
+    count = len(datum.items) - 1
+    if count < least or (most is not None and count > most):
+        plural = "argument" if words == "one" else "arguments"
+        ctx.report(
+            "malformed-term", f"`{name}` takes {words} {plural}, not {count}", datum
+        )
+        return None
+    return nodes.Call(name, args, ctx.span(datum))
+
+
+def pattern(ctx: Context, datum: Datum) -> nodes.Pattern | None:
+    """A plain proposition: a name and its arguments."""
+    name = head_of(datum)
+    if name is None or not isinstance(datum, List):
+        ctx.report(
+            "malformed-proposition",
+            f"a proposition is wanted here, not {_what(datum)}",
+            datum,
+            help="write a name and its arguments in parentheses",
+        )
+        return None
+    if name in QUERIES or name in CALLS:
+        ctx.report(
+            "malformed-proposition",
+            f"`{name}` heads no proposition",
+            datum,
+            help="only plain propositions can stand here",
+        )
+        return None
+    return nodes.Pattern(name, terms(ctx, datum.items[1:]), ctx.span(datum))
+
+
+def patterns(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:
+    """Propositions in a row; what is none has been reported and is left out."""
+    made = (pattern(ctx, datum) for datum in data)
+    return tuple([node for node in made if node is not None])
+
+
+def signal(ctx: Context, datum: Datum) -> nodes.Pattern | None:
+    """A skill, event or signal with its arguments: `(:name args...)`."""
+    if isinstance(datum, List) and datum.items:
+        first = datum.items[0]
+        if isinstance(first, Symbol):
+            ctx.slip(
+                "malformed-proposition",
+                f"the name `{first.name}` of a signal or skill begins with a colon",
+                first,
+                fix=ctx.replace(first, f":{first.name}"),
+            )
+        if isinstance(first, Symbol | Keyword):
+            name = first.name if first.name.startswith(":") else f":{first.name}"
+            return nodes.Pattern(name, terms(ctx, datum.items[1:]), ctx.span(datum))
+    ctx.report(
+        "malformed-proposition",
+        f"a signal or skill is wanted here, not {_what(datum)}",
+        datum,
+        help="write `(:name args...)`",
+    )
+    return None
+
+
+def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
+    """What a step or a task asks for: `(rap args... [=> outs...])`."""
+    name = head_of(datum)
+    if name is None or not isinstance(datum, List) or name == ARROW:
+        ctx.report(
+            "malformed-goal",
+            f"a goal is wanted here, not {_what(datum)}",
+            datum,
+            help="write the name of a RAP and its arguments in parentheses",
+        )
+        return None
+    inputs, outputs = split_arrow(ctx, datum)
+    made = terms(ctx, inputs)
+    outs = tuple(out for out in terms(ctx, outputs) if _plain(ctx, out, datum))
+    return nodes.Goal(name, made, outs, ctx.span(datum))
+
+
+def split_arrow(
+    ctx: Context, datum: List
+) -> tuple[tuple[Datum, ...], tuple[Datum, ...]]:
+    """What stands before and after the `=>` of an index or a goal."""
+    items = datum.items[1:]
+    places = [i for i, d in enumerate(items) if type(d) is Symbol and d.name == ARROW]
+    if not places:
+        return items, ()
+    first = places[0]
+    for place in places[1:]:
+        ctx.report(
+            "malformed-goal",
+            f"there is a second `{ARROW}`",
+            items[place],
+            labels=[(items[first], "the first is here")],
+        )
+    rest = tuple(d for i, d in enumerate(items) if i > first and i not in places)
+    return items[:first], rest
+
+
+def _plain(ctx: Context, out: nodes.Term, datum: Datum) -> bool:
+    if not isinstance(out, nodes.Call):
+        return True
+    ctx.report("malformed-goal", "an output is a variable or a constant", datum)
+    return False
+
+
+def _what(datum: Datum) -> str:
+    if isinstance(datum, List):
+        return "a list without a name" if datum.items else "an empty list"
+    return kind_of(datum)

@@ -1,0 +1,230 @@
+"""Tokens: one regular expression made of the grammar's terminals, and its atoms.
+
+`Notes` is the desk both readers work at: it turns atoms into data and keeps comments,
+findings and the places that make a form damaged. Lists are built elsewhere: by
+`rapc.parser.reader` while all is well, by `rapc.parser.recovery` when it is not.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from rapc.diagnostics import Applicability, Diagnostic, Edit, Fix
+from rapc.parser.data import (
+    Comment,
+    Datum,
+    Keyword,
+    Numeral,
+    Reading,
+    String,
+    Symbol,
+    TopLevel,
+    Variable,
+)
+from rapc.source import SourceFile
+from rapc.terms import format_atom, number
+
+MAX_DEPTH = 100
+"""How deep lists may nest."""
+
+MAX_NAME = 1000
+"""How many characters a symbol, variable or keyword may have."""
+
+MAX_NUMBER = 100
+"""How many characters a number may have: well within the range of floats."""
+
+OPEN, CLOSE, QUOTE, ATOM, STRING, COMMENT, BLOCK, OTHER = range(1, 9)
+"""The groups of `Lexicon.token`; OTHER is a character that begins nothing."""
+
+_BLOCK_MARK = re.compile(r"#\||\|#")
+_ESCAPE = re.compile(r"\\(.)", re.S)
+_NUMBER_LIKE = re.compile(r"[+-]?(?=\.?[0-9])[0-9]*\.?[0-9]*(?:e[+-]?[0-9]+)?", re.I)
+_MAKERS = {
+    "NUMBER": Numeral,
+    "VARIABLE": Variable,
+    "KEYWORD": Keyword,
+    "SYMBOL": Symbol,
+}
+_MEANT = str.maketrans(
+    {
+        **dict.fromkeys("'`,@#|\\:", ""),
+        **dict.fromkeys("[{", "("),
+        **dict.fromkeys("]}", ")"),
+        **dict.fromkeys("\u201c\u201d", '"'),
+    }
+)
+_QUOTES = frozenset("#'`,")
+
+
+class Lexicon:
+    """The compiled terminals of the grammar.
+
+    Args:
+        terminals: regular expressions without groups of their own, by terminal name.
+    """
+
+    def __init__(self, terminals: Mapping[str, str]) -> None:
+        kinds = tuple(_MAKERS)
+        space = terminals["WS"]
+        groups = [
+            *(terminals[name] for name in ("LPAR", "RPAR")),
+            "#'",
+            "|".join(terminals[kind] for kind in kinds),
+            *(terminals[name] for name in ("STRING", "COMMENT", "BLOCK_OPEN")),
+            rf"\|#|(?!{space})(?s:.)",
+        ]
+        choice = "|".join(f"({group})" for group in groups)
+        self.token = re.compile(rf"(?:{space})?(?:{choice}|\Z)")
+        self.atom = re.compile("|".join(f"(?P<{k}>{terminals[k]})" for k in kinds))
+
+
+def comment_end(text: str, start: int) -> int:
+    """Where the `#| |#` comment that begins at `start` ends, or -1."""
+    depth = 0
+    for mark in _BLOCK_MARK.finditer(text, start):
+        depth += 1 if mark[0] == "#|" else -1
+        if depth == 0:
+            return mark.end()
+    return -1
+
+
+class Notes:
+    """What is collected while a file is read.
+
+    `known` maps the text of atoms that gave no cause for complaint to their class and
+    value; `damage` holds the offsets of what had to be guessed at.
+    """
+
+    def __init__(self, source: SourceFile, lexicon: Lexicon) -> None:
+        self.source = source
+        self.lexicon = lexicon
+        self.comments: list[Comment] = []
+        self.diagnostics: list[Diagnostic] = []
+        self.damage: list[int] = []
+        self.known: dict[str, tuple[Callable[[Any, int, int], Datum], Any]] = {}
+        self._illegal: list[tuple[int, int]] = []
+
+    def comment(self, start: int, end: int) -> None:
+        """Keep a comment."""
+        text = self.source.text[start:end]
+        self.comments.append(Comment(text, self.source.span(start, end)))
+
+    def atom(self, raw: str, start: int, end: int) -> Datum:
+        """The datum of an atom that is not yet in `known`."""
+        match = self.lexicon.atom.match(raw)
+        kind = (match and match.lastgroup) or "SYMBOL"
+        if kind == "NUMBER":
+            return self._number(raw, start, end)
+        if kind == "SYMBOL" and len(raw) <= MAX_NAME and _NUMBER_LIKE.fullmatch(raw):
+            return self._number_like(raw, start, end)
+        maker: Callable[[Any, int, int], Datum] = _MAKERS[kind]
+        if len(raw) > MAX_NAME:
+            self._too_long("name", MAX_NAME, start, end)
+            return maker(raw[:MAX_NAME].lower(), start, end)
+        value = sys.intern(raw.lower())
+        self.known[raw] = (maker, value)
+        return maker(value, start, end)
+
+    def string(self, start: int, end: int) -> String:
+        """The datum of a string with its quotes."""
+        value = self.source.text[start + 1 : end - 1]
+        if "\\" in value:
+            value = _ESCAPE.sub(r"\1", value)
+        return String(value, start, end)
+
+    def illegal(self, start: int, end: int) -> None:
+        """Keep characters that begin nothing; neighbours make one finding."""
+        if self._illegal and self._illegal[-1][1] == start:
+            start = self._illegal.pop()[0]
+        if start or self.source.text[0] != "\ufeff":
+            self._illegal.append((start, end))
+
+    def finish(self, forms: Iterable[Datum]) -> Reading:
+        """The reading of a file with these data at its top level."""
+        for start, end in self._illegal:
+            self._report_illegal(start, end)
+        found = sorted(self.diagnostics, key=lambda d: d.span.start)
+        damage = sorted(self.damage)
+        top = tuple(TopLevel(form, _hit(form, damage)) for form in forms)
+        return Reading(self.source, top, tuple(self.comments), tuple(found))
+
+    def _number(self, raw: str, start: int, end: int) -> Datum:
+        if len(raw) > MAX_NUMBER:
+            self._too_long("number", MAX_NUMBER, start, end)
+            return Numeral(0, start, end)
+        value = number(float(raw)) if "." in raw else int(raw)
+        self.known[raw] = (Numeral, value)
+        return Numeral(value, start, end)
+
+    def _number_like(self, raw: str, start: int, end: int) -> Datum:
+        value = float(raw) if len(raw) <= MAX_NUMBER else math.inf
+        fits = abs(value) < 10.0**MAX_NUMBER
+        content = format_atom(number(value)) if fits else "0"
+        span = self.source.span(start, end)
+        fix = Fix(Applicability.SAFE, f"write `{content}`", (Edit(span, content),))
+        self.diagnostics.append(
+            Diagnostic(
+                "malformed-number",
+                f"`{raw[:MAX_NUMBER]}` is no number of this language",
+                span,
+                help="numbers are integers such as `-3` and decimals such as `0.5`",
+                fix=fix if fits else None,
+            )
+        )
+        return Numeral(number(float(content)), start, end)
+
+    def _too_long(self, what: str, limit: int, start: int, end: int) -> None:
+        self.damage.append(start)
+        self.diagnostics.append(
+            Diagnostic(
+                "too-long",
+                f"a {what} of {end - start} characters is longer than {limit}",
+                self.source.span(start, start + 20),
+                label="it begins here",
+            )
+        )
+
+    def _report_illegal(self, start: int, end: int) -> None:
+        text = self.source.text[start:end]
+        harmless = text.isspace() or _QUOTES.issuperset(text) or text == "|#"
+        if not harmless:
+            self.damage.append(start)
+        content = " " if text.isspace() else text.translate(_MEANT)
+        span = self.source.span(start, end)
+        doing = f"write `{content}` for it" if content.strip() else "take it out"
+        sure = Applicability.SAFE if harmless else Applicability.UNSAFE
+        self.diagnostics.append(
+            Diagnostic(
+                "illegal-character",
+                f"{_shown(text)} means nothing here",
+                span,
+                help=_advice(text),
+                fix=Fix(sure, doing, (Edit(span, content),)),
+            )
+        )
+
+
+def _hit(form: Datum, damage: list[int]) -> bool:
+    at = bisect_left(damage, form.start)
+    return at < len(damage) and damage[at] <= form.end
+
+
+def _shown(text: str) -> str:
+    if text.isprintable() and not text.isspace():
+        return f"`{text[:10]}`"
+    return f"the character U+{ord(text[0]):04X}"
+
+
+def _advice(text: str) -> str:
+    if text == "|#":
+        return "no comment is open here"
+    if _QUOTES.issuperset(text):
+        return "symbols and lists stand for themselves: nothing is quoted"
+    if any(mark in text for mark in "[]{}"):
+        return "lists are written with parentheses"
+    return ""
