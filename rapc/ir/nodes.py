@@ -257,7 +257,7 @@ class WaitFor(Node, frozen=True, eq=False):
 
 
 class ResourceEffect(Node, frozen=True, eq=False):
-    """`(set-add ?s x)`, `(set-sub ?s x)`, `(counter-add ?c n)`, `(counter-sub ?c n)`."""
+    """`(set-add ?s x)`, `(set-sub ?s x)`, `(counter-add ?c n)`, `(counter-sub ...)`."""
 
     op: Literal["set-add", "set-sub", "counter-add", "counter-sub"]
     resource: Term
@@ -359,7 +359,7 @@ class Exclusion(Node, frozen=True, eq=False):
 
 
 class DeclareProposition(Node, frozen=True, eq=False):
-    """`(declare-memory-proposition name (arg...) ["doc"])`; `args` None if not given."""
+    """`(declare-memory-proposition name (arg...) ["doc"])`; `args` may be missing."""
 
     name: str
     args: tuple[Argument, ...] | None

@@ -5,19 +5,34 @@ Linking what several files define is for `rapc.library`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import cast
 
 import msgspec
 
 from rapc.diagnostics import Diagnostic
 from rapc.ir import nodes
-from rapc.parser.data import Comment, Datum, List, Symbol
+from rapc.parser.data import Comment, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.table import FORMS
+from rapc.parser.forms.terms import goal, pattern
 from rapc.parser.reader import read
 from rapc.source import SourceFile, Span
+from rapc.spell import nearest
+from rapc.terms import Atom, Fact
 
-__all__ = ("Comment", "Parsed", "parse")
+__all__ = (
+    "Comment",
+    "Parsed",
+    "TextError",
+    "parse",
+    "parse_fact",
+    "parse_goal_options",
+    "parse_pattern",
+)
+
+GOAL_OPTIONS = (":priority", ":deadline", ":at", ":background")
+"""What may be said about a top-level task behind its goal."""
 
 
 class Parsed(msgspec.Struct, frozen=True):
@@ -68,3 +83,95 @@ def _form(ctx: Context, datum: Datum) -> nodes.TopForm | None:
         meant = ctx.unknown("unknown-form", "top-level form", word, FORMS)
         return FORMS[meant](ctx, datum) if meant else None
     return FORMS[name](ctx, datum)
+
+
+class TextError(ValueError):
+    """A small text that is not what it should be; the message is one line."""
+
+
+def parse_fact(text: str) -> Fact:
+    """A ground proposition, as in `(location box-1 depot)`.
+
+    Raises:
+        TextError: if the text is anything else.
+    """
+    made = parse_pattern(text)
+    values: list[Atom] = []
+    for arg in made.args:
+        if not isinstance(arg, nodes.Const):
+            what = "a variable" if isinstance(arg, nodes.Var) else "a computed term"
+            raise TextError(f"a fact holds values only, not {what}: {text.strip()}")
+        values.append(arg.value)
+    return (made.name, *values)
+
+
+def parse_pattern(text: str) -> nodes.Pattern:
+    """A proposition that may hold variables, as in `(location ?x depot)`.
+
+    Raises:
+        TextError: if the text is anything else.
+    """
+    ctx, data = _small(text)
+    made = pattern(ctx, data[0])
+    _complain(ctx)
+    if made is None or len(data) > 1:
+        raise TextError(f"one proposition is wanted, not more: {text.strip()}")
+    return made
+
+
+def parse_goal_options(text: str) -> tuple[nodes.Goal, Mapping[str, Atom]]:
+    """A goal with options, as in `(fetch box) :priority 4 :at 120`.
+
+    The options come by name without the colon: `priority` (an integer), `deadline`
+    and `at` (absolute times), `background` (`true` or `false`).
+
+    Raises:
+        TextError: if the text is anything else.
+    """
+    ctx, data = _small(text)
+    made = goal(ctx, data[0])
+    _complain(ctx)
+    options: dict[str, Atom] = {}
+    rest = list(data[1:])
+    while rest:
+        word = rest.pop(0)
+        if not isinstance(word, Keyword):
+            raise TextError(f"an option begins with a colon: {ctx.text(word)}")
+        if word.name not in GOAL_OPTIONS:
+            near = nearest(word.name, GOAL_OPTIONS)
+            hint = f"; did you mean {near}?" if near else ""
+            raise TextError(f"unknown option {word.name}{hint}")
+        if word.name[1:] in options:
+            raise TextError(f"{word.name} is given twice")
+        options[word.name[1:]] = _option(word.name, rest.pop(0) if rest else None)
+    if made is None:
+        raise TextError(f"a goal is wanted, as in (rap args): {text.strip()}")
+    return made, options
+
+
+def _option(name: str, value: Datum | None) -> Atom:
+    if name == ":background":
+        if isinstance(value, Symbol) and value.name in ("true", "false"):
+            return value.name
+        raise TextError(f"{name} takes true or false")
+    if not isinstance(value, Numeral):
+        raise TextError(f"{name} takes a number")
+    if name == ":priority" and not isinstance(value.value, int):
+        raise TextError(f"{name} takes an integer")
+    return value.value
+
+
+def _small(text: str) -> tuple[Context, tuple[Datum, ...]]:
+    """The data of a small text, at least one. Raises TextError."""
+    source = SourceFile("", text)
+    reading = read(source)
+    for found in reading.diagnostics:
+        raise TextError(f"{found.message}: {text.strip()}")
+    if not reading.forms:
+        raise TextError("the text is empty")
+    return Context(source), tuple(top.datum for top in reading.forms)
+
+
+def _complain(ctx: Context) -> None:
+    for found in ctx.diagnostics:
+        raise TextError(f"{found.message}: {ctx.source.text.strip()}")
