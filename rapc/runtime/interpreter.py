@@ -11,8 +11,6 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import msgspec
-
 from rapc.compiler.plans import CompiledLibrary
 from rapc.resources import Value
 from rapc.runtime.cycle import run_cycle
@@ -23,26 +21,13 @@ from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused, refusals, refuse_tasks
 from rapc.runtime.requests import take_in
+from rapc.runtime.submission import Submission
 from rapc.runtime.task import Task
 from rapc.runtime.world import Time, World
-from rapc.terms import Atom, Fact
+from rapc.terms import Atom
 
 FORMAT = 1
 """The version of the trace format."""
-
-
-class Submission(msgspec.Struct, frozen=True):
-    """A top-level task: a goal `(rap args...)` and how it is to be run.
-
-    `deadline` and `at` are absolute times; a task that stands in the `background`
-    does not keep the run going.
-    """
-
-    goal: Fact
-    priority: int = 0
-    deadline: Time | None = None
-    at: Time | None = None
-    background: bool = False
 
 
 class Interpreter:
@@ -122,6 +107,10 @@ class Interpreter:
         memory = self._machine.memory
         memory.assert_fact(memory.checked(fact), "user")
 
+    def check_fact(self, *fact: Atom) -> None:
+        """Look at a fact without asserting it. Raises FactError as `assert_fact`."""
+        self._machine.memory.checked(fact)
+
     def submit(self, task: Submission) -> None:
         """Give the robot a task, now or for a later time.
 
@@ -129,13 +118,17 @@ class Interpreter:
             Refused: for an unknown RAP, a wrong number of inputs, or a task that can
                 reach something this version cannot run.
         """
-        refuse_tasks(self._machine.library, [task.goal])
+        self.check([task])
         self.start()
         if task.at is not None and task.at > self.now:
             self._serial += 1
             heapq.heappush(self._scheduled, (task.at, self._serial, task))
         else:
             self._create(task)
+
+    def check(self, tasks: Sequence[Submission]) -> None:
+        """Look at tasks without running anything. Raises Refused as `submit`."""
+        refuse_tasks(self._machine.library, [task.goal for task in tasks])
 
     def _create(self, submission: Submission) -> None:
         machine = self._machine

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 
@@ -21,6 +21,11 @@ from rapc.runtime.monitors import Monitors
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.task import Task
 from rapc.runtime.world import Time, World
+from rapc.spell import nearest
+from rapc.terms import number
+
+_Count = Annotated[int, msgspec.Meta(ge=1)]
+_Cost = Annotated[int | float, msgspec.Meta(ge=0)]
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -31,9 +36,36 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     units that a cycle takes (T 7.2.1).
     """
 
-    futile_limit: int = 2
-    idle_cycles: int = 100_000
-    cycle_cost: int | float = 0
+    futile_limit: _Count = 2
+    idle_cycles: _Count = 100_000
+    cycle_cost: _Cost = 0
+
+
+class SettingError(ValueError):
+    """A setting that does not exist or takes another value; one line of text."""
+
+
+def read_settings(texts: Mapping[str, str]) -> Settings:
+    """Settings from text, by the names of the command line (`futile-limit`).
+
+    Raises:
+        SettingError: for an unknown name, or a value that is no number or negative.
+    """
+    names = {n.replace("_", "-"): n for n in Settings.__struct_fields__}
+    values: dict[str, object] = {}
+    for name, text in texts.items():
+        if name not in names:
+            near = nearest(name, names)
+            hint = f"; did you mean `{near}`?" if near else ""
+            raise SettingError(f"there is no setting `rapc.{name}`{hint}")
+        try:
+            values[names[name]] = number(float(text))
+        except ValueError:
+            raise SettingError(f"`rapc.{name}` takes a number, not `{text}`") from None
+    try:
+        return msgspec.convert(values, Settings)
+    except msgspec.ValidationError as error:
+        raise SettingError(f"`rapc` settings: {error}") from None
 
 
 class Machine:

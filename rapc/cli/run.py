@@ -1,0 +1,203 @@
+"""`rapc run`: run tasks of a library against a world."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rapc.cli.common import fail, load_checked
+from rapc.compiler.plans import CompiledLibrary
+from rapc.parser.parse import TextError, parse_fact
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.machine import SettingError, Settings, read_settings
+from rapc.runtime.memory.memory import FactError
+from rapc.runtime.refusals import Refused
+from rapc.runtime.report import Report
+from rapc.runtime.submission import Submission, read_submission
+from rapc.runtime.trace import JsonTrace, TextTrace
+from rapc.terms import Fact, number
+from rapc.worlds import registry
+
+EXAMPLES = """\b
+Examples:
+  rapc run rocks.rap --world truck --task '(fill-order red 4 factory-1)'
+  rapc run rocks.rap --world truck --task '(wakeup)' --seed 7 -q --trace run.jsonl
+  rapc run my.rap --world truck --set truck.fuel=20 --set rapc.futile-limit=3 \\
+      --task '(patrol) :priority 4 :background true' --until 500
+"""
+
+
+@click.command(
+    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.argument("path")
+@click.option("--world", "world_name", required=True, help="World to run against.")
+@click.option(
+    "--task",
+    "tasks",
+    multiple=True,
+    required=True,
+    metavar="'(RAP ARGS) [OPTIONS]'",
+    help="Task to run; :priority N, :deadline T, :at T, :background true may follow.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the run.")
+@click.option("--until", type=float, help="Time at which to stop.")
+@click.option(
+    "--fact",
+    "facts",
+    multiple=True,
+    metavar="'(FACT)'",
+    help="Fact in memory at first.",
+)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="OWNER.NAME=VALUE",
+    help="Option of the world, or rapc.NAME for a setting of the interpreter.",
+)
+@click.option("--trace", type=click.Path(dir_okay=False), help="File for the trace.")
+@click.option(
+    "--trace-format",
+    type=click.Choice(["jsonl", "text"]),
+    default="jsonl",
+    show_default=True,
+    help="Form of the trace file.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="No trace on standard output.")
+def run(
+    path: str,
+    world_name: str,
+    tasks: Sequence[str],
+    seed: int,
+    until: float | None,
+    facts: Sequence[str],
+    settings: Sequence[str],
+    trace: str | None,
+    trace_format: str,
+    quiet: bool,
+) -> None:
+    """Run tasks of the library at PATH against a world.
+
+    The trace goes to standard output, a short report closes it. Exit status: 0 if
+    every task that is not in the background succeeded, 1 if one did not, 2 if nothing
+    could be run.
+    """
+    library = load_checked(path)
+    submissions = [_submission(text) for text in tasks]
+    known = [_fact(text) for text in facts]
+    interpreter, options = _build(library, world_name, seed, settings)
+    _refuse(interpreter, submissions, known)
+    with ExitStack() as stack:
+        report = _listeners(stack, interpreter, trace, trace_format, quiet)
+        interpreter.start(options, tasks)
+        for fact in known:
+            interpreter.assert_fact(*fact)
+        for submission in submissions:
+            interpreter.submit(submission)
+        try:
+            interpreter.run(until=_time(until))
+        except KeyboardInterrupt:
+            interpreter.end("cancelled")
+    for line in report.lines():
+        click.echo(line)
+    if interpreter.reason in ("stuck", "runaway"):
+        for line in interpreter.waiting():
+            click.echo(f"  {line}")
+    results = [r for r in interpreter.results() if not r.background]
+    if not all(result.outcome == "succeeded" for result in results):
+        raise SystemExit(1)
+
+
+def _submission(text: str) -> Submission:
+    try:
+        return read_submission(text)
+    except TextError as error:
+        fail(f"--task: {error}")
+
+
+def _time(until: float | None) -> int | float | None:
+    if until is None:
+        return None
+    try:
+        return number(until)
+    except ValueError:
+        fail("--until takes a finite number")
+
+
+def _fact(text: str) -> Fact:
+    try:
+        return parse_fact(text)
+    except TextError as error:
+        fail(f"--fact: {error}")
+
+
+def _build(
+    library: CompiledLibrary, world_name: str, seed: int, settings: Sequence[str]
+) -> tuple[Interpreter, Mapping[str, Any]]:
+    """The interpreter for a library in a world; ends the command if it cannot be."""
+    own: dict[str, str] = {}
+    texts: dict[str, str] = {}
+    try:
+        world_class = registry.find_world(world_name)
+        for setting in settings:
+            owner, name, value = registry.split_setting(setting)
+            if owner not in ("rapc", world_class.name):
+                fail(f"--set: `{owner}` is neither `rapc` nor `{world_class.name}`")
+            (own if owner == "rapc" else texts)[name] = value
+        options = registry.read_options(world_class, texts)
+        world = registry.build_world(world_class, seed, options)
+    except registry.WorldError as error:
+        fail(error.message, error.help)
+    try:
+        return Interpreter(library, world, seed, _settings(own)), options
+    except Refused as refused:
+        fail(*refused.reasons)
+
+
+def _settings(texts: Mapping[str, str]) -> Settings:
+    try:
+        return read_settings(texts)
+    except SettingError as error:
+        fail(f"--set: {error}")
+
+
+def _listeners(
+    stack: ExitStack,
+    interpreter: Interpreter,
+    trace: str | None,
+    trace_format: str,
+    quiet: bool,
+) -> Report:
+    if not quiet:
+        interpreter.listen(TextTrace(sys.stdout))
+    if trace is not None:
+        try:
+            opened = Path(trace).open("w", encoding="utf-8")  # noqa: SIM115  # see stack
+        except OSError as error:
+            fail(f"cannot write `{trace}`: {error.strerror}")
+        stream = stack.enter_context(opened)
+        form = JsonTrace if trace_format == "jsonl" else TextTrace
+        interpreter.listen(form(stream))
+    report = Report()
+    interpreter.listen(report)
+    return report
+
+
+def _refuse(
+    interpreter: Interpreter, submissions: Sequence[Submission], facts: Sequence[Fact]
+) -> None:
+    """Refuse tasks and facts that cannot be, before anything is run or written."""
+    try:
+        interpreter.check(submissions)
+        for fact in facts:
+            interpreter.check_fact(*fact)
+    except Refused as refused:
+        fail(*refused.reasons)
+    except FactError as error:
+        fail(f"--fact: {error}")

@@ -1,0 +1,58 @@
+"""Top-level tasks: what a host, or a user on the command line, asks the robot to do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import msgspec
+
+from rapc.ir.nodes import Const
+from rapc.parser.parse import TextError, parse_goal_options
+from rapc.runtime.world import Time
+from rapc.terms import Atom, Fact
+
+
+class Submission(msgspec.Struct, frozen=True):
+    """A top-level task: a goal `(rap args...)` and how it is to be run.
+
+    `deadline` and `at` are absolute times; a task that stands in the `background`
+    does not keep the run going.
+    """
+
+    goal: Fact
+    priority: int = 0
+    deadline: Time | None = None
+    at: Time | None = None
+    background: bool = False
+
+
+def read_submission(text: str) -> Submission:
+    """A task from text: `(rap args) :priority 4 :deadline 290 :at 120`.
+
+    Raises:
+        TextError: a ValueError with one line that says what is wrong.
+    """
+    goal, options = parse_goal_options(text)
+    args = [arg.value for arg in goal.args if isinstance(arg, Const)]
+    if len(args) != len(goal.args) or goal.outputs:
+        raise TextError("the inputs of a task must be symbols, numbers or strings")
+    background = options.get("background", "false")
+    if background not in ("true", "false"):
+        raise TextError(f"`:background` takes true or false, not `{background}`")
+    priority = options.get("priority", 0)
+    if not isinstance(priority, int):
+        raise TextError(f"`:priority` takes a whole number, not `{priority}`")
+    return Submission(
+        goal=(goal.name, *args),
+        priority=priority,
+        deadline=_time(options, "deadline"),
+        at=_time(options, "at"),
+        background=background == "true",
+    )
+
+
+def _time(options: Mapping[str, Atom], name: str) -> Time | None:
+    value = options.get(name)
+    if value is not None and not isinstance(value, int | float):
+        raise TextError(f"`:{name}` takes a time, not `{value}`")
+    return value
