@@ -129,7 +129,7 @@ def arm_toggle(scene: Scene, name: Atom, thing: Atom) -> Reply:
 def arm_examine(scene: Scene, name: Atom, thing: Atom) -> Reply:
     """Feel the contents and the size of an item that the arm is at or holds."""
     item = scene.item(thing)
-    if item is None or (item is not scene.at(name) and item.place != name):
+    if item is None or item not in (scene.at(name), scene.held(name, thing)):
         return NOT_AT
     size: Fact = ("size", scene.sensor_name(item), scene.kind(item).size)
     return Reply(OKAY, (*contents(scene, item), size))

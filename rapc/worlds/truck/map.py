@@ -31,14 +31,7 @@ DIRECTIONS: tuple[str, ...] = get_args(Direction)
 
 PlaceKind = Literal["quarry", "factory", "warehouse", "depot", "zone"]
 Name = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
-Amount = (
-    Annotated[int, msgspec.Meta(gt=0, le=1_000_000)]
-    | Annotated[float, msgspec.Meta(gt=0, le=1_000_000)]
-)
-Chance = (
-    Annotated[int, msgspec.Meta(ge=0, le=1)]
-    | Annotated[float, msgspec.Meta(ge=0, le=1)]
-)
+_MOST = 1_000_000
 
 PRODUCTS: Mapping[str, str] = {
     "quarry": "rock",
@@ -82,9 +75,9 @@ class Road(
     a: str
     direction: Direction
     b: str
-    time: Amount
-    fuel: Amount
-    mishap: Chance = 0
+    time: Number
+    fuel: Number
+    mishap: Number = 0
 
 
 class Lying(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -188,6 +181,10 @@ def _problems(made: Map) -> Iterator[str]:
             yield from _unknown(end, places, f"an end of `{road.name}`")
         if road.a == road.b:
             yield f"`{road.name}` leads from `{road.a}` to itself"
+        if not (0 < road.time <= _MOST and 0 <= road.fuel <= _MOST):
+            yield f"`{road.name}` must take time, and no less fuel than none"
+        if not 0 <= road.mishap <= 1:
+            yield f"`{road.name}`: the chance of a mishap is not from 0 to 1"
     yield from _crossed(made)
     yield from _bad_colors(made)
     for lying in made.items:

@@ -124,7 +124,7 @@ class Scene:
 
     def held(self, arm: object, sensor_name: object) -> Item | None:
         """The item of a sensor name if that arm holds it, or None."""
-        item = self.item(sensor_name)
+        item = self.item(sensor_name) if arm in ARMS else None
         return item if item is not None and item.place == arm else None
 
     def at(self, arm: object) -> Item | None:

@@ -1,0 +1,135 @@
+"""Maps and options: what is accepted, and how the rest is refused."""
+
+from __future__ import annotations
+
+import json
+import random
+from typing import Any
+
+import pytest
+
+from rapc.terms import Text
+from rapc.worlds.truck import TruckWorld
+from rapc.worlds.truck.default_map import MAP
+from rapc.worlds.truck.map import MapError, opposite, read_map
+from rapc.worlds.truck.options import Settings, describe_options, read_settings
+
+from .drive import PLACES, ROADS, map_text, rock, thing
+
+
+def changed(**parts: Any) -> str:
+    return json.dumps({**json.loads(map_text()), **parts})
+
+
+def road(**parts: Any) -> list[dict[str, Any]]:
+    return [{**ROADS[0], "time": 30, "fuel": 1, **parts}]
+
+
+def test_the_default_map_has_all_that_the_thesis_names() -> None:
+    made = read_map(MAP)
+    kinds = [place.kind for place in made.places]
+    counts = {kind: kinds.count(kind) for kind in kinds}
+    assert counts == {
+        "factory": 3,
+        "zone": 6,
+        "quarry": 3,
+        "warehouse": 1,
+        "depot": 1,
+    }
+    assert {place.color for place in made.places} == {None, "red", "blue", "yellow"}
+    for place in made.places:
+        assert any(True for _ in made.legs(place.name)), place.name
+
+
+def test_the_default_map_lies_as_its_directions_say() -> None:
+    """Walking the roads by their directions gives every place one spot on a plane."""
+    made = read_map(MAP)
+    north = {"north": 1, "northeast": 1, "northwest": 1}
+    north |= {"south": -1, "southeast": -1, "southwest": -1}
+    heights: dict[str, int] = {}
+    rows = {"1": 2, "2": 2, "3": 1, "4": 1, "5": 0, "6": 0}
+    for place in made.places:
+        if place.kind == "zone":
+            heights[place.name] = rows[place.name[-1]]
+        elif place.kind in ("quarry", "factory"):
+            heights[place.name] = 3 - int(place.name[-1])
+    heights |= {"warehouse": 3, "depot": -1}
+    for way in made.roads:
+        rise = heights[way.b] - heights[way.a]
+        assert rise == north.get(way.direction, 0), way.name
+
+
+def test_opposites_are_half_a_turn_apart() -> None:
+    assert opposite("north") == "south"
+    assert opposite(opposite("southwest")) == "southwest"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "cannot be read: input data was truncated"),
+        ("[1]", "cannot be read: expected `object`, got `array`"),
+        ('{"start": "depot"}', "missing required field `places`"),
+        (changed(colour="red"), "unknown field `colour`"),
+        (changed(start="dpot"), "the start is `dpot`, which is unknown; did you mean"),
+        (changed(heading="up"), "invalid enum value 'up'"),
+        (changed(roads=road(to="moon")), "an end of `road-1` is `moon`"),
+        (changed(roads=road(to="depot")), "`road-1` leads from `depot` to itself"),
+        (changed(roads=road(time=0)), "`road-1` must take time"),
+        (changed(roads=road(fuel=-1)), "`road-1` must take time, and no less fuel"),
+        (changed(roads=road(mishap=2)), "`road-1`: the chance of a mishap"),
+        (changed(roads=road(name="bay1")), "`bay1` cannot be the name"),
+        (changed(roads=road(name="zone-1")), "`zone-1` stands for two"),
+        (changed(roads=[*road(), *road(name="road-9")]), "both lead north from `depot`"),
+        (changed(places=[*PLACES, {"name": "Q", "kind": "zone"}]), "matching regex"),
+        (changed(items=[rock("nowhere")]), "the place of a `rock` is `nowhere`"),
+        (changed(items=[thing("drum")]), "an item's kind is `drum`"),
+        (changed(items=[thing("rock")]), "a rock has a colour"),
+        (
+            changed(places=[*PLACES, {"name": "q", "kind": "quarry"}]),
+            "`q`: a quarry has a colour",
+        ),
+    ],
+)
+def test_a_map_that_makes_no_sense_is_refused(text: str, message: str) -> None:
+    with pytest.raises(MapError, match=r"[^\n]+") as caught:
+        read_map(text)
+    assert message in str(caught.value)
+
+
+def test_a_world_says_which_option_is_to_blame() -> None:
+    with pytest.raises(ValueError, match=r"^`map`: cannot be read"):
+        TruckWorld(random.Random(0), {"map": Text("{")})
+    with pytest.raises(ValueError, match=r"^`orders`: `zone-1` is no factory"):
+        TruckWorld(random.Random(0), {"orders": Text('[[0, "red", 4, "zone-1"]]')})
+    with pytest.raises(ValueError, match=r"^`orders`: "):
+        TruckWorld(random.Random(0), {"orders": Text('[[0, "green", 4, "depot"]]')})
+    with pytest.raises(ValueError, match="`fuel` is more than `fuel-capacity`"):
+        TruckWorld(random.Random(0), {"fuel": 31})
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"arm1-drops": 101}, "`arm1-drops` must be between 0 and 100"),
+        ({"quarry-interval": -1}, "`quarry-interval` must be between 0 and"),
+        ({"depot-interval": 0.5}, "`depot-interval` must be 0 or at least 1"),
+        ({"item-limit": "many"}, "expected `int`, got `str` - at `item-limit`"),
+    ],
+)
+def test_an_option_out_of_range_is_refused(options: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=r"[^\n]+") as caught:
+        read_settings(options)
+    assert message in str(caught.value)
+
+
+def test_every_option_is_described_once_with_its_default() -> None:
+    described = {option.name: option for option in describe_options()}
+    assert len(described) == len(Settings.__struct_fields__)
+    assert described["arm2-capacity"].default == 15
+    assert described["arm2-capacity"].unit == "size"
+    assert described["item-limit"].kind == "integer"
+    assert described["map"].default == Text("")
+    assert all(option.doc for option in described.values())
+    defaults = {name: option.default for name, option in described.items()}
+    assert read_settings(defaults) == Settings()
