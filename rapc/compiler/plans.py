@@ -13,6 +13,7 @@ from rapc.compiler.query import Query, TermValue
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.library import Library
+from rapc.parser.printer import format_formula
 from rapc.source import Span
 
 _DONE = nodes.History("last-result", (nodes.Const("okay"),))
@@ -37,6 +38,7 @@ class StepPlan:
         "outputs",
         "position",
         "until",
+        "waits",
         "windows",
     )
 
@@ -45,17 +47,18 @@ class StepPlan:
         self.position = position
         where = compiler.place(f"step `{node.tag}`", node.span)
         self.args = tuple(TermValue(arg, where) for arg in node.goal.args)
-        self.outputs = tuple(OutputPlan(out, where) for out in node.goal.outputs)
+        self.outputs = tuple(ReceiverPlan(out, where) for out in node.goal.outputs)
         self.before = 0
         self.after: list[int] = []
         self.conditions: list[tuple[int, Query]] = []
         self.until: list[tuple[int, bool]] = []
         self.windows: list[WindowPlan] = []
         self.effects: list[EffectPlan] = []
+        self.waits: list[WaitPlan] = []
 
 
-class OutputPlan:
-    """What a step does with an output: bind a variable, or compare (semantics 3)."""
+class ReceiverPlan:
+    """What a value that arrives meets: it binds a variable or is compared."""
 
     __slots__ = ("anonymous", "term", "variable")
 
@@ -63,6 +66,18 @@ class OutputPlan:
         self.term = TermValue(term, where)
         self.variable = term.name if isinstance(term, nodes.Var) else None
         self.anonymous = isinstance(term, nodes.Var) and term.anonymous
+
+
+class WaitPlan:
+    """A `wait-for` of a step: the signal, what it brings, and what it does."""
+
+    __slots__ = ("args", "mode", "signal", "text")
+
+    def __init__(self, node: nodes.WaitFor, where: str) -> None:
+        self.signal = node.signal
+        self.mode = node.mode
+        self.args = tuple(ReceiverPlan(arg, where) for arg in node.args)
+        self.text = format_formula(nodes.Pattern(node.signal, node.args))
 
 
 class WindowPlan:
@@ -260,6 +275,9 @@ def _annotate(
         start = TermValue(annotation.start, where)
         stop = TermValue(annotation.stop, where)
         plan.windows.append(WindowPlan(reference, start, stop))
+    elif isinstance(annotation, nodes.WaitFor):
+        where = compiler.place("wait-for", annotation.span)
+        plan.waits.append(WaitPlan(annotation, where))
     elif isinstance(annotation, nodes.ResourceEffect):
         plan.effects.append(EffectPlan(compiler, annotation))
 

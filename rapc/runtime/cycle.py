@@ -7,19 +7,21 @@ ends the cycle.
 from __future__ import annotations
 
 from rapc.compiler.plans import MethodPlan
+from rapc.runtime.beginnings import (
+    create,
+    fill_inputs,
+    let_go,
+    repeats_ancestor,
+    state_windows,
+)
 from rapc.runtime.choice import Choice, choose
 from rapc.runtime.endings import (
     FUTILE_LOOP,
     INTERFERENCE,
     NO_METHOD,
-    create,
     end_method,
     fail,
-    fill_inputs,
     late_recursion,
-    let_go,
-    repeats_ancestor,
-    state_windows,
     succeed,
     until,
 )

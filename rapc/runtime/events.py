@@ -153,6 +153,13 @@ class ResourceChanged(Event, frozen=True, kw_only=True):
     what: str
 
 
+class Signal(Event, frozen=True, kw_only=True):
+    """A signal came; `task` is the one it was for, if it was for one alone."""
+
+    task: int | None
+    what: str
+
+
 class QueryFaulted(Event, frozen=True, kw_only=True):
     """A query met an unbound variable or a value of the wrong kind."""
 

@@ -13,8 +13,14 @@ from typing import Any
 
 from rapc.compiler.plans import CompiledLibrary
 from rapc.resources import Value
+from rapc.runtime.beginnings import (
+    create,
+    let_go,
+    settle_inputs,
+    when_time_comes,
+)
 from rapc.runtime.cycle import run_cycle
-from rapc.runtime.endings import create, let_go, remove, settle_inputs
+from rapc.runtime.endings import remove
 from rapc.runtime.events import RunEnded, RunStarted, TaskResult
 from rapc.runtime.machine import Machine, Settings
 from rapc.runtime.memory.handling import MemoryView
@@ -22,7 +28,7 @@ from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused, refusals, refuse_tasks
 from rapc.runtime.requests import take_in
 from rapc.runtime.submission import Submission
-from rapc.runtime.task import Task
+from rapc.runtime.task import State, Task
 from rapc.runtime.world import Time, World
 from rapc.terms import Atom
 
@@ -224,7 +230,8 @@ class Interpreter:
         while self._scheduled and self._scheduled[0][0] <= self.now:
             self._create(heapq.heappop(self._scheduled)[2])
         for task in machine.monitors.due():
-            let_go(machine, task)
+            if not task.held:
+                when_time_comes(machine, task)
         machine.monitors.settle()
 
     def _over(self) -> str | None:
@@ -300,10 +307,12 @@ class Interpreter:
         return found
 
     def waiting(self) -> list[str]:
-        """Each live task that cannot go on, with what it waits for."""
-        monitors = self._machine.monitors
+        """Each live task that waits for a state, a time or a signal, with what for."""
         return [
-            f"{task.goal()} [{task.number}] waits for {monitors.reason(task)}"
+            f"{task.goal()} [{task.number}] waits for {self._awaited(task)}"
             for task in self._machine.tasks.values()
-            if task.plan.monitored and task.run is None
+            if task.held or task.state is State.BLOCKED
         ]
+
+    def _awaited(self, task: Task) -> str:
+        return task.blocked_on if task.held else self._machine.monitors.reason(task)

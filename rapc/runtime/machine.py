@@ -72,7 +72,8 @@ class Machine:
     """The shared state of one run.
 
     `tasks` are the live tasks by number; `pending` the tasks whose requests are under
-    way, by ticket (None once the task is gone).
+    way, by ticket (None once the task is gone); `listening` the steps that wait for a
+    signal, by the signal's name.
     """
 
     def __init__(
@@ -98,6 +99,7 @@ class Machine:
         self.monitors = Monitors(self.memory, self.context, self.recorder, self.agenda)
         self.tasks: dict[int, Task] = {}
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
+        self.listening: dict[str, dict[int, Task]] = {}
         self.ended_top: list[Task] = []
         self.until: Time | None = None
         self.handlers = world.handlers()

@@ -128,9 +128,6 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
                 yield _cannot(library, rap, "a primitive that enables skills", body)
             elif isinstance(body, nodes.TaskNet):
                 for step in body.steps:
-                    for note in step.annotations:
-                        if isinstance(note, nodes.WaitFor):
-                            yield _cannot(library, rap, "`wait-for`", note)
                     below = library.raps.get(step.goal.name)
                     if below is not None and below.name not in seen:
                         seen.add(below.name)

@@ -13,8 +13,9 @@ from rapc.resources import Counter, SetResource
 from rapc.runtime.endings import INTERFERENCE, end_method
 from rapc.runtime.events import DataReceived, PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
+from rapc.runtime.signals import signal
 from rapc.runtime.task import MethodRun, Task
-from rapc.runtime.world import OKAY, Datum, Finished, Message, Reply
+from rapc.runtime.world import OKAY, Datum, Finished, Message, Reply, Signal
 from rapc.terms import Atom, Fact, format_list
 
 
@@ -123,7 +124,7 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
     """Take in what the world has sent: ends of primitives first, then the rest.
 
     Raises:
-        WorldError: as `finish`, and for a signal: nothing waits for signals yet.
+        WorldError: as `finish`.
     """
     others: list[Message] = []
     for message in messages:
@@ -132,8 +133,9 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         else:
             others.append(message)
     for message in others:
-        if not isinstance(message, Datum):
-            raise WorldError("nothing can take a signal: skills are not supported")
-        named = _handle(machine, message.content)
-        if machine.recorder.on:
-            machine.recorder.emit(DataReceived, data=format_list(named))
+        if isinstance(message, Datum):
+            named = _handle(machine, message.content)
+            if machine.recorder.on:
+                machine.recorder.emit(DataReceived, data=format_list(named))
+        elif isinstance(message, Signal):
+            signal(machine, message.content)

@@ -37,7 +37,7 @@ class Task:
     values, for the recursion test; `family` is the number of its top-level task.
     `deadline` is its own, `limit` the nearest of its own and its ancestors'. `begun`
     is set once it was selected with its monitors holding, `after_method` while it is
-    to come up whatever its monitors say.
+    to come up whatever its monitors say, `held` while it waits for a signal.
     """
 
     __slots__ = (
@@ -54,6 +54,7 @@ class Task:
         "family",
         "given_deadline",
         "goal_args",
+        "held",
         "identity",
         "key",
         "last_result",
@@ -97,6 +98,7 @@ class Task:
         self.monitor_deadline: float = math.inf
         self.limit: float = math.inf if within is None else within.task.limit
         self.waiting = 0
+        self.held = False
         self.state = State.WAITING
         self.key: tuple[float, float, bool] = (0, 0, False)
         self.ready_at: Time = 0

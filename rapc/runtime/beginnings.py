@@ -1,0 +1,190 @@
+"""How tasks begin: inputs, resources, times, and when they may be considered.
+
+What a task's end sets off is in `rapc.runtime.endings`; what it does when it is
+selected in `rapc.runtime.cycle` (semantics 3 and 4).
+"""
+
+from __future__ import annotations
+
+from rapc.compiler.plans import WindowPlan
+from rapc.resources import Counter, SetResource, Value, frozen
+from rapc.runtime.events import TaskBlocked, TaskCreated
+from rapc.runtime.machine import Machine
+from rapc.runtime.monitors import time_of
+from rapc.runtime.task import MethodRun, State, Task
+
+
+def create(machine: Machine, task: Task) -> None:
+    """A task joins the run; one whose inputs are bound gets its resources now."""
+    machine.tasks[task.number] = task
+    if machine.recorder.on:
+        machine.recorder.emit(
+            TaskCreated,
+            task=task.number,
+            goal=task.goal(),
+            parent=task.parent.number if task.parent is not None else None,
+            family=task.family,
+            priority=task.priority,
+            step=task.step.node.tag if task.step is not None else None,
+        )
+
+
+def settle_inputs(machine: Machine, task: Task) -> None:
+    """The inputs of a task are all bound: fix them, make its resources."""
+    plan = task.plan
+    task.env = dict(zip(plan.inputs, task.goal_args, strict=True))  # type: ignore[arg-type]
+    task.bound = True
+    task.identity = identity(task)
+    machine.context.task = task
+    for resource, initial in plan.resources:
+        value = None if initial is None else initial.value(machine.context, task.env)
+        made = _make(resource.kind, initial is not None, value)
+        if made is None:
+            where = "resources" if initial is None else initial.where
+            machine.context.fault(where, f"`{value}` is no {resource.kind}")
+            task.spoilt = True
+        else:
+            task.env[resource.variable.name] = made
+    if plan.duration is not None:
+        duration = time_of(plan.duration.value(machine.context, task.env))
+        if duration is None:
+            machine.context.fault(plan.duration.where, "the duration is not a number")
+        task.duration = duration or 0
+    machine.monitors.arm(task)
+
+
+def _make(kind: str, given: bool, value: Value | None) -> Counter | SetResource | None:
+    if kind == "counter":
+        if isinstance(value, Counter):
+            return Counter(value.value)
+        if not given:
+            return Counter()
+        return Counter(value) if isinstance(value, int | float) else None
+    if isinstance(value, SetResource):
+        return SetResource(value.members)
+    return None if given else SetResource()
+
+
+def identity(task: Task) -> object:
+    """A RAP with its input values, resources by what they hold now."""
+    return (task.plan.name, *(frozen(v) for v in task.goal_args if v is not None))
+
+
+def repeats_ancestor(task: Task) -> bool:
+    """Whether a task asks for what an ancestor of it asks for (T 3.2.5)."""
+    above = task.parent
+    while above is not None:
+        if above.identity == task.identity:
+            return True
+        above = above.parent
+    return False
+
+
+def let_go(machine: Machine, task: Task) -> None:
+    """All that a task was ordered after has ended: it runs when its time comes.
+
+    A step with `wait-for` listens from now; one that is to wait for its signal
+    before it goes on is held until then.
+    """
+    if task.step is not None and task.step.waits:
+        _listen(machine, task)
+    if not task.held:
+        when_time_comes(machine, task)
+
+
+def _listen(machine: Machine, task: Task) -> None:
+    assert task.step is not None
+    for wait in task.step.waits:
+        machine.listening.setdefault(wait.signal, {})[task.number] = task
+        if wait.mode == "proceed" and not task.held:
+            task.held = True
+            task.blocked_on = wait.text
+            if machine.recorder.on:
+                machine.recorder.emit(TaskBlocked, task=task.number, on=task.blocked_on)
+
+
+def when_time_comes(machine: Machine, task: Task) -> None:
+    """A task may run as soon as its start times have come."""
+    start = _start_time(machine, task)
+    if start > machine.recorder.time:
+        machine.monitors.at(start, task)
+    else:
+        make_ready(machine, task)
+
+
+def make_ready(machine: Machine, task: Task) -> None:
+    """Order and start times let a task run: test its monitors or make it eligible."""
+    if task.plan.monitored and task.bound and not task.spoilt:
+        machine.monitors.first_test(task)
+    else:
+        task.state = State.ELIGIBLE
+        machine.agenda.add(task)
+
+
+def _start_time(machine: Machine, task: Task) -> float:
+    if task.step is None or task.within is None:
+        return 0
+    start: float = 0
+    for window in task.step.windows:
+        times = window_times(machine, task, task.within, window)
+        if times is not None:
+            start = max(start, times[0])
+    return start
+
+
+def window_times(
+    machine: Machine, task: Task, run: MethodRun, window: WindowPlan
+) -> tuple[float, float] | None:
+    """When a window opens and closes, or None while its step has not ended.
+
+    A time that is no number is traced as a fault and spoils the task.
+    """
+    base = _base(run, window)
+    if base is None:
+        return None
+    machine.context.task = run.task
+    start = time_of(window.start.value(machine.context, run.env))
+    stop = time_of(window.stop.value(machine.context, run.env))
+    if start is None or stop is None:
+        machine.context.fault(window.start.where, "a time is not a number")
+        task.spoilt = True
+        return None
+    return base + start, base + stop
+
+
+def _base(run: MethodRun, window: WindowPlan) -> float | None:
+    if window.reference == "now":
+        return run.started
+    if window.reference == "absolute":
+        return 0
+    return run.ends[int(window.reference)]
+
+
+def state_windows(machine: Machine, task: Task, reference: int | None) -> None:
+    """State the deadlines of the windows that can be known.
+
+    `reference` is the step that has just ended; None when the method starts.
+    """
+    if task.step is None or task.within is None:
+        return
+    for window in task.step.windows:
+        named = isinstance(window.reference, int)
+        if named != (reference is not None) or (
+            named and window.reference != reference
+        ):
+            continue
+        times = window_times(machine, task, task.within, window)
+        if times is not None and times[1] < task.given_deadline:
+            task.given_deadline = times[1]
+            machine.monitors.state_deadline(task)
+
+
+def fill_inputs(machine: Machine, task: Task) -> None:
+    """Read a step's inputs from its method's environment; fix them if all are there."""
+    if task.step is None or task.within is None:
+        return
+    machine.context.task = task.within.task
+    env = task.within.env
+    task.goal_args = tuple([arg.value(machine.context, env) for arg in task.step.args])
+    if None not in task.goal_args:
+        settle_inputs(machine, task)
