@@ -64,7 +64,6 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         )
     if step is None or run is None:
         task.last_result = OKAY
-        machine.ended_top.append(task)
         return
     run.env.update(bound)
     for change in changes:
@@ -212,7 +211,6 @@ def fail(machine: Machine, task: Task, reason: str) -> None:
     run = task.within
     if run is None:
         task.last_result = result
-        machine.ended_top.append(task)
         return
     if task.world_failure is not None:
         run.task.world_failure = task.world_failure
@@ -293,6 +291,8 @@ def _leave(machine: Machine, task: Task) -> None:
     if task.step is not None:
         for wait in task.step.waits:
             machine.listening.get(wait.signal, {}).pop(task.number, None)
+    elif not task.background:
+        machine.foreground -= 1
     machine.agenda.discard(task)
     task.state = State.ENDED
     machine.monitors.forget(task)

@@ -79,6 +79,7 @@ class Interpreter:
         self._given: list[Task] = []
         self._scheduled: list[tuple[Time, int, Submission]] = []
         self._serial = 0
+        self._expected = 0
         self._idle = 0
         self._started = False
         self._reason: str | None = None
@@ -128,6 +129,7 @@ class Interpreter:
         self.start()
         if task.at is not None and task.at > self.now:
             self._serial += 1
+            self._expected += not task.background
             heapq.heappush(self._scheduled, (task.at, self._serial, task))
         else:
             self._create(task)
@@ -148,6 +150,7 @@ class Interpreter:
         task.priority = submission.priority
         task.background = submission.background
         self._given.append(task)
+        machine.foreground += not task.background
         create(machine, task)
         settle_inputs(machine, task)
         if submission.deadline is not None:
@@ -228,7 +231,9 @@ class Interpreter:
         machine.look_at_clock()
         take_in(machine, machine.world.messages())
         while self._scheduled and self._scheduled[0][0] <= self.now:
-            self._create(heapq.heappop(self._scheduled)[2])
+            submission = heapq.heappop(self._scheduled)[2]
+            self._expected -= not submission.background
+            self._create(submission)
         for task in machine.monitors.due():
             if not task.held:
                 when_time_comes(machine, task)
@@ -240,9 +245,7 @@ class Interpreter:
             return "until"
         if machine.world.ended() is not None:
             return "world"
-        if not any(task.live and not task.background for task in self._given) and not (
-            any(not later.background for _, _, later in self._scheduled)
-        ):
+        if not machine.foreground and not self._expected:
             return "done"
         if self._idle > machine.settings.idle_cycles:
             return "runaway"

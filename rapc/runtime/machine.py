@@ -73,7 +73,8 @@ class Machine:
 
     `tasks` are the live tasks by number; `pending` the tasks whose requests are under
     way, by ticket (None once the task is gone); `listening` the steps that wait for a
-    signal, by the signal's name.
+    signal, by the signal's name; `foreground` counts the live top-level tasks that
+    keep the run going.
     """
 
     def __init__(
@@ -100,7 +101,7 @@ class Machine:
         self.tasks: dict[int, Task] = {}
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}
-        self.ended_top: list[Task] = []
+        self.foreground = 0
         self.until: Time | None = None
         self.handlers = world.handlers()
         self._numbers = 0

@@ -23,6 +23,9 @@ from rapc.runtime.task import State, Task
 from rapc.runtime.world import Time
 from rapc.terms import Fact, Number, format_atom, number
 
+_CROWD = 256
+"""How many times may be waited for before stale ones are looked for."""
+
 
 class Monitors:
     """All waiting for states and times in a run.
@@ -48,7 +51,9 @@ class Monitors:
         self._tested_at: Time = -1
         self._timers: list[tuple[Time, int, Task]] = []
         self._set: set[tuple[Time, int]] = set()
+        self._crowded = _CROWD
         self._deadlines: list[tuple[float, int, Task]] = []
+        self._stated: set[tuple[float, int]] = set()
         memory.changed = self._fact_changed
         memory.moved = self._word_changed
 
@@ -105,13 +110,32 @@ class Monitors:
         if (time, task.number) not in self._set:
             self._set.add((time, task.number))
             heapq.heappush(self._timers, (time, task.number, task))
+            if len(self._timers) > self._crowded:
+                self._tidy()
+
+    def _tidy(self) -> None:
+        """Drop the times of tasks that have ended, and deadlines no longer stated."""
+        self._timers = [entry for entry in self._timers if entry[2].live]
+        self._set = {entry[:2] for entry in self._timers}
+        stated = [e for e in self._deadlines if e[2].live and e[2].deadline == e[0]]
+        self._deadlines = stated
+        self._stated = {entry[:2] for entry in stated}
+        heapq.heapify(self._timers)
+        heapq.heapify(self._deadlines)
+        self._crowded = max(_CROWD, 2 * len(self._timers), 2 * len(self._deadlines))
 
     def state_deadline(self, task: Task) -> None:
         """A task's own deadline has been set or has changed."""
         inherited = task.parent.limit if task.parent is not None else math.inf
         task.limit = min(inherited, task.deadline)
-        if task.deadline < math.inf:
+        if (
+            task.deadline < math.inf
+            and (task.deadline, task.number) not in self._stated
+        ):
+            self._stated.add((task.deadline, task.number))
             heapq.heappush(self._deadlines, (task.deadline, task.number, task))
+            if len(self._deadlines) > self._crowded:
+                self._tidy()
 
     def next_time(self) -> Time | None:
         """The next time at which something that is waited for comes, or None."""
@@ -180,6 +204,7 @@ class Monitors:
         deadlines = self._deadlines
         while deadlines and deadlines[0][0] < self._recorder.time:
             deadline, tasknumber, task = heapq.heappop(deadlines)
+            self._stated.discard((deadline, tasknumber))
             if task.live and task.deadline == deadline:
                 missed[tasknumber] = task
         return missed
