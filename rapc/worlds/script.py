@@ -62,13 +62,20 @@ class Declarations(Protocol):
     """What a library says of its world: the part of `rapc.library.Library` needed."""
 
     @property
-    def primitives(self) -> Mapping[str, DeclarePrimitive]: ...
+    def primitives(self) -> Mapping[str, DeclarePrimitive]:
+        """The primitives declared, by name."""
+
     @property
-    def data(self) -> Mapping[str, DeclareDatum]: ...
+    def data(self) -> Mapping[str, DeclareDatum]:
+        """The data declared, by name."""
+
     @property
-    def skills(self) -> Mapping[str, DeclareSkill]: ...
+    def skills(self) -> Mapping[str, DeclareSkill]:
+        """The skills declared, by name."""
+
     @property
-    def events(self) -> Mapping[str, DeclareEvent]: ...
+    def events(self) -> Mapping[str, DeclareEvent]:
+        """The events declared, by name."""
 
 
 def match(pattern: Fact, request: Fact) -> Bindings | None:
