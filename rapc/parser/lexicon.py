@@ -41,7 +41,12 @@ MAX_NUMBER = 100
 OPEN, CLOSE, QUOTE, ATOM, STRING, COMMENT, BLOCK, OTHER = range(1, 9)
 """The groups of `Lexicon.token`; OTHER is a character that begins nothing."""
 
-_BLOCK_MARK = re.compile(r"#\||\|#")
+Token = tuple[int, int, int]
+"""A token's group and the offsets of its text."""
+
+BLOCK_MARK = re.compile(r"#\||\|#")
+"""What begins and ends a comment that nests."""
+
 _ESCAPE = re.compile(r"\\(.)", re.S)
 _NUMBER_LIKE = re.compile(r"[+-]?(?=\.?[0-9])[0-9]*\.?[0-9]*(?:e[+-]?[0-9]+)?", re.I)
 _MAKERS = {
@@ -64,6 +69,9 @@ _QUOTES = frozenset("#'`,")
 class Lexicon:
     """The compiled terminals of the grammar.
 
+    `token` matches any token with the space before it; `loose` does so too, but of a
+    string the opening quote alone. `atom` tells the kinds of atoms apart.
+
     Args:
         terminals: regular expressions without groups of their own, by terminal name.
     """
@@ -78,15 +86,21 @@ class Lexicon:
             *(terminals[name] for name in ("STRING", "COMMENT", "BLOCK_OPEN")),
             rf"\|#|(?!{space})(?s:.)",
         ]
-        choice = "|".join(f"({group})" for group in groups)
-        self.token = re.compile(rf"(?:{space})?(?:{choice}|\Z)")
+        self.token = _any_of(groups, space)
+        groups[STRING - 1] = '"'
+        self.loose = _any_of(groups, space)
         self.atom = re.compile("|".join(f"(?P<{k}>{terminals[k]})" for k in kinds))
+
+
+def _any_of(groups: Iterable[str], space: str) -> re.Pattern[str]:
+    choice = "|".join(f"({group})" for group in groups)
+    return re.compile(rf"(?:{space})?(?:{choice}|\Z)")
 
 
 def comment_end(text: str, start: int) -> int:
     """Where the `#| |#` comment that begins at `start` ends, or -1."""
     depth = 0
-    for mark in _BLOCK_MARK.finditer(text, start):
+    for mark in BLOCK_MARK.finditer(text, start):
         depth += 1 if mark[0] == "#|" else -1
         if depth == 0:
             return mark.end()

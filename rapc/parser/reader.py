@@ -7,6 +7,9 @@ close is read again by `rapc.parser.recovery`. What the data mean is not asked h
 
 from __future__ import annotations
 
+import re
+from bisect import bisect_right
+from collections.abc import Sequence
 from functools import cache
 
 from lark import Lark
@@ -24,7 +27,11 @@ from rapc.parser.lexicon import (
     Notes,
     comment_end,
 )
+from rapc.parser.recovery import recover
+from rapc.parser.rejoin import rejoin
 from rapc.source import SourceFile
+
+_FORM_LINE = re.compile(r"^\((?:define|declare)-", re.I | re.M)
 
 
 @cache
@@ -38,7 +45,34 @@ def read(source: SourceFile) -> Reading:
     """All data of a file with everything that is to be said about its text."""
     notes = Notes(source, lexicon())
     forms = _scan(notes)
-    return notes.finish(forms or [])
+    if forms is None or _swallowed(source.text, forms):
+        notes = Notes(source, lexicon())
+        forms = recover(notes)
+    return notes.finish(rejoin(notes, forms))
+
+
+def _swallowed(text: str, forms: Sequence[Datum]) -> bool:
+    """Whether a list holds what looks like the next form: one `)` missing before it.
+
+    A surplus one further on makes up for it, so the text as a whole is balanced.
+    """
+    tops = {form.start for form in forms}
+    for found in _FORM_LINE.finditer(text):
+        if found.start() not in tops:
+            above = bisect_right(forms, found.start(), key=lambda form: form.start)
+            if above and _list_at(forms[above - 1], found.start()):
+                return True
+    return False
+
+
+def _list_at(datum: Datum, offset: int) -> bool:
+    """Whether a list in this datum begins at an offset."""
+    while isinstance(datum, List) and datum.start < offset < datum.end:
+        index = bisect_right(datum.items, offset, key=lambda item: item.start)
+        if not index:
+            return False
+        datum = datum.items[index - 1]
+    return isinstance(datum, List) and datum.start == offset
 
 
 def _scan(notes: Notes) -> list[Datum] | None:

@@ -117,7 +117,10 @@ class Context:
                 fix=self.replace(word, printed),
             )
             return printed
-        meant = nearest(word.name, options)
+        meant = nearest(word.name, (*options, *SLIPS))
+        meant = SLIPS.get(meant or "", meant)
+        if meant not in options:
+            meant = None
         self.report(
             rule,
             f"`{word.name}` is no {what}",
