@@ -16,6 +16,9 @@ from rapc.runtime.task import MethodRun, State, Task
 
 def create(machine: Machine, task: Task) -> None:
     """A task joins the run; one whose inputs are bound gets its resources now."""
+    task.number = machine.next_number()
+    task.made = machine.recorder.time
+    task.family = task.family or task.number
     machine.tasks[task.number] = task
     if machine.recorder.on:
         machine.recorder.emit(
@@ -27,14 +30,13 @@ def create(machine: Machine, task: Task) -> None:
             priority=task.priority,
             step=task.step.node.tag if task.step is not None else None,
         )
+    if task.bound:
+        _prepare(machine, task)
 
 
-def settle_inputs(machine: Machine, task: Task) -> None:
-    """The inputs of a task are all bound: fix them, make its resources."""
+def _prepare(machine: Machine, task: Task) -> None:
+    """Make the resources of a task whose inputs are bound, and what uses them."""
     plan = task.plan
-    task.env = dict(zip(plan.inputs, task.goal_args, strict=True))  # type: ignore[arg-type]
-    task.bound = True
-    task.identity = identity(task)
     machine.context.task = task
     for resource, initial in plan.resources:
         value = None if initial is None else initial.value(machine.context, task.env)
@@ -50,7 +52,7 @@ def settle_inputs(machine: Machine, task: Task) -> None:
         if duration is None:
             machine.context.fault(plan.duration.where, "the duration is not a number")
         task.duration = duration or 0
-    machine.monitors.arm(task)
+    machine.monitors.arm(task, task.made)
 
 
 def _make(kind: str, given: bool, value: Value | None) -> Counter | SetResource | None:
@@ -65,9 +67,15 @@ def _make(kind: str, given: bool, value: Value | None) -> Counter | SetResource 
     return None if given else SetResource()
 
 
-def identity(task: Task) -> object:
-    """A RAP with its input values, resources by what they hold now."""
-    return (task.plan.name, *(frozen(v) for v in task.goal_args if v is not None))
+def fix_inputs(task: Task) -> bool:
+    """Fix the inputs of a task, and who it is, if they are all bound."""
+    if None in task.goal_args:
+        return False
+    values = [value for value in task.goal_args if value is not None]
+    task.env = dict(zip(task.plan.inputs, values, strict=True))
+    task.identity = (task.plan.name, *(frozen(value) for value in values))
+    task.bound = True
+    return True
 
 
 def repeats_ancestor(task: Task) -> bool:
@@ -186,5 +194,5 @@ def fill_inputs(machine: Machine, task: Task) -> None:
     machine.context.task = task.within.task
     env = task.within.env
     task.goal_args = tuple([arg.value(machine.context, env) for arg in task.step.args])
-    if None not in task.goal_args:
-        settle_inputs(machine, task)
+    if fix_inputs(task) and task.number:
+        _prepare(machine, task)

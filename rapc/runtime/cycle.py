@@ -162,7 +162,7 @@ def _spawn(machine: Machine, run: MethodRun) -> list[Task] | None:
         plan = machine.library.rap(step.node.goal.name)
         if plan is None:
             raise LookupError(f"no RAP is named `{step.node.goal.name}`")
-        task = Task(0, plan, run)
+        task = Task(plan, run)
         task.step = step
         task.priority = run.task.priority + step.node.priority
         task.waiting = step.before
@@ -198,7 +198,6 @@ def _start(machine: Machine, run: MethodRun, steps: list[Task], choice: Choice) 
         request(machine, run, method.request)
         return
     for step in steps:
-        step.number = machine.next_number()
         create(machine, step)
     for step in steps:
         state_windows(machine, step, None)

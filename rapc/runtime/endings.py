@@ -242,7 +242,7 @@ def end_method(
         task.failures[at] = task.failures.get(at, 0) + 1
     task.after_method = True
     task.state = State.ELIGIBLE
-    machine.monitors.arm(task)
+    machine.monitors.arm(task, machine.recorder.time)
     machine.agenda.add(task)
 
 

@@ -12,11 +12,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rapc.compiler.plans import CompiledLibrary
-from rapc.resources import Value
 from rapc.runtime.beginnings import (
     create,
+    fix_inputs,
     let_go,
-    settle_inputs,
     when_time_comes,
 )
 from rapc.runtime.cycle import run_cycle
@@ -144,15 +143,14 @@ class Interpreter:
         plan = machine.library.rap(str(name))
         if plan is None:
             raise Refused([f"no RAP is named `{name}`"])
-        task = Task(machine.next_number(), plan, None)
-        inputs: tuple[Value, ...] = tuple(args)
-        task.goal_args = inputs
+        task = Task(plan, None)
+        task.goal_args = tuple(args)
+        fix_inputs(task)
         task.priority = submission.priority
         task.background = submission.background
         self._given.append(task)
         machine.foreground += not task.background
         create(machine, task)
-        settle_inputs(machine, task)
         if submission.deadline is not None:
             task.given_deadline = submission.deadline
             machine.monitors.state_deadline(task)

@@ -160,13 +160,13 @@ class Monitors:
                 self._dirty[task.number] = task
         return started
 
-    def arm(self, task: Task) -> None:
-        """Set a task's `monitor-time` anew: it was made or has finished a method."""
+    def arm(self, task: Task, since: Time) -> None:
+        """Set a task's `monitor-time`: `since` it was made or finished a method."""
         plan = task.plan.monitor_time
         if plan is None:
             return
         self._context.task = task
-        base = self._recorder.time if plan.reference == "now" else 0
+        base = since if plan.reference == "now" else 0
         start = time_of(plan.start.value(self._context, task.env))
         stop = time_of(plan.stop.value(self._context, task.env))
         if start is None or stop is None:

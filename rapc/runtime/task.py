@@ -31,7 +31,7 @@ class State(enum.Enum):
 
 
 class Task:
-    """One goal under way.
+    """One goal under way; it has no number until it joins the run.
 
     `env` holds inputs and resources, once `bound`; `identity` the RAP with its input
     values, for the recursion test; `family` is the number of its top-level task.
@@ -59,6 +59,7 @@ class Task:
         "key",
         "last_result",
         "limit",
+        "made",
         "monitor_deadline",
         "number",
         "parent",
@@ -78,12 +79,12 @@ class Task:
         "world_failure",
     )
 
-    def __init__(self, number: int, plan: RapPlan, within: MethodRun | None) -> None:
-        self.number = number
+    def __init__(self, plan: RapPlan, within: MethodRun | None) -> None:
+        self.number = 0
         self.plan = plan
         self.within = within
         self.parent = within.task if within is not None else None
-        self.family: int = number if within is None else within.task.family
+        self.family: int = 0 if within is None else within.task.family
         self.step: StepPlan | None = None
         self.goal_args: tuple[Value | None, ...] = ()
         self.priority = 0
@@ -97,6 +98,7 @@ class Task:
         self.given_deadline: float = math.inf
         self.monitor_deadline: float = math.inf
         self.limit: float = math.inf if within is None else within.task.limit
+        self.made: Time = 0
         self.waiting = 0
         self.held = False
         self.state = State.WAITING
