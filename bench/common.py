@@ -1,0 +1,71 @@
+"""What the benchmarks share: how time is taken, and how a figure is told.
+
+A figure is the median of several rounds; each round repeats the work until it has
+taken long enough for the clock. The collector stays on, as it is in use.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Iterable, Iterator
+
+import msgspec
+
+from rapc.analysis import driver
+from rapc.compiler.plans import CompiledLibrary
+from rapc.diagnostics import Severity
+from rapc.loader import Loaded
+
+ROUND = 0.05
+"""Seconds that a round takes at least."""
+
+
+class Figure(msgspec.Struct, frozen=True):
+    """One line of the results: what was done, to how much, how fast."""
+
+    bench: str
+    what: str
+    size: str
+    value: float
+    unit: str
+
+
+def seconds(work: Callable[[], object], rounds: int = 5) -> float:
+    """The median time of one call in seconds, after a first call to warm up."""
+    work()
+    times = []
+    for _ in range(rounds):
+        calls = 0
+        start = now = time.perf_counter()
+        while now - start < ROUND or calls == 0:
+            work()
+            calls += 1
+            now = time.perf_counter()
+        times.append((now - start) / calls)
+    return statistics.median(times)
+
+
+def compiled(loaded: Loaded) -> CompiledLibrary:
+    """A loaded library that was found clean, compiled.
+
+    Raises:
+        ValueError: if something was found in it; then the benchmark is wrong.
+    """
+    report = driver.check(loaded)
+    if report.worst() not in (None, Severity.INFO):
+        raise ValueError([f.diagnostic.message for f in report.findings[:5]])
+    return CompiledLibrary(loaded.library)
+
+
+def table(figures: Iterable[Figure]) -> Iterator[str]:
+    """Figures as the rows of a Markdown table."""
+    yield "| bench | what | size | figure | unit |"
+    yield "|---|---|---|---:|---|"
+    for f in figures:
+        yield f"| {f.bench} | {f.what} | {f.size} | {_short(f.value)} | {f.unit} |"
+
+
+def _short(value: float) -> str:
+    """Three figures that count, without a power of ten."""
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"

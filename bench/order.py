@@ -1,0 +1,81 @@
+"""The main job: one order of four rocks, filled by the truck.
+
+Once inside this process, for the time that the run itself takes, and once as a command
+of its own, for what a person waits: till the first line of the trace, and in all.
+"""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+
+from common import Figure, compiled
+
+from rapc import loader
+from rapc.compiler.plans import CompiledLibrary
+from rapc.runtime.events import Event
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.submission import Submission
+from rapc.worlds import registry
+
+LIBRARY = '(require "truck")\n'
+GOAL = ("fill-order", "red", 4, "factory-1")
+COMMAND = (
+    *("-c", "from rapc.cli.main import main; main()"),
+    *("run", "-", "--world", "truck", "--task", "(fill-order red 4 factory-1)"),
+)
+
+
+def _fill(library: CompiledLibrary, seed: int) -> tuple[float, float, Event]:
+    """Wall and CPU seconds of one run, and its last event."""
+    world = registry.build_world(registry.find_world("truck"), seed, {})
+    interpreter = Interpreter(library, world, seed)
+    last: list[Event] = []
+    interpreter.listen(lambda event: last.__setitem__(slice(None), [event]))
+    wall, cpu = time.perf_counter(), time.process_time()
+    interpreter.submit(Submission(GOAL))
+    interpreter.run()
+    return time.perf_counter() - wall, time.process_time() - cpu, last[0]
+
+
+def _command() -> tuple[float, float]:
+    """Seconds till the first line of `rapc run`, and till its end."""
+    start = time.perf_counter()
+    with subprocess.Popen(
+        [sys.executable, *COMMAND],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdin.write(LIBRARY)
+        process.stdin.close()
+        process.stdout.readline()
+        first = time.perf_counter() - start
+        process.stdout.read()
+    return first, time.perf_counter() - start
+
+
+def figures(quick: bool = False) -> Iterator[Figure]:
+    """Medians over seeds, and of a few commands."""
+    library = compiled(loader.load_text(LIBRARY))
+    seeds = range(1 if quick else 20)
+    runs = [_fill(library, seed) for seed in seeds]
+    size = f"{len(runs)} seeds"
+    walls, cpus, ends = zip(*runs, strict=True)
+    wall, cpu = statistics.median(walls), statistics.median(cpus)
+    cycles = statistics.median(end.cycle for end in ends)
+    units = statistics.median(end.time for end in ends)
+    yield Figure("order", "wall time of a run", size, wall * 1e3, "ms")
+    yield Figure("order", "CPU time of a run", size, cpu * 1e3, "ms")
+    yield Figure("order", "cycles of a run", size, cycles, "cycles")
+    yield Figure("order", "simulated time of a run", size, units, "time units")
+    yield Figure("order", "cycles a second", size, cycles / wall, "cycles/s")
+    commands = [_command() for _ in range(1 if quick else 5)]
+    first, whole = (statistics.median(times) for times in zip(*commands, strict=True))
+    yield Figure("order", "`rapc run`: first line", "1 seed", first, "s")
+    yield Figure("order", "`rapc run`: all of it", "1 seed", whole, "s")

@@ -1,0 +1,69 @@
+"""Reading and checking: a generated library, definitions per second, stage by stage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from common import Figure, seconds
+
+from rapc import loader
+from rapc.analysis import driver
+from rapc.parser.parse import parse
+from rapc.parser.reader import read
+from rapc.source import SourceFile
+
+DECLARATIONS = """\
+(declare-primitive arm-grasp (?arm ?thing) (okay arm-dropped))
+(declare-primitive drive-to (?place) (okay road-closed))
+(declare-memory-proposition arm-holding (?arm ?thing))
+(declare-memory-proposition at (?place))
+(declare-memory-property location (?thing ?place) unknown)
+(declare-memory-property size (?thing ?size) unknown)
+(define-rap (go-to ?place)
+  (succeed (at ?place))
+  (method (primitive (drive-to ?place))))
+(define-rap (pickup-0 ?arm ?thing)
+  (method (primitive (arm-grasp ?arm ?thing))))
+"""
+
+DEFINITION = """\
+;;; Number {n}: go there, and leave the rest to another.
+(define-rap (index (pickup-{n} ?arm ?thing))
+  (succeed (arm-holding ?arm ?thing))
+  (method m{n}
+    (context (and (location ?thing ?place) (not (= ?place unknown))
+                  (size ?thing ?size) (> ?size {n})))
+    (task-net
+      (t1 (go-to ?place) ((at ?place) for t2))
+      (t2 (pickup-{other} ?arm ?thing)))))
+"""
+
+
+def library(size: int) -> str:
+    """The text of a library of so many RAPs besides its declarations."""
+    definitions = (DEFINITION.format(n=n, other=n // 2) for n in range(1, size + 1))
+    return DECLARATIONS + "".join(definitions)
+
+
+def figures(quick: bool = False) -> Iterator[Figure]:
+    """Read, read to IR, link, check: each with all that comes before it."""
+    size = 100 if quick else 5000
+    text = library(size)
+    source = SourceFile("generated.rap", text)
+    loaded = loader.load_text(text)
+    found = driver.check(loaded).findings
+    if found:
+        raise ValueError(found[0].diagnostic.message)
+    stages = (
+        ("text to data", lambda: read(source)),
+        ("text to IR", lambda: parse(source)),
+        ("text to linked library", lambda: loader.load_text(text)),
+        ("all passes over it", lambda: driver.check(loaded)),
+        ("text to checked library", lambda: driver.check(loader.load_text(text))),
+    )
+    for what, work in stages:
+        rate = size / seconds(work, rounds=3)
+        yield Figure("parse", what, f"{size} RAPs", rate, "definitions/s")
+    megabytes = len(text.encode()) / 1e6
+    rate = megabytes / seconds(lambda: read(source), rounds=3)
+    yield Figure("parse", "text to data", f"{megabytes:.1f} MB", rate, "MB/s")
