@@ -6,6 +6,10 @@ import shutil
 
 import click
 
+from rapc.cli.common import common_options, fail
+from rapc.worlds import registry
+from rapc.worlds.describe import describe_world, list_worlds, summary
+
 EXAMPLES = """\b
 Examples:
   rapc worlds
@@ -13,25 +17,26 @@ Examples:
   rapc worlds my_package.world:MyWorld
 """
 
+_WIDEST = 100
+
 
 @click.command(
     epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
 )
 @click.argument("name", required=False)
+@common_options
 def worlds(name: str | None) -> None:
-    """List the worlds installed, or say what the world NAME offers."""
-    from rapc.worlds import describe, registry
+    """List the worlds installed, or say what the world NAME offers.
 
-    width = min(shutil.get_terminal_size().columns, 100)
+    NAME is the name of an installed world, or `module:Class`.
+    """
+    width = min(shutil.get_terminal_size().columns, _WIDEST)
     try:
-        if name is not None:
+        if name is None:
+            found = {n: registry.find_world(n) for n in registry.available()}
+            click.echo(list_worlds({n: summary(w) for n, w in found.items()}, width))
+        else:
             world = registry.build_world(registry.find_world(name), 0, {})
-            click.echo(describe.describe_world(world, width))
-            return
-        found = {n: registry.find_world(n) for n in registry.available()}
+            click.echo(describe_world(world, width))
     except registry.WorldError as error:
-        raise click.UsageError(
-            error.message + (f": {error.help}" if error.help else "")
-        ) from error
-    summaries = {n: describe.summary(world) for n, world in found.items()}
-    click.echo(describe.list_worlds(summaries, width))
+        fail(error.message, error.help or "")

@@ -31,7 +31,7 @@ def describe_world(world: World, width: int) -> str:
     for title, names in named:
         words = [f"{name}/{arity}" for name, arity in names.items()]
         if words:
-            lines += ["", f"{title} / arguments"]
+            lines += ["", *wrap(f"{title} / arguments", width)]
             wrapped = wrap("  ".join(words), width - 2, break_on_hyphens=False)
             lines += ["  " + line for line in wrapped]
     rows = [(option.name, _option(option)) for option in world.options()]
@@ -65,7 +65,8 @@ def columns(rows: Iterable[tuple[str, str]], width: int) -> list[str]:
 def _section(title: str, rows: Sequence[tuple[str, str]], width: int) -> list[str]:
     if not rows:
         return []
-    return ["", title, *("  " + line for line in columns(rows, width - 2))]
+    body = ("  " + line for line in columns(rows, width - 2))
+    return ["", *wrap(title, width), *body]
 
 
 def _option(option: Option) -> str:

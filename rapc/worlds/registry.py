@@ -140,7 +140,8 @@ def _known(world: type[World], options: Mapping[str, Option], name: str) -> Opti
 
 def _value(world: type[World], option: Option, text: str) -> Atom | bool:
     wrong = WorldError(
-        f"`{world.name}.{option.name}` is a {option.kind}, not `{text}`", option.doc
+        f"`{world.name}.{option.name}` takes one {option.kind}, not `{text}`",
+        option.doc,
     )
     if option.kind == "text":
         return Text(_file(text[1:]) if text.startswith("@") else text)

@@ -68,7 +68,6 @@ class Driver:
         given["map"] = Text(map_text(items, start))
         given.update({name.replace("_", "-"): v for name, v in options.items()})
         self.world = TruckWorld(random.Random(f"{seed}:world"), given)
-        self.world.messages()
 
     def ask(self, request: str) -> Reply:
         """The reply to a request in words."""

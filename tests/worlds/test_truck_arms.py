@@ -224,6 +224,8 @@ def test_what_has_left_reach_cannot_be_handled() -> None:
     driver = Driver([rock()])
     driver.do(*PICK_ONE, "arm-ungrasp arm1 rock-1", "arm-move arm1 folded")
     assert driver.drive("north") == "okay"
-    assert driver.do("arm-move arm1 external", "arm-move arm1 rock-1") == "arm-cant-find"
+    assert (
+        driver.do("arm-move arm1 external", "arm-move arm1 rock-1") == "arm-cant-find"
+    )
     assert driver.do("arm-grasp arm1 rock-1") == "arm-not-at"
     assert driver.do("eye-examine external rock-1") == "eye-cant-find"

@@ -125,7 +125,9 @@ def test_names_that_do_not_last_change_with_each_visit() -> None:
         ("object-seen", "external", "rock-s1", "rock"),
         ("object-seen", "external", "gun-1", "gun"),
     )
-    assert driver.do("arm-move arm1 external", "arm-move arm1 rock-1") == "arm-cant-find"
+    assert (
+        driver.do("arm-move arm1 external", "arm-move arm1 rock-1") == "arm-cant-find"
+    )
     assert driver.do("arm-move arm1 rock-s1", "arm-move arm1 folded") == "okay"
     assert driver.drive("north", "south") == "okay"
     assert driver.do("eye-examine external rock-s1") == "eye-cant-find"

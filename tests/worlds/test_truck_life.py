@@ -36,7 +36,9 @@ def test_nothing_is_produced_where_an_option_says_so() -> None:
 
 
 def test_a_depot_removes_empty_drums_but_none_on_the_truck() -> None:
-    driver = Driver([thing("fuel-drum", "zone-1"), thing("fuel-drum")], depot_interval=5)
+    driver = Driver(
+        [thing("fuel-drum", "zone-1"), thing("fuel-drum")], depot_interval=5
+    )
     driver.do("arm-move arm1 external", "arm-move arm1 fuel-drum-2")
     driver.do("arm-grasp arm1 fuel-drum-2", "arm-pour arm1 fuel-drum-2")
     driver.world.advance(100)
@@ -87,7 +89,9 @@ def test_an_order_counts_each_rock_once_and_from_its_time_on() -> None:
     first, second = driver.world.orders
     assert (first.received, first.filled) == (1, driver.world.deliveries[0].time)
     assert (second.received, second.filled) == (1, None)
-    driver.do("arm-move arm1 rock-3", "arm-grasp arm1 rock-3", "arm-ungrasp arm1 rock-3")
+    driver.do(
+        "arm-move arm1 rock-3", "arm-grasp arm1 rock-3", "arm-ungrasp arm1 rock-3"
+    )
     assert driver.world.orders[1].filled == driver.world.now()
 
 

@@ -80,7 +80,10 @@ def test_opposites_are_half_a_turn_apart() -> None:
         (changed(roads=road(mishap=2)), "`road-1`: the chance of a mishap"),
         (changed(roads=road(name="bay1")), "`bay1` cannot be the name"),
         (changed(roads=road(name="zone-1")), "`zone-1` stands for two"),
-        (changed(roads=[*road(), *road(name="road-9")]), "both lead north from `depot`"),
+        (
+            changed(roads=[*road(), *road(name="road-9")]),
+            "both lead north from `depot`",
+        ),
         (changed(places=[*PLACES, {"name": "Q", "kind": "zone"}]), "matching regex"),
         (changed(items=[rock("nowhere")]), "the place of a `rock` is `nowhere`"),
         (changed(items=[thing("drum")]), "an item's kind is `drum`"),

@@ -40,7 +40,8 @@ def test_there_are_three_speeds() -> None:
 
 
 @pytest.mark.parametrize(
-    ("speed", "time", "fuel"), [("slow", 45, 29.1), ("medium", 30, 29), ("fast", 22.5, 28.7)]
+    ("speed", "time", "fuel"),
+    [("slow", 45, 29.1), ("medium", 30, 29), ("fast", 22.5, 28.7)],
 )
 def test_speed_trades_fuel_for_time(speed: str, time: float, fuel: float) -> None:
     driver = Driver(fuel_spread=0, time_spread=0)

@@ -1,0 +1,196 @@
+"""The scripted world: rows, their effects, and what happens at a time of its own."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc.loader import load_text
+from rapc.runtime.world import Datum, Finished, Reply, Signal
+from rapc.terms import Text
+from rapc.worlds.script import At, Row, mentioned
+from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
+
+from .robot import Robot
+
+WORDS = load_text(
+    """
+(declare-primitive grasp (?arm ?item) (okay dropped))
+(declare-primitive wait () (okay))
+(declare-sensor-datum seen (?item ?size))
+(declare-event :bump (?side))
+(declare-memory-proposition holding (?arm ?item))
+(declare-memory-proposition size (?item ?size))
+(declare-memory-proposition foe (?where))
+"""
+).library
+
+
+def answers(world: ScriptedWorld, *requests: str) -> list[str]:
+    replies = [world.perform(1, tuple(request.split())) for request in requests]
+    return [reply.result if reply else "" for reply in replies]
+
+
+def test_rows_are_tried_in_order_and_used_up() -> None:
+    world = ScriptedWorld(
+        [
+            Row(("grasp", "?arm", "box"), "dropped", times=2),
+            Row(("grasp", "?arm", "box")),
+            Row(("grasp", "?", "?"), "dropped"),
+        ]
+    )
+    box, cup = "grasp arm1 box", "grasp arm1 cup"
+    assert answers(world, box, cup, box, box, box) == [
+        *("dropped", "dropped", "dropped", "okay", "okay"),
+    ]
+
+
+def test_a_variable_stands_for_one_thing_in_a_row() -> None:
+    world = ScriptedWorld(
+        [Row(("grasp", "?x", "?x")), Row(("grasp", "?", "?"), "dropped")]
+    )
+    assert answers(world, "grasp a a", "grasp a b") == ["okay", "dropped"]
+
+
+def test_numbers_and_strings_match_as_what_they_are() -> None:
+    world = ScriptedWorld([Row(("say", Text("hi"), 2)), Row(("say", "?", "?"), "no")])
+    assert world.perform(0, ("say", Text("hi"), 2.0)) == Reply("okay")
+    assert world.perform(0, ("say", "hi", 2)) == Reply("no")
+
+
+def test_a_request_without_a_row_is_named() -> None:
+    world = ScriptedWorld([Row(("grasp", "arm1", "box"), times=1)])
+    answers(world, "grasp arm1 box")
+    with pytest.raises(
+        UnansweredRequest, match=r"answers \(grasp arm1 box\)$"
+    ) as caught:
+        answers(world, "grasp arm1 box")
+    assert caught.value.request == ("grasp", "arm1", "box")
+
+
+def test_effects_come_with_the_result_and_use_the_rows_variables() -> None:
+    rows = [
+        Row(
+            ("grasp", "?arm", "?item"),
+            takes=2,
+            erases=(("holding", "?arm"),),
+            asserts=(("holding", "?arm", "?item"),),
+            data=(("seen", "?item", 3),),
+        )
+    ]
+    world = ScriptedWorld(
+        rows,
+        declared=WORDS,
+        data_handlers={
+            "seen": lambda memory, d: memory.assert_fact("size", d[1], d[2])
+        },
+    )
+    robot = Robot(world, WORDS)
+    robot.do("grasp arm1 box")
+    assert robot.knows("holding arm1 box")
+    assert robot.knows("size box 3")
+    assert world.now() == 2
+    robot.do("grasp arm1 cup")
+    assert not robot.knows("holding arm1 box")
+    assert robot.knows("holding arm1 cup")
+
+
+def test_a_primitive_that_is_not_atomic_ends_later() -> None:
+    rows = [
+        Row(("wait",), takes=1, after=5, asserts=(("foe", "gone"),)),
+        Row(("grasp", "?", "?"), takes=2, asserts=(("foe", "here"),)),
+    ]
+    world = ScriptedWorld(rows, declared=WORDS)
+    robot = Robot(world, WORDS)
+    assert world.perform(4, ("wait",)) is None
+    assert (world.now(), world.next_time()) == (1, 6)
+    robot.do("grasp arm1 box")
+    assert robot.knows("foe here")
+    assert not robot.knows("foe gone")
+    world.advance(6)
+    assert world.messages() == (Finished(4, Reply("okay")),)
+    robot.digest(("wait",), "okay")
+    assert robot.knows("foe gone")
+    assert world.next_time() is None
+
+
+def test_signals_come_with_a_result() -> None:
+    world = ScriptedWorld(
+        [Row(("wait",), signals=((":bump", "left"),))], declared=WORDS
+    )
+    world.perform(0, ("wait",))
+    assert world.next_time() == 0
+    assert world.messages() == (Signal((":bump", "left")),)
+
+
+def test_what_happens_at_a_time_comes_as_a_message() -> None:
+    world = ScriptedWorld(
+        [],
+        [
+            At(30, asserts=(("foe", "north"),), signals=((":bump", "left"),)),
+            At(10, asserts=(("foe", "south"),)),
+            At(30, erases=(("foe", "north"),)),
+        ],
+        declared=WORDS,
+    )
+    robot = Robot(world, WORDS)
+    assert world.next_time() == 10
+    world.advance(10)
+    assert robot.listen() == []
+    assert robot.knows("foe south")
+    assert world.next_time() == 30
+    world.advance(50)
+    assert robot.listen() == [Signal((":bump", "left"))]
+    assert not robot.knows("foe north")
+    assert (world.now(), world.next_time()) == (50, None)
+
+
+def test_inside_a_primitive_it_happens_before_the_result() -> None:
+    world = ScriptedWorld(
+        [Row(("wait",), takes=20, erases=(("foe",),))],
+        [At(10, asserts=(("foe", "south"),))],
+        declared=WORDS,
+    )
+    robot = Robot(world, WORDS)
+    robot.do("wait")
+    assert not robot.knows("foe ?")  # asserted at 10, then erased with the result
+    assert world.messages() == ()
+
+
+def test_a_time_that_has_come_with_a_primitive_under_way_is_a_message() -> None:
+    world = ScriptedWorld(
+        [Row(("wait",), takes=5, after=20)], [At(3, asserts=(("foe", "east"),))]
+    )
+    assert world.perform(1, ("wait",)) is None
+    assert world.messages() == (Datum(("at",)),)
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        (Row(("fly",)), r"\(fly\): no such primitive is declared"),
+        (Row(("wait", "now")), r"\(wait now\): no such primitive is declared"),
+        (Row(("wait",), "tired"), "`tired` is not among its results"),
+        (Row(("wait",), asserts=(("foe", "?x"),)), r"`\?x` is not bound"),
+        (Row(("grasp", "?", "b"), asserts=(("foe", "?"),)), r"`\?` is not bound"),
+        (Row(("wait",), signals=((":bang",),)), r"\(:bang\) is not declared"),
+        (Row(("wait",), data=(("seen", "box"),)), r"\(seen box\) is not declared"),
+        (Row(("wait",), data=(("seen", "box", 3),)), "no handler for the datum `seen`"),
+    ],
+)
+def test_a_script_that_the_library_does_not_know_is_refused(
+    row: Row, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        ScriptedWorld([row], declared=WORDS)
+
+
+def test_an_entry_at_a_time_is_looked_at_too() -> None:
+    with pytest.raises(ValueError, match=r"at 5: `\?x` is not bound"):
+        ScriptedWorld([], [At(5, asserts=(("foe", "?x"),))])
+
+
+def test_a_script_alone_offers_what_it_mentions() -> None:
+    rows = [Row(("grasp", "a", "b"), "dropped"), Row(("grasp", "?", "?"))]
+    offer = mentioned(rows, [At(1, signals=((":bump", "left"),))])
+    assert offer.primitives == {"grasp": (2, ("okay", "dropped"))}
+    assert offer.events == {":bump": 1}

@@ -1,0 +1,54 @@
+"""`rapc worlds`: what it prints, in wide and in narrow terminals."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from click.testing import CliRunner
+
+from rapc.cli.worlds import worlds
+from rapc.worlds.describe import columns, describe_world
+from rapc.worlds.truck import TruckWorld
+
+
+def truck(width: int) -> str:
+    return describe_world(TruckWorld(random.Random(0), {}), width)
+
+
+def test_installed_worlds_are_listed_with_what_they_are() -> None:
+    done = CliRunner().invoke(worlds, [])
+    assert done.exit_code == 0
+    assert "truck  The simulated truck and its world" in done.output
+
+
+def test_a_world_is_described_with_all_it_offers() -> None:
+    done = CliRunner().invoke(worlds, ["truck"], env={"COLUMNS": "80"})
+    assert done.exit_code == 0
+    assert done.output == truck(80) + "\n"
+    for line in (
+        "  arm-move/2       okay, arm-cant-find",
+        "  arm1-drops          15 %: grasps that arm1 drops",
+        "  eye-scan-time       2 time units: for eye-scan",
+        "  item-limit          10 items (integer): no more are made at a place",
+    ):
+        assert line in done.output.splitlines()
+
+
+@pytest.mark.parametrize("width", [80, 60, 40, 30])
+def test_no_line_is_wider_than_the_terminal(width: int) -> None:
+    assert max(len(line) for line in truck(width).splitlines()) <= width
+
+
+def test_where_it_is_narrow_texts_go_below_their_names() -> None:
+    assert columns([("a-long-name", "some text")], 30) == [
+        "a-long-name",
+        "    some text",
+    ]
+    assert columns([("a-long-name", "some text")], 40) == ["a-long-name  some text"]
+
+
+def test_an_unknown_world_exits_2_with_the_near_name() -> None:
+    done = CliRunner().invoke(worlds, ["truk"])
+    assert done.exit_code == 2
+    assert done.output == "error: unknown world `truk`\n  did you mean `truck`?\n"
