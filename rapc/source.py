@@ -6,10 +6,13 @@ when somebody has to be shown. Reading files from disk belongs to `rapc.loader`.
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
 from functools import cached_property
 
 import msgspec
+
+_WORD = re.compile(r"\s*([^\s()\";]+)")
 
 
 class Span(msgspec.Struct, frozen=True):
@@ -79,3 +82,16 @@ class SourceFile:
     def span(self, start: int, end: int) -> Span:
         """A span of this file."""
         return Span(self.name, start, end)
+
+    def word(self, span: Span, position: int) -> Span:
+        """The span of a word at the front of a list, its head being word 0.
+
+        Falls back to the whole list where something else stands in between.
+        """
+        word = Span(self.name, span.start, span.start + 1)
+        for _ in range(position + 1):
+            found = _WORD.match(self.text, word.end, span.end)
+            if found is None:
+                return span
+            word = Span(self.name, *found.span(1))
+        return word

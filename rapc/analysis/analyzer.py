@@ -1,0 +1,85 @@
+"""What a pass is: one record with a name, a page of its own, its needs and its rules.
+
+A pass looks at a linked library and reports what it finds; it may also hand a value to
+the passes that need it. Which passes there are is listed in `rapc.analysis.suite`, when
+each one runs and what becomes of its findings is decided in `rapc.analysis.driver`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar, cast
+
+from rapc.diagnostics import Diagnostic, Rule
+from rapc.library import Library
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Analyzer(Generic[T]):
+    """One pass.
+
+    Args:
+        name: named for the fault it finds, or for what it works out for others.
+        doc: what it does, one sentence or more.
+        run: the pass itself; what it returns is handed to those that need it.
+        needs: passes whose results it asks for.
+        rules: the rules it may report, no others.
+    """
+
+    name: str
+    doc: str
+    run: Callable[[Pass], T]
+    needs: tuple[Analyzer[Any], ...] = ()
+    rules: tuple[Rule, ...] = ()
+
+
+class Pass:
+    """One run of one analyzer: what it looks at, and where its findings go.
+
+    Args:
+        analyzer: the analyzer that runs.
+        library: what it looks at.
+        results: what the analyzers that ran before returned, by name.
+        complete: whether every file that the library requires was found.
+    """
+
+    def __init__(
+        self,
+        analyzer: Analyzer[Any],
+        library: Library,
+        results: Mapping[str, object],
+        complete: bool,
+    ) -> None:
+        self.library = library
+        self.complete = complete
+        self.found: list[Diagnostic] = []
+        self._analyzer = analyzer
+        self._results = results
+        self._rules = frozenset(rule.name for rule in analyzer.rules)
+
+    def report(self, diagnostic: Diagnostic) -> None:
+        """Add a finding.
+
+        Raises:
+            ValueError: if the analyzer does not own the rule; that is a bug.
+        """
+        if diagnostic.rule not in self._rules:
+            raise ValueError(
+                f"pass `{self._analyzer.name}` does not own rule `{diagnostic.rule}`"
+            )
+        self.found.append(diagnostic)
+
+    def result(self, analyzer: Analyzer[T]) -> T:
+        """What a needed analyzer returned.
+
+        Raises:
+            ValueError: if this one does not say that it needs it; that is a bug.
+        """
+        if analyzer not in self._analyzer.needs:
+            raise ValueError(
+                f"pass `{self._analyzer.name}` does not need `{analyzer.name}`"
+            )
+        return cast(T, self._results[analyzer.name])

@@ -1,0 +1,214 @@
+"""Run the passes over what was loaded, and decide what becomes of their findings.
+
+Orders the passes by what they need, leaves out findings about forms that could not be
+read whole, applies suppressions and the user's selection, and sorts. Severity comes
+from the rule. Nothing of the checked code is executed or imported, and nothing is
+printed here.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import networkx as nx
+
+from rapc import loader
+from rapc.analysis import suite, suppressions
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.ir import nodes
+from rapc.library import Library
+from rapc.loader import Loaded
+from rapc.source import SourceFile, Span
+from rapc.spell import nearest
+
+
+class Finding(msgspec.Struct, frozen=True):
+    """A diagnostic with the rule that it breaks."""
+
+    rule: Rule
+    diagnostic: Diagnostic
+
+    @property
+    def severity(self) -> Severity:
+        """How grave it is."""
+        return self.rule.severity
+
+
+class Report(msgspec.Struct, frozen=True):
+    """What checking came to: the findings in the order of files and text."""
+
+    findings: tuple[Finding, ...]
+    library: Library
+
+    @property
+    def files(self) -> Mapping[str, SourceFile]:
+        """Every file that was read, by the name that spans carry."""
+        return self.library.files
+
+    @property
+    def raps(self) -> int:
+        """How many RAPs were checked."""
+        return sum(isinstance(f, nodes.DefineRap) for f in self.library.forms)
+
+    def worst(self) -> Severity | None:
+        """The gravest severity found, or None."""
+        return max((finding.severity for finding in self.findings), default=None)
+
+
+class UnknownRuleError(Exception):
+    """A word that is neither a rule's name nor its code; `near` may be meant."""
+
+    def __init__(self, word: str, near: str | None) -> None:
+        super().__init__(f"no rule is called `{word}`")
+        self.near = near
+
+
+def check(*paths: str | Path) -> Report:
+    """Load files and folders as one library and check it by all rules.
+
+    Raises:
+        LoadError: for what cannot be read; see `rapc.loader.load`.
+    """
+    return check_library(loader.load(paths))
+
+
+def check_library(loaded: Loaded, enabled: Collection[str] | None = None) -> Report:
+    """Check a loaded library; its own diagnostics are part of the report.
+
+    Args:
+        loaded: what `rapc.loader` made of the files.
+        enabled: names of the rules that may report; all of them if None.
+    """
+    rules = suite.rules()
+    if enabled is None:
+        enabled = rules.keys()
+    found = [*loaded.diagnostics, *_analyze(loaded)]
+    found = _suppress(loaded, rules, found, enabled)
+    order = {name: at for at, name in enumerate(loaded.files)}
+    findings = [Finding(rules[d.rule], d) for d in found if d.rule in enabled]
+    findings.sort(key=lambda f: _place(order, f))
+    return Report(tuple(findings), loaded.library)
+
+
+def enabled_rules(
+    select: Iterable[str] | None, extend: Iterable[str], ignore: Iterable[str]
+) -> frozenset[str]:
+    """The names of the rules chosen: those selected (all if None) and more, less some.
+
+    Raises:
+        UnknownRuleError: for a word that no rule has as its name or code.
+    """
+    rules = suite.rules()
+    words = {rule.code.lower(): name for name, rule in rules.items()}
+    words.update({name: name for name in rules})
+
+    def names(given: Iterable[str]) -> Iterator[str]:
+        for word in given:
+            if word.lower() not in words:
+                raise UnknownRuleError(word, nearest(word.lower(), words))
+            yield words[word.lower()]
+
+    chosen = {*(rules if select is None else names(select)), *names(extend)}
+    return frozenset(chosen.difference(names(ignore)))
+
+
+def passes() -> tuple[Analyzer[Any], ...]:
+    """The passes of the suite in the order in which they run."""
+    return ordered(suite.ANALYZERS)
+
+
+def ordered(analyzers: Sequence[Analyzer[Any]]) -> tuple[Analyzer[Any], ...]:
+    """The analyzers in an order in which each follows what it needs.
+
+    Raises:
+        ValueError: if one is not documented, needs what is not listed, shares a name
+            or a rule with another, or needs itself through others. That is a bug.
+    """
+    by_name = {analyzer.name: analyzer for analyzer in analyzers}
+    if len(by_name) != len(analyzers):
+        raise ValueError("two passes have one name")
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    codes: set[str] = set()
+    for analyzer in analyzers:
+        _must_be_documented(analyzer, codes)
+        graph.add_node(analyzer.name)
+        for need in analyzer.needs:
+            if by_name.get(need.name) is not need:
+                message = (
+                    f"pass `{analyzer.name}` needs `{need.name}`, not in the suite"
+                )
+                raise ValueError(message)
+            graph.add_edge(need.name, analyzer.name)
+    if not nx.is_directed_acyclic_graph(graph):
+        circle = " -> ".join(edge[0] for edge in nx.find_cycle(graph))
+        raise ValueError(f"passes need each other in a circle: {circle}")
+    return tuple(by_name[name] for name in nx.lexicographical_topological_sort(graph))
+
+
+def _must_be_documented(analyzer: Analyzer[Any], codes: set[str]) -> None:
+    if not analyzer.name or not analyzer.doc:
+        raise ValueError(f"pass `{analyzer.name}` is not documented")
+    for rule in analyzer.rules:
+        if not (rule.summary and rule.why and rule.example and rule.better):
+            raise ValueError(f"rule `{rule.name}` is not documented")
+        if rule.code in codes or rule.name in codes:
+            raise ValueError(f"rule `{rule.name}` ({rule.code}) exists already")
+        codes.update((rule.code, rule.name))
+
+
+def _analyze(loaded: Loaded) -> Iterator[Diagnostic]:
+    complete = all(d.rule != loader.UNRESOLVED.name for d in loaded.diagnostics)
+    results: dict[str, object] = {}
+    partial = _Partial(loaded.partial)
+    for analyzer in passes():
+        run = Pass(analyzer, loaded.library, results, complete)
+        results[analyzer.name] = analyzer.run(run)
+        yield from (d for d in run.found if not partial.holds(d.span))
+
+
+class _Partial:
+    """The places of forms from which something had to be left out.
+
+    What passes miss in them is not the author's fault.
+    """
+
+    def __init__(self, spans: Iterable[Span]) -> None:
+        self._spans: dict[str, list[Span]] = {}
+        for span in sorted(spans, key=lambda span: span.start):
+            self._spans.setdefault(span.file, []).append(span)
+
+    def holds(self, place: Span) -> bool:
+        """Whether a place lies in one of them; top-level forms do not overlap."""
+        spans = self._spans.get(place.file, [])
+        at = bisect_right(spans, place.start, key=lambda span: span.start)
+        return at > 0 and place.start < spans[at - 1].end
+
+
+def _suppress(
+    loaded: Loaded,
+    rules: Mapping[str, Rule],
+    found: list[Diagnostic],
+    enabled: Collection[str],
+) -> list[Diagnostic]:
+    """Apply the suppressions in comments, and report those that are wrong or unused."""
+    written: list[suppressions.Suppression] = []
+    wrong: list[Diagnostic] = []
+    for name, comments in loaded.comments.items():
+        ones, bad = suppressions.find(loaded.files[name], comments, rules)
+        written += ones
+        wrong += bad
+    left, unused = suppressions.apply(found, written)
+    for one in unused:
+        if one.rule in enabled:
+            wrong.append(suppressions.unused(one, loaded.files[one.comment.file]))
+    return left + wrong
+
+
+def _place(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:
+    span = finding.diagnostic.span
+    return order.get(span.file, -1), span.start, span.end, finding.rule.code

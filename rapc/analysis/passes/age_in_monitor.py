@@ -1,0 +1,54 @@
+"""RAP068: a monitor that binds an age (semantics 5)."""
+
+from __future__ import annotations
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.passes.bindings import BINDINGS
+from rapc.diagnostics import Diagnostic, Rule, Severity
+
+AGE = Rule(
+    code="RAP068",
+    name="age-in-monitor",
+    severity=Severity.WARNING,
+    summary="a monitor binds an age, and so is tested whenever the clock moves",
+    why="""A monitor is woken by changes of memory, and `believe` with a number by the
+time at which the fact goes stale. An age that is bound changes with every tick and
+announces nothing: the formula is tested again each time the clock has moved, and sets
+no time of its own, so the task may wake late or not at all.""",
+    example="""\
+(declare-memory-proposition seen (?thing))
+(define-rap (look))
+(define-rap (keep-looking)
+  (monitor-state (and (believe (seen box) ?age) (> ?age 30)))
+  (method (task-net (t1 (look)))))
+""",
+    better="""\
+(declare-memory-proposition seen (?thing))
+(define-rap (look))
+(define-rap (keep-looking)
+  (monitor-state (not (believe (seen box) 30)))
+  (method (task-net (t1 (look)))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    for believe in run.result(BINDINGS).ages:
+        run.report(
+            Diagnostic(
+                rule=AGE.name,
+                message="an age is bound in a monitor, which no time wakes",
+                span=believe.age.span,
+                help="give `believe` a number: `(not (believe p 30))` wakes the task "
+                "when p is 30 old",
+            )
+        )
+
+
+ANALYZER = Analyzer(
+    name="age-in-monitor",
+    doc="Finds monitors that bind an age instead of testing one.",
+    run=_run,
+    needs=(BINDINGS,),
+    rules=(AGE,),
+)

@@ -1,0 +1,301 @@
+"""Where variables lack a value that is needed, in some order of the steps.
+
+Every clause is walked with what is bound where it stands (semantics 3,
+"Environments"): inputs and resources everywhere; besides, in a method, what
+`repeat-while` and its context surely bind; in a step, what steps ordered before it
+hand out, what `for` formulas pointing at it or at those bind, and the signals that
+they wait for. A step that an `until` may end early surely binds nothing for others.
+How a formula binds is in `rapc.analysis.scope`; what is said about it is in the
+passes `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping
+
+import msgspec
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
+from rapc.analysis.scope import Bound, Findings, Walker
+from rapc.ir import nodes
+
+
+class Missing(msgspec.Struct, frozen=True):
+    """A variable that needs a value and is not surely bound.
+
+    `clause` says where it stands: the clause's name; `step` is its step's position.
+    """
+
+    variable: nodes.Var
+    clause: str
+    method: nodes.Method | None = None
+    step: int | None = None
+
+
+class Bindings(msgspec.Struct, frozen=True):
+    """What all clauses of a library lack.
+
+    `missing` is by the `id` of the RAP or rule; `anonymous` are bare `?` where a value
+    is needed; `ages` are the `believe` forms of monitors that bind an age.
+    """
+
+    missing: Mapping[int, tuple[Missing, ...]]
+    anonymous: tuple[nodes.Var, ...]
+    ages: tuple[nodes.Believe, ...]
+
+
+def _run(run: Pass) -> Bindings:
+    nets = run.result(TASK_NETS)
+    missing = {}
+    anonymous: list[nodes.Var] = []
+    ages: list[nodes.Believe] = []
+    for form in run.library.forms:
+        walk = _Walk(Walker(run.library.functions, Findings()), nets)
+        if isinstance(form, nodes.DefineRap):
+            _rap(walk, form)
+        elif isinstance(form, nodes.MemoryRule):
+            _memory_rule(walk, form)
+        elif isinstance(form, nodes.EventRule):
+            _rules(walk, form.rules, Bound(None, _names(form.args)))
+        if walk.missing:
+            missing[id(form)] = tuple(walk.missing)
+        anonymous.extend(walk.walker.findings.anonymous)
+        ages.extend(walk.ages)
+    return Bindings(missing, tuple(anonymous), tuple(ages))
+
+
+BINDINGS = Analyzer(
+    name="bindings",
+    doc="Works out which variables lack a value, in any order that a task-net allows.",
+    run=_run,
+    needs=(TASK_NETS,),
+)
+
+
+class _Walk:
+    """The walk through one RAP or rule: who is asked, and what was noted so far."""
+
+    def __init__(self, walker: Walker, nets: Nets) -> None:
+        self.walker = walker
+        self.nets = nets
+        self.missing: list[Missing] = []
+        self.ages: tuple[nodes.Believe, ...] = ()
+
+    def note(
+        self, clause: str, method: nodes.Method | None = None, step: int | None = None
+    ) -> None:
+        """Say where what was found since the last note stands."""
+        found = self.walker.findings.unbound
+        self.missing.extend(Missing(v, clause, method, step) for v in found)
+        found.clear()
+
+
+# --- a RAP -------------------------------------------------------------------------
+
+
+def _rap(walk: _Walk, rap: nodes.DefineRap) -> None:
+    walker = walk.walker
+    base = Bound(None, (v.name for v in rap.inputs))
+    for resource in rap.resources:
+        if resource.initial is not None:
+            walker.value(resource.initial, base)
+            walk.note("resources")
+        base.names.add(resource.variable.name)
+    if rap.duration is not None:
+        walker.value(rap.duration, base)
+        walk.note("duration")
+    if rap.monitor_time is not None:
+        walker.values((rap.monitor_time.start, rap.monitor_time.stop), base)
+        walk.note("monitor-time")
+    if rap.monitor_state is not None:
+        walker.formula(rap.monitor_state, Bound(base))
+        walk.note("monitor-state")
+    walk.ages = tuple(walker.findings.ages)
+    for clause, formula in (
+        ("succeed", rap.succeed),
+        ("preconditions", rap.preconditions),
+        ("constraints", rap.constraints),
+    ):
+        if formula is not None:
+            walker.formula(formula, Bound(base))
+            walk.note(clause)
+    _effects(walk, rap, base)
+    looped = Bound(base)
+    if rap.repeat_while is not None:
+        walker.formula(rap.repeat_while, looped)
+        walk.note("repeat-while")
+    for method in rap.methods:
+        _method(walk, method, Bound(looped))
+
+
+def _effects(walk: _Walk, rap: nodes.DefineRap, base: Bound) -> None:
+    known = Bound(base, (v.name for v in rap.outputs))
+    for effect in rap.effects:
+        named = [a for a in effect.pattern.args if not _is_anonymous(a)]
+        walk.walker.values(named, known)
+        walk.note("effects")
+
+
+def _is_anonymous(term: nodes.Term) -> bool:
+    return isinstance(term, nodes.Var) and term.anonymous
+
+
+def _method(walk: _Walk, method: nodes.Method, bound: Bound) -> None:
+    if method.context is not None:
+        walk.walker.formula(method.context, bound)
+        walk.note("context", method)
+    for notation in method.notations:
+        walk.walker.values(notation.args, bound)
+        walk.note("notations", method)
+    body = method.body
+    if isinstance(body, nodes.TaskNet):
+        _task_net(walk, method, body, bound)
+    elif isinstance(body, nodes.Primitive):
+        walk.walker.values(body.request.args, bound)
+        walk.note("primitive", method)
+    else:
+        _skills(walk, method, body, bound)
+
+
+def _skills(
+    walk: _Walk, method: nodes.Method, body: nodes.Skills, bound: Bound
+) -> None:
+    for skill in body.enable:
+        walk.walker.values(skill.args, bound)
+    awaited = [_names(wait.args) for wait in body.waits]
+    if awaited:
+        bound.names.update(set.intersection(*awaited))
+    for skill in body.disable:
+        walk.walker.values(skill.args, bound)
+    walk.note("primitive", method)
+
+
+# --- a task-net ----------------------------------------------------------------------
+
+
+def _task_net(
+    walk: _Walk, method: nodes.Method, body: nodes.TaskNet, base: Bound
+) -> None:
+    net = walk.nets[id(body)]
+    if net.order is None:
+        return
+    handed = _Handed(base, net)
+    for at in net.order:
+        step = body.steps[at]
+        before = handed.before(at)
+        bound = Bound(before)
+        _windows(walk, step, bound)
+        _formulas(walk, net, at, bound)
+        bound.names.update(_signals(step))
+        walk.walker.values(step.goal.args, bound)
+        walk.walker.match(step.goal.outputs, bound)
+        _resource_effects(walk, step, bound)
+        walk.note("step", method, at)
+        handed.after(at, before, () if at in net.early else bound.names)
+
+
+def _windows(walk: _Walk, step: nodes.Step, bound: Bound) -> None:
+    for annotation in step.annotations:
+        if isinstance(annotation, nodes.Window):
+            walk.walker.values((annotation.start, annotation.stop), bound)
+
+
+def _resource_effects(walk: _Walk, step: nodes.Step, bound: Bound) -> None:
+    for annotation in step.annotations:
+        if isinstance(annotation, nodes.ResourceEffect):
+            walk.walker.values((annotation.resource, annotation.amount), bound)
+
+
+def _formulas(walk: _Walk, net: Net, at: int, bound: Bound) -> None:
+    """Walk the `for` formulas pointing at a step; what they surely bind is bound."""
+    for edge in net.edges[at]:
+        annotation = edge.annotation
+        if isinstance(annotation, nodes.For) and annotation.formula is not None:
+            scope = Bound(bound)
+            walk.walker.formula(annotation.formula, scope)
+            if edge.before not in net.early:
+                bound.names |= scope.names
+
+
+def _signals(step: nodes.Step) -> set[str]:
+    """The variables of the signals that a step waits for before it begins."""
+    names: set[str] = set()
+    for annotation in step.annotations:
+        if isinstance(annotation, nodes.WaitFor) and annotation.mode == "proceed":
+            names |= _names(annotation.args)
+    return names
+
+
+class _Handed:
+    """What steps hand to those ordered after them, as sets of bits.
+
+    Long chains of steps would otherwise take time and memory quadratic in names; a
+    set is dropped once every step that follows directly has been seen.
+    """
+
+    def __init__(self, base: Bound, net: Net) -> None:
+        self._base = base
+        self._edges = net.edges
+        self._bits: dict[str, int] = {}
+        self._sets: dict[int, int] = {}
+        self._left = [0] * len(net.edges)
+        for into in net.edges:
+            for before in {edge.before for edge in into}:
+                self._left[before] += 1
+
+    def before(self, at: int) -> _Names:
+        """The names surely bound by the steps that are ordered before one."""
+        here = 0
+        for before in {edge.before for edge in self._edges[at]}:
+            here |= self._sets[before]
+            self._left[before] -= 1
+            if not self._left[before]:
+                del self._sets[before]
+        return _Names(self._base, self._bits, here)
+
+    def after(self, at: int, before: _Names, sure: Iterable[str]) -> None:
+        """Note what a step, just seen, surely has bound when it ends."""
+        if self._left[at]:
+            here = before.set
+            for name in sure:
+                here |= 1 << self._bits.setdefault(name, len(self._bits))
+            self._sets[at] = here
+
+
+class _Names(Container[str]):
+    """The names of some bits, and all of a base."""
+
+    def __init__(self, base: Bound, bits: Mapping[str, int], chosen: int) -> None:
+        self._base = base
+        self._bits = bits
+        self.set = chosen
+
+    def __contains__(self, name: object) -> bool:
+        bit = self._bits.get(name) if isinstance(name, str) else None
+        return (bit is not None and self.set >> bit & 1 == 1) or name in self._base
+
+
+# --- rules over memory (semantics 8) -------------------------------------------------
+
+
+def _memory_rule(walk: _Walk, rule: nodes.MemoryRule) -> None:
+    base = Bound(None, _names((*rule.index.args, *rule.index.outputs)))
+    for case in rule.cases:
+        result = case.result
+        args = result.args if isinstance(result, nodes.Pattern) else (result,)
+        _rules(walk, case.rules, Bound(base, _names(args)))
+
+
+def _rules(walk: _Walk, rules: Iterable[nodes.Rule], bound: Bound) -> None:
+    for rule in rules:
+        for alternative in rule.alternatives:
+            scope = Bound(bound)
+            walk.walker.formula(alternative.query, scope)
+            for action in alternative.actions:
+                walk.walker.values(action.pattern.args, scope)
+            walk.note("rule")
+
+
+def _names(terms: Iterable[nodes.Term]) -> set[str]:
+    return {t.name for t in terms if isinstance(t, nodes.Var) and not t.anonymous}

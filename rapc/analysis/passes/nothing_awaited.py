@@ -1,0 +1,53 @@
+"""RAP070: a primitive that enables skills and awaits nothing (semantics 8)."""
+
+from __future__ import annotations
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.passes.occurrences import OCCURRENCES
+from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.ir import nodes
+
+NOTHING_AWAITED = Rule(
+    code="RAP070",
+    name="nothing-awaited",
+    severity=Severity.WARNING,
+    summary="a primitive enables skills and waits for no event",
+    why="""Such a primitive ends well at once, and what it enabled is switched off with
+it: the skills hardly run. To let them run, wait for the event that says that they are
+done.""",
+    example="""\
+(declare-skill :follow-wall (?side))
+(define-rap (follow ?side)
+  (method (primitive (enable (:follow-wall ?side)))))
+""",
+    better="""\
+(declare-skill :follow-wall (?side))
+(declare-event :wall-ends ())
+(define-rap (follow ?side)
+  (method (primitive
+    (enable (:follow-wall ?side))
+    (wait-for (:wall-ends) :succeed))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    for use in run.result(OCCURRENCES).of(nodes.Skills):
+        if use.node.enable and not use.node.waits:
+            run.report(
+                Diagnostic(
+                    rule=NOTHING_AWAITED.name,
+                    message="this primitive awaits nothing and ends at once",
+                    span=use.node.span,
+                    help="add `(wait-for (:event) :succeed)`",
+                )
+            )
+
+
+ANALYZER = Analyzer(
+    name="nothing-awaited",
+    doc="Finds primitives that enable skills and wait for no event.",
+    run=_run,
+    needs=(OCCURRENCES,),
+    rules=(NOTHING_AWAITED,),
+)

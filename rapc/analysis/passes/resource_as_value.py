@@ -1,0 +1,108 @@
+"""RAP066: a set or counter where a plain value is needed (T 4.8.1, semantics 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.passes.occurrences import OCCURRENCES
+from rapc.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+)
+from rapc.ir import nodes
+from rapc.parser.names import CALLS
+
+RESOURCE_AS_VALUE = Rule(
+    code="RAP066",
+    name="resource-as-value",
+    severity=Severity.ERROR,
+    summary="a set or counter stands where a plain value is needed",
+    why="""A resource is a thing of its own, not the number or the members it holds now.
+It equals no number, stands in no fact, and a request that holds one fails. Steps and
+`resources` take it as it is, `value`, `size-of`, `member` and `empty` look into it.""",
+    example="""\
+(define-rap (load))
+(define-rap (load-some ?number)
+  (resources (counter ?count 0))
+  (succeed (= ?count ?number))
+  (method (task-net (t1 (load) (counter-add ?count 1)))))
+""",
+    better="""\
+(define-rap (load))
+(define-rap (load-some ?number)
+  (resources (counter ?count 0))
+  (succeed (= (value ?count) ?number))
+  (method (task-net (t1 (load) (counter-add ?count 1)))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    occurrences = run.result(OCCURRENCES)
+    resources = {
+        (id(use.owner), use.node.variable.name): use.node
+        for use in occurrences.of(nodes.Resource)
+    }
+    effects = {id(use.node.pattern) for use in occurrences.of(nodes.Effect)}
+    for use in occurrences.of(nodes.Var) if resources else ():
+        declared = resources.get((id(use.owner), use.node.name))
+        if declared is None or id(use.parent) in effects:
+            continue
+        if _needs_value(use.node, use.parent, run.library.functions):
+            run.report(_finding(use.node, declared))
+
+
+ANALYZER = Analyzer(
+    name="resource-as-value",
+    doc="Finds sets and counters where a plain value is needed.",
+    run=_run,
+    needs=(OCCURRENCES,),
+    rules=(RESOURCE_AS_VALUE,),
+)
+
+
+def _needs_value(
+    variable: nodes.Var, parent: nodes.Node, functions: Container[str]
+) -> bool:
+    """Whether what a variable stands in takes plain values only."""
+    match parent:
+        case nodes.Goal() | nodes.Resource():
+            needed = False
+        case nodes.Pattern():
+            needed = parent.name not in functions
+        case nodes.Call():
+            needed = parent.function in CALLS and parent.function not in _LOOK_INSIDE
+        case nodes.SetTest():
+            needed = variable is not parent.args[0]
+        case nodes.ResourceEffect():
+            needed = variable is parent.amount
+        case nodes.DefineRap():
+            needed = variable is parent.duration
+        case _:
+            needed = True
+    return needed
+
+
+_LOOK_INSIDE = ("size-of", "value")
+
+
+def _finding(variable: nodes.Var, declared: nodes.Resource) -> Diagnostic:
+    counter = declared.kind == "counter"
+    content = f"(value {variable.name})"
+    fix = Fix(Applicability.UNSAFE, "take its value", (Edit(variable.span, content),))
+    return Diagnostic(
+        rule=RESOURCE_AS_VALUE.name,
+        message=f"`{variable.name}` is a {declared.kind}, not a plain value",
+        span=variable.span,
+        labels=(Label(declared.variable.span, "declared here"),),
+        help=f"write `{content}` for the number it holds"
+        if counter
+        else f"ask `(member {variable.name} x)` or `(size-of {variable.name})`",
+        fix=fix if counter else None,
+    )

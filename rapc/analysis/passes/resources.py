@@ -1,0 +1,198 @@
+"""RAP064 to RAP066: sets, counters and plain values taken for each other (T 4.8).
+
+A RAP knows the kinds of the resources that it declares. What an input is, only the
+caller knows: how the RAP itself uses the input is held against what its steps are
+given elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Literal
+
+import msgspec
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.passes.bindings import BINDINGS
+from rapc.analysis.passes.occurrences import OCCURRENCES, Occurrences
+from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes
+
+WRONG_KIND = Rule(
+    code="RAP064",
+    name="wrong-resource-kind",
+    severity=Severity.ERROR,
+    summary="a set is used as a counter, or a counter as a set",
+    why="""`set-add`, `set-sub`, `member`, `empty` and `size-of` work on sets;
+`counter-add`, `counter-sub` and `value` on counters. On the other kind a test fails,
+and an effect fails its step.""",
+    example="""\
+(define-rap (load ?thing))
+(define-rap (load-all ?thing)
+  (resources (set ?loaded))
+  (method (task-net (t1 (load ?thing) (counter-add ?loaded 1)))))
+""",
+    better="""\
+(define-rap (load ?thing))
+(define-rap (load-all ?thing)
+  (resources (set ?loaded))
+  (method (task-net (t1 (load ?thing) (set-add ?loaded ?thing)))))
+""",
+)
+
+NOT_A_RESOURCE = Rule(
+    code="RAP065",
+    name="not-a-resource",
+    severity=Severity.ERROR,
+    summary="something is used as a set or counter that cannot be one",
+    why="""Only the `resources` clause makes sets and counters, and only inputs hand
+them on. What a formula or a step binds is a plain value: it cannot be added to, and has
+neither members nor a `value`.""",
+    example="""\
+(declare-memory-proposition wanted (?number))
+(define-rap (load))
+(define-rap (load-all)
+  (method
+    (context (wanted ?number))
+    (task-net (t1 (load) (counter-add ?number 1)))))
+""",
+    better="""\
+(declare-memory-proposition wanted (?number))
+(define-rap (load))
+(define-rap (load-all)
+  (resources (counter ?count 0))
+  (method
+    (context (and (wanted ?number) (< (value ?count) ?number)))
+    (task-net (t1 (load) (counter-add ?count 1)))))
+""",
+)
+
+Kind = Literal["set", "counter"]
+
+
+class Demand(msgspec.Struct, frozen=True):
+    """A term that has to be a set or a counter, and the RAP it stands in."""
+
+    term: nodes.Term
+    kind: Kind
+    rap: nodes.DefineRap
+
+
+def _run(run: Pass) -> None:
+    occurrences = run.result(OCCURRENCES)
+    missing = run.result(BINDINGS).missing
+    by_input: dict[tuple[str, str], Demand] = {}
+    for demand in _demands(occurrences):
+        rap, term = demand.rap, demand.term
+        unbound = {m.variable.name for m in missing.get(id(rap), ())}
+        if isinstance(term, nodes.Var) and term.name in (*unbound, "?"):
+            continue
+        declared = _resource(rap, term)
+        if declared is not None:
+            if declared.kind != demand.kind:
+                run.report(_wrong_kind(term, declared, demand))
+        elif isinstance(term, nodes.Var) and _is_input(rap, term):
+            by_input.setdefault((rap.name, term.name), demand)
+        else:
+            run.report(_no_resource(demand))
+    for goal in occurrences.of(nodes.Goal):
+        if isinstance(goal.owner, nodes.DefineRap):
+            _check_step(run, goal.owner, goal.node, by_input)
+
+
+ANALYZER = Analyzer(
+    name="resources",
+    doc="Finds sets used as counters, counters as sets, and plain values as either.",
+    run=_run,
+    needs=(OCCURRENCES, BINDINGS),
+    rules=(WRONG_KIND, NOT_A_RESOURCE),
+)
+
+
+def _demands(occurrences: Occurrences) -> Iterator[Demand]:
+    for term, kind, owner in _places(occurrences):
+        if isinstance(owner, nodes.DefineRap):
+            yield Demand(term, kind, owner)
+
+
+def _places(
+    occurrences: Occurrences,
+) -> Iterator[tuple[nodes.Term, Kind, nodes.TopForm]]:
+    """Every term that has to be a resource, with the kind it has to be."""
+    for test in occurrences.of(nodes.SetTest):
+        yield test.node.args[0], "set", test.owner
+    for call in occurrences.of(nodes.Call):
+        if call.node.function in ("size-of", "value"):
+            kind: Kind = "set" if call.node.function == "size-of" else "counter"
+            yield call.node.args[0], kind, call.owner
+    for effect in occurrences.of(nodes.ResourceEffect):
+        kind = "set" if effect.node.op in ("set-add", "set-sub") else "counter"
+        yield effect.node.resource, kind, effect.owner
+    for resource in occurrences.of(nodes.Resource):
+        first = resource.node.initial
+        if first is not None and not _counts(resource.node.kind, first):
+            yield first, resource.node.kind, resource.owner
+
+
+def _counts(kind: Kind, initial: nodes.Term) -> bool:
+    """Whether a counter begins with a value of its own, not as a copy of another."""
+    return kind == "counter" and not isinstance(initial, nodes.Var)
+
+
+def _resource(rap: nodes.DefineRap, term: nodes.Term) -> nodes.Resource | None:
+    if not isinstance(term, nodes.Var):
+        return None
+    return next((r for r in rap.resources if r.variable.name == term.name), None)
+
+
+def _is_input(rap: nodes.DefineRap, variable: nodes.Var) -> bool:
+    return any(v.name == variable.name for v in rap.inputs)
+
+
+def _check_step(
+    run: Pass,
+    rap: nodes.DefineRap,
+    goal: nodes.Goal,
+    by_input: Mapping[tuple[str, str], Demand],
+) -> None:
+    """Hold what a step is given against how the RAP that it asks for uses it."""
+    callee = run.library.raps.get(goal.name)
+    for term, taken in zip(goal.args, callee.inputs if callee else (), strict=False):
+        demand = by_input.get((goal.name, taken.name))
+        if demand is None:
+            continue
+        declared = _resource(rap, term)
+        if declared is not None and declared.kind != demand.kind:
+            run.report(_wrong_kind(term, declared, demand))
+        elif isinstance(term, nodes.Const):
+            run.report(_no_resource(demand, term))
+
+
+def _wrong_kind(
+    term: nodes.Term, declared: nodes.Resource, demand: Demand
+) -> Diagnostic:
+    name = declared.variable.name
+    labels = [Label(declared.variable.span, f"a {declared.kind} is declared here")]
+    if demand.term is not term:
+        labels.append(Label(demand.term.span, f"used as a {demand.kind} here"))
+    return Diagnostic(
+        rule=WRONG_KIND.name,
+        message=f"`{name}` is a {declared.kind}, not a {demand.kind}",
+        span=term.span,
+        labels=tuple(labels),
+    )
+
+
+def _no_resource(demand: Demand, given: nodes.Term | None = None) -> Diagnostic:
+    term = given or demand.term
+    labels: tuple[Label, ...] = ()
+    if given is not None:
+        labels = (Label(demand.term.span, f"used as a {demand.kind} here"),)
+    what = f"`{term.name}`" if isinstance(term, nodes.Var) else "this"
+    return Diagnostic(
+        rule=NOT_A_RESOURCE.name,
+        message=f"{what} is no {demand.kind}",
+        span=term.span,
+        labels=labels,
+        help=f"declare one: `(resources ({demand.kind} ?name))`",
+    )

@@ -1,0 +1,278 @@
+"""The order of every task-net: tags, what comes before what, cycles.
+
+Order comes from `for` annotations and from windows that name a step; `until` delays
+nothing (semantics 4). Which variables that order binds is for `bindings` to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
+
+import msgspec
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.names import Names
+from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes
+from rapc.library import word_span
+from rapc.source import Span
+
+UNKNOWN_TAG = Rule(
+    code="RAP026",
+    name="unknown-tag",
+    severity=Severity.ERROR,
+    summary="an annotation names a step that its task-net does not have",
+    why="""`for`, `until-start`, `until-end` and `window` speak of a step of the same
+task-net by its tag. One that no step carries orders nothing and protects nothing, and
+a formula meant for it is never checked.""",
+    example="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift) (for t3))
+    (t2 (carry)))))
+""",
+    better="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift) (for t2))
+    (t2 (carry)))))
+""",
+)
+
+DUPLICATE_TAG = Rule(
+    code="RAP027",
+    name="duplicate-tag",
+    severity=Severity.ERROR,
+    summary="two steps of a task-net have one tag",
+    why="""A tag names one step: an annotation that speaks of a tag carried twice
+would mean either of them.""",
+    example="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift))
+    (t1 (carry)))))
+""",
+    better="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift) (for t2))
+    (t2 (carry)))))
+""",
+)
+
+CYCLE = Rule(
+    code="RAP025",
+    name="cyclic-task-net",
+    severity=Severity.ERROR,
+    summary="steps of a task-net wait for each other in a circle",
+    why="""`for` and a window that names a step put steps in order. In a circle no step
+may begin before another of them has ended, so none ever begins, and the method never
+ends.""",
+    example="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift) (for t2))
+    (t2 (carry) (for t1)))))
+""",
+    better="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift) (for t2))
+    (t2 (carry)))))
+""",
+)
+
+CLOCKS = ("now", "absolute")
+"""What a window may refer to besides a step."""
+
+_MOST = 8
+"""How many steps of a circle are shown."""
+
+
+class Edge(msgspec.Struct, frozen=True):
+    """One step before another, by positions in the text, and what says so."""
+
+    before: int
+    after: int
+    annotation: nodes.For | nodes.Window
+
+
+class Net(msgspec.Struct, frozen=True):
+    """A task-net's order, by positions in the text.
+
+    `order` lists the steps so that each follows what it waits for; it is None if they
+    wait in a circle. `edges` holds, for each step, what puts others before it, in the
+    order of the text. `early` are the steps that another one or a signal may end
+    before they have done their work.
+    """
+
+    order: tuple[int, ...] | None
+    edges: tuple[tuple[Edge, ...], ...]
+    early: frozenset[int]
+
+    def is_before(self, one: int, other: int) -> bool:
+        """Whether a step is ordered before another, directly or not."""
+        seen: set[int] = set()
+        waiting = [other]
+        while waiting:
+            for edge in self.edges[waiting.pop()]:
+                if edge.before == one:
+                    return True
+                if edge.before not in seen:
+                    seen.add(edge.before)
+                    waiting.append(edge.before)
+        return False
+
+
+Nets = Mapping[int, Net]
+"""The net of each task-net node, by the node's `id`."""
+
+
+def _run(run: Pass) -> Nets:
+    nets = {}
+    for rap in run.library.forms:
+        if isinstance(rap, nodes.DefineRap):
+            for method in rap.methods:
+                if isinstance(method.body, nodes.TaskNet):
+                    nets[id(method.body)] = _net(run, method.body)
+    return nets
+
+
+TASK_NETS = Analyzer(
+    name="task-nets",
+    doc="Works out the order of each task-net; finds unknown and double tags, circles.",
+    run=_run,
+    rules=(UNKNOWN_TAG, DUPLICATE_TAG, CYCLE),
+)
+
+
+def _net(run: Pass, net: nodes.TaskNet) -> Net:
+    tags = _tags(run, net)
+    edges: list[list[Edge]] = [[] for _ in net.steps]
+    names: Names | None = None
+    for at, step in enumerate(net.steps):
+        for annotation in step.annotations:
+            tag = _tag(annotation)
+            if tag is None:
+                continue
+            if tag not in tags:
+                names = names or Names(tags)
+                run.report(_unknown_tag(annotation, tag, names))
+            elif isinstance(annotation, nodes.For):
+                edges[tags[tag]].append(Edge(at, tags[tag], annotation))
+            elif isinstance(annotation, nodes.Window):
+                edges[at].append(Edge(tags[tag], at, annotation))
+    order = _order(run, net, edges)
+    bare = Net(order, tuple(map(tuple, edges)), frozenset())
+    early = {at for at, step in enumerate(net.steps) if _early(bare, tags, at, step)}
+    return Net(bare.order, bare.edges, frozenset(early)) if early else bare
+
+
+def _early(net: Net, tags: Mapping[str, int], at: int, step: nodes.Step) -> bool:
+    """Whether something may end a step early; what comes after it never does."""
+    for annotation in step.annotations:
+        if isinstance(annotation, nodes.WaitFor) and annotation.mode == "succeed":
+            return True
+        if isinstance(annotation, nodes.UntilStart | nodes.UntilEnd):
+            by = tags.get(annotation.tag)
+            if by is not None and not net.is_before(at, by):
+                return True
+    return False
+
+
+def _tags(run: Pass, net: nodes.TaskNet) -> dict[str, int]:
+    tags: dict[str, int] = {}
+    for at, step in enumerate(net.steps):
+        first = tags.setdefault(step.tag, at)
+        if first != at:
+            run.report(
+                Diagnostic(
+                    rule=DUPLICATE_TAG.name,
+                    message=f"tag `{step.tag}` names another step already",
+                    span=_tag_span(run, step),
+                    labels=(Label(_tag_span(run, net.steps[first]), "this one"),),
+                    help="give each step a tag of its own",
+                )
+            )
+    return tags
+
+
+def _tag_span(run: Pass, step: nodes.Step) -> Span:
+    return word_span(run.library.files, step.span, 0)
+
+
+def _tag(annotation: nodes.Annotation) -> str | None:
+    """The tag an annotation speaks of, if it speaks of one."""
+    match annotation:
+        case nodes.For() | nodes.UntilStart() | nodes.UntilEnd():
+            return annotation.tag
+        case nodes.Window() if annotation.reference not in CLOCKS:
+            return annotation.reference
+    return None
+
+
+def _unknown_tag(annotation: nodes.Annotation, tag: str, names: Names) -> Diagnostic:
+    return Diagnostic(
+        rule=UNKNOWN_TAG.name,
+        message=f"no step of this task-net has the tag `{tag}`",
+        span=annotation.span,
+        help=names.did_you_mean(tag),
+    )
+
+
+def _order(
+    run: Pass, net: nodes.TaskNet, edges: Sequence[Sequence[Edge]]
+) -> tuple[int, ...] | None:
+    graph = {at: [edge.before for edge in into] for at, into in enumerate(edges)}
+    try:
+        return tuple(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        circle: list[int] = error.args[1]
+        run.report(_cycle(net, edges, circle))
+        return None
+
+
+def _cycle(
+    net: nodes.TaskNet, edges: Sequence[Sequence[Edge]], circle: Sequence[int]
+) -> Diagnostic:
+    links = sorted(_links(edges, circle), key=lambda edge: edge.annotation.span.start)
+    tags = [f"`{net.steps[edge.before].tag}`" for edge in links]
+    if len(tags) == 1:
+        message = f"step {tags[0]} waits for itself"
+    elif len(tags) <= _MOST:
+        message = f"steps {', '.join(tags[:-1])} and {tags[-1]} wait for each other"
+    else:
+        message = f"{len(tags)} steps wait for each other, {tags[0]} among them"
+    return Diagnostic(
+        rule=CYCLE.name,
+        message=message,
+        span=links[-1].annotation.span,
+        label=_says(net, links[-1]),
+        labels=tuple(
+            Label(e.annotation.span, _says(net, e)) for e in links[:-1][:_MOST]
+        ),
+        help="take one of these annotations away",
+    )
+
+
+def _links(edges: Sequence[Sequence[Edge]], circle: Sequence[int]) -> Iterator[Edge]:
+    for before, after in pairwise(circle):
+        yield next(edge for edge in edges[after] if edge.before == before)
+
+
+def _says(net: nodes.TaskNet, edge: Edge) -> str:
+    return f"puts `{net.steps[edge.before].tag}` before `{net.steps[edge.after].tag}`"

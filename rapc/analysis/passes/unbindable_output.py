@@ -1,0 +1,71 @@
+"""RAP028: an output that nothing in its RAP can bind (semantics 3, step 2)."""
+
+from __future__ import annotations
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.sites import sites
+from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.ir import nodes
+from rapc.spell import nearest
+
+UNBINDABLE = Rule(
+    code="RAP028",
+    name="unbindable-output",
+    severity=Severity.WARNING,
+    summary="an output variable is bound neither by `succeed` nor by any method",
+    why="""Outputs take the bindings of `succeed`, else those of the method that
+succeeded last. One that occurs in neither stays unbound, and so does the variable of
+whoever asked for it. (A RAP without methods may get them from a problem solver; there
+nothing is said.)""",
+    example="""\
+(declare-memory-proposition at (?thing ?place))
+(define-rap (look-around))
+(define-rap (look-for ?thing => ?place)
+  (succeed (at ?thing ?spot))
+  (method (task-net (t1 (look-around)))))
+""",
+    better="""\
+(declare-memory-proposition at (?thing ?place))
+(define-rap (look-around))
+(define-rap (look-for ?thing => ?place)
+  (succeed (at ?thing ?place))
+  (method (task-net (t1 (look-around)))))
+""",
+)
+
+_LOST = ("monitor-state", "preconditions", "constraints")
+"""Clauses whose bindings nobody sees."""
+
+
+def _run(run: Pass) -> None:
+    for rap in run.library.forms:
+        if not isinstance(rap, nodes.DefineRap) or not rap.outputs or not rap.methods:
+            continue
+        names = {
+            site.name
+            for site in sites(rap, run.library.functions)
+            if not site.negated and site.clause not in _LOST
+        }
+        for output in rap.outputs:
+            if output.name not in names:
+                run.report(_unbindable(output, names))
+
+
+ANALYZER = Analyzer(
+    name="unbindable-output",
+    doc="Finds outputs that neither `succeed` nor any method can bind.",
+    run=_run,
+    rules=(UNBINDABLE,),
+)
+
+
+def _unbindable(output: nodes.Var, names: set[str]) -> Diagnostic:
+    near = nearest(output.name, names)
+    return Diagnostic(
+        rule=UNBINDABLE.name,
+        message=f"nothing binds the output `{output.name}`",
+        span=output.span,
+        help=f"did you mean `{near}`?"
+        if near
+        else "bind it in `succeed`, in a context, or as the output of a step",
+    )

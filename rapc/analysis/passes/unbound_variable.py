@@ -1,0 +1,167 @@
+"""RAP012: a variable without a value where one is needed (semantics 2 and 3).
+
+Where that is so is worked out by `bindings`; this pass finds the words: where else the
+variable is bound and why that does not help, or which variable was probably meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.passes.bindings import BINDINGS, Missing
+from rapc.analysis.passes.task_nets import TASK_NETS, Net
+from rapc.analysis.sites import Site, sites
+from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes
+from rapc.spell import nearest
+
+UNBOUND = Rule(
+    code="RAP012",
+    name="unbound-variable",
+    severity=Severity.ERROR,
+    summary="a variable has no value where one is needed, in some order of the steps",
+    why="""An input of a step, a request to the world, a notation, an amount, a test or
+a computed term needs a value when its turn comes. Inputs and resources have one
+everywhere. In a method, `repeat-while` and `context` bind; in a step, what steps
+ordered before it hand out and the `for` formulas that point at it or at those. What
+only one branch of an `or` binds, or a step that `until` may end early, is not surely
+bound; `not` hands out nothing. Without a value the query or the task fails.""",
+    example="""\
+(define-rap (look-for ?thing => ?place))
+(define-rap (go-to ?place))
+(define-rap (fetch ?thing)
+  (method (task-net
+    (t1 (look-for ?thing => ?place))
+    (t2 (go-to ?place)))))
+""",
+    better="""\
+(define-rap (look-for ?thing => ?place))
+(define-rap (go-to ?place))
+(define-rap (fetch ?thing)
+  (method (task-net
+    (t1 (look-for ?thing => ?place) (for t2))
+    (t2 (go-to ?place)))))
+""",
+)
+
+_MOST = 3
+"""How many places are shown besides the first use."""
+
+_SEES = {
+    "duration": "inputs and resources",
+    "monitor-time": "inputs and resources",
+    "resources": "inputs and the resources before it",
+    "effects": "inputs, outputs and resources",
+}
+"""What clauses see that bind nothing themselves."""
+
+
+def _run(run: Pass) -> None:
+    missing = run.result(BINDINGS).missing
+    nets = run.result(TASK_NETS)
+    for form in run.library.forms:
+        for first, *further in _by_cause(missing.get(id(form), ())):
+            places: list[Site] = []
+            if isinstance(form, nodes.DefineRap):
+                places = list(sites(form, run.library.functions))
+            net = None if first.method is None else nets.get(id(first.method.body))
+            run.report(_explain(first, further, places, net))
+
+
+ANALYZER = Analyzer(
+    name="unbound-variable",
+    doc="Finds variables that lack a value where one is needed.",
+    run=_run,
+    needs=(BINDINGS, TASK_NETS),
+    rules=(UNBOUND,),
+)
+
+
+def _by_cause(missing: Iterable[Missing]) -> Iterator[list[Missing]]:
+    """What is missing, by variable and method: one cause each, first use first."""
+    causes: dict[tuple[str, int], list[Missing]] = {}
+    for one in sorted(missing, key=lambda m: m.variable.span.start):
+        causes.setdefault((one.variable.name, id(one.method)), []).append(one)
+    yield from causes.values()
+
+
+def _explain(
+    first: Missing, further: Sequence[Missing], places: Sequence[Site], net: Net | None
+) -> Diagnostic:
+    name = first.variable.name
+    used = {m.variable.span for m in (first, *further)}
+    elsewhere = [s for s in places if s.name == name and s.span not in used]
+    labels = [Label(s.span, _why_not(s, first, net)) for s in elsewhere[:_MOST]]
+    help_ = _advice(elsewhere, first, net)
+    if not elsewhere:
+        near = nearest(name, (s.name for s in places))
+        if near is not None:
+            site = next(s for s in places if s.name == near)
+            labels = [Label(site.span, _close(site))]
+            help_ = f"did you mean `{near}`?"
+    labels += [Label(m.variable.span, "nor here") for m in further[:_MOST]]
+    return Diagnostic(
+        rule=UNBOUND.name,
+        message=f"`{name}` is not bound here",
+        span=first.variable.span,
+        labels=tuple(labels),
+        help=help_,
+    )
+
+
+def _close(site: Site) -> str:
+    if site.clause in ("input", "resource"):
+        return f"{site.what} with a close name is declared here"
+    return "a variable with a close name is bound here"
+
+
+def _why_not(site: Site, missing: Missing, net: Net | None) -> str:
+    """Why a place that binds the variable does not help where it is missing."""
+    if site.negated:
+        return "bound inside `not` only, which hands out nothing"
+    if site.method is not None and site.method is not missing.method:
+        return "bound here, in another method"
+    return _out_of_order(site, missing, net) or _out_of_sight(site, missing)
+
+
+def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
+    """What a step's place in the order has to do with it, if anything."""
+    if site.step is None:
+        return None
+    if missing.step is None or net is None:
+        return "bound here only when the method has begun"
+    if site.step in net.early:
+        return f"bound here, but {site.what} may be ended before that"
+    if site.step != missing.step and not net.is_before(site.step, missing.step):
+        return f"bound by {site.what}, which nothing puts before this one"
+    return None
+
+
+def _out_of_sight(site: Site, missing: Missing) -> str:
+    if site.branch:
+        return "bound here in one branch of an `or` only"
+    if site.clause != missing.clause and missing.method is None:
+        return f"bound here, which `{missing.clause}` does not see"
+    if site.clause not in (missing.clause, "repeat-while", "context", "wait-for"):
+        return f"bound here, but {site.what} keeps no bindings"
+    return "bound here, but only after that"
+
+
+def _advice(elsewhere: Sequence[Site], missing: Missing, net: Net | None) -> str:
+    sees = _SEES.get(missing.clause)
+    if sees:
+        return f"`{missing.clause}` sees {sees} only"
+    for site in elsewhere:
+        if site.step is None or missing.step is None or net is None:
+            continue
+        if site.method is missing.method and site.step not in net.early:
+            assert missing.method is not None
+            assert isinstance(missing.method.body, nodes.TaskNet)
+            tag = missing.method.body.steps[missing.step].tag
+            return f"put the steps in order: `(for {tag})` on {site.what}"
+    if missing.clause == "step":
+        return "bind it in `context`, or in a step ordered before this one"
+    if missing.method is not None and missing.clause != "context":
+        return "bind it in `context`"
+    return "bind it by a fact to the left of this, or make it an input"

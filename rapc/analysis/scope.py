@@ -1,0 +1,180 @@
+"""Which variables a formula needs, and which it surely binds (semantics 2).
+
+`and` binds from left to right; of `or`, only what every branch that can succeed binds
+is surely bound; `not` exports nothing; comparisons, computed terms, tests of sets and
+functions used as tests bind nothing and need theirs bound. Where these formulas stand
+and what is bound beforehand is for `rapc.analysis.passes.bindings` to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Mapping
+
+from rapc.ir import nodes
+
+
+class Bound(Container[str]):
+    """The names bound at some place: those of an outer place and some more."""
+
+    __slots__ = ("names", "outer")
+
+    def __init__(
+        self, outer: Container[str] | None = None, names: Iterable[str] = ()
+    ) -> None:
+        self.outer = outer
+        self.names = set(names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.names or (self.outer is not None and name in self.outer)
+
+
+class Findings:
+    """What was noticed while formulas and terms were walked through.
+
+    `unbound` are variables that need a value and are not surely bound, `anonymous`
+    those that are a bare `?` where a value is needed, `ages` the `believe` forms
+    that bind an age; all in the order in which they are met.
+    """
+
+    def __init__(self) -> None:
+        self.unbound: list[nodes.Var] = []
+        self.anonymous: list[nodes.Var] = []
+        self.ages: list[nodes.Believe] = []
+
+
+class Walker:
+    """Walks formulas and terms of one library.
+
+    Args:
+        functions: the declared functions; a pattern of that name is a test.
+        findings: where what is noticed goes.
+    """
+
+    def __init__(self, functions: Mapping[str, object], findings: Findings) -> None:
+        self.functions = functions
+        self.findings = findings
+
+    def value(self, term: nodes.Term, bound: Bound) -> None:
+        """A place that needs a value: note what is not bound in it."""
+        if type(term) is nodes.Var:
+            if term.name == "?":
+                self.findings.anonymous.append(term)
+            elif term.name not in bound:
+                self.findings.unbound.append(term)
+        elif type(term) is nodes.Call:
+            for arg in term.args:
+                self.value(arg, bound)
+
+    def values(self, terms: Iterable[nodes.Term], bound: Bound) -> None:
+        """Several places that need values."""
+        for term in terms:
+            self.value(term, bound)
+
+    def match(self, terms: Iterable[nodes.Term], bound: Bound) -> None:
+        """Terms matched with values: computed ones need, variables bind."""
+        fresh = []
+        for term in terms:
+            if type(term) is nodes.Call:
+                self.value(term, bound)
+            elif type(term) is nodes.Var and not term.anonymous:
+                fresh.append(term.name)
+        bound.names.update(fresh)
+
+    def formula(self, formula: nodes.Formula, bound: Bound) -> bool:
+        """Walk a formula, adding to `bound` what it surely binds.
+
+        Returns False if it can have no solution.
+        """
+        return _VISITS[type(formula)](self, formula, bound)
+
+
+def _truth(walker: Walker, formula: nodes.Truth, bound: Bound) -> bool:
+    return formula.value
+
+
+def _pattern(walker: Walker, formula: nodes.Pattern, bound: Bound) -> bool:
+    if formula.name in walker.functions:
+        walker.values(formula.args, bound)
+    else:
+        walker.match(formula.args, bound)
+    return True
+
+
+def _and(walker: Walker, formula: nodes.And, bound: Bound) -> bool:
+    possible = True
+    for part in formula.parts:
+        possible = walker.formula(part, bound) and possible
+    return possible
+
+
+def _or(walker: Walker, formula: nodes.Or, bound: Bound) -> bool:
+    common: set[str] | None = None
+    for part in formula.parts:
+        branch = Bound(bound)
+        if walker.formula(part, branch):
+            common = branch.names if common is None else common & branch.names
+    bound.names.update(common or ())
+    return common is not None
+
+
+def _not(walker: Walker, formula: nodes.Not, bound: Bound) -> bool:
+    walker.formula(formula.part, Bound(bound))
+    return not (type(formula.part) is nodes.Truth and formula.part.value)
+
+
+def _compare(walker: Walker, formula: nodes.Compare, bound: Bound) -> bool:
+    walker.values((formula.left, formula.right), bound)
+    return True
+
+
+def _believe(walker: Walker, formula: nodes.Believe, bound: Bound) -> bool:
+    walker.match(formula.pattern.args, bound)
+    age = formula.age
+    if type(age) is nodes.Var and not age.anonymous and age.name not in bound:
+        walker.findings.ages.append(formula)
+    walker.match((age,), bound)
+    return True
+
+
+def _set_test(walker: Walker, formula: nodes.SetTest, bound: Bound) -> bool:
+    walker.values(formula.args, bound)
+    return True
+
+
+def _history(walker: Walker, formula: nodes.History, bound: Bound) -> bool:
+    if formula.query == "method-tried":
+        walker.values(formula.args, bound)
+    else:
+        walker.values(formula.args[:-1], bound)
+        walker.match(formula.args[-1:], bound)
+    return True
+
+
+def _sensor_name(walker: Walker, formula: nodes.SensorName, bound: Bound) -> bool:
+    value = formula.value
+    if type(value) is nodes.Const and value.value == "false":
+        walker.value(formula.item, bound)
+    else:
+        walker.match((formula.item, value), bound)
+    return True
+
+
+def _count(walker: Walker, formula: nodes.Count, bound: Bound) -> bool:
+    walker.values((formula.kind, formula.place), bound)
+    walker.match((formula.number,), bound)
+    return True
+
+
+_VISITS: Mapping[type, Callable[..., bool]] = {
+    nodes.Truth: _truth,
+    nodes.Pattern: _pattern,
+    nodes.And: _and,
+    nodes.Or: _or,
+    nodes.Not: _not,
+    nodes.Compare: _compare,
+    nodes.Believe: _believe,
+    nodes.SetTest: _set_test,
+    nodes.History: _history,
+    nodes.SensorName: _sensor_name,
+    nodes.Count: _count,
+}

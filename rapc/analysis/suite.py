@@ -1,0 +1,70 @@
+"""Which passes there are: the one list of them, and of all rules.
+
+A new pass is a file in `rapc/analysis/passes` and a line here. The order of the list
+does not matter: the driver orders passes by what they need.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rapc import library, loader
+from rapc.analysis import suppressions
+from rapc.analysis.analyzer import Analyzer
+from rapc.analysis.passes import (
+    age_in_monitor,
+    anonymous_variable,
+    bindings,
+    fact_arity,
+    functions,
+    misspelt_variable,
+    not_a_number,
+    nothing_awaited,
+    occurrences,
+    primitives,
+    resource_as_value,
+    resources,
+    signals,
+    task_nets,
+    unbindable_output,
+    unbound_variable,
+    undeclared_predicate,
+    unknown_method,
+    unknown_rap,
+    unknown_result,
+)
+from rapc.diagnostics import Rule
+from rapc.parser import rules as parser
+
+ANALYZERS: tuple[Analyzer[Any], ...] = (
+    occurrences.OCCURRENCES,
+    task_nets.TASK_NETS,
+    bindings.BINDINGS,
+    unbound_variable.ANALYZER,
+    unknown_rap.ANALYZER,
+    undeclared_predicate.ANALYZER,
+    fact_arity.ANALYZER,
+    functions.ANALYZER,
+    primitives.ANALYZER,
+    unknown_result.ANALYZER,
+    signals.ANALYZER,
+    unbindable_output.ANALYZER,
+    misspelt_variable.ANALYZER,
+    anonymous_variable.ANALYZER,
+    resources.ANALYZER,
+    resource_as_value.ANALYZER,
+    unknown_method.ANALYZER,
+    age_in_monitor.ANALYZER,
+    not_a_number.ANALYZER,
+    nothing_awaited.ANALYZER,
+)
+"""Every pass."""
+
+
+def rules() -> Mapping[str, Rule]:
+    """Every rule that `check` may report, by name, in the order of their codes."""
+    own = [rule for analyzer in ANALYZERS for rule in analyzer.rules]
+    others = (*parser.RULES, *library.RULES, *loader.RULES, *suppressions.RULES)
+    everything = sorted([*own, *others], key=lambda rule: rule.code)
+    return {rule.name: rule for rule in everything}

@@ -1,0 +1,216 @@
+"""Comments that silence findings: `; rapc: ignore[name] reason`, `file-ignore`.
+
+An `ignore` before a form, or at the end of the form's first line, covers that form; a
+`file-ignore` covers its file. One that silences nothing is a finding itself, and so is
+one that names no rule.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+import msgspec
+
+from rapc.analysis.names import Names
+from rapc.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Rule,
+    Severity,
+)
+from rapc.parser.data import Comment, Datum, List
+from rapc.parser.reader import read
+from rapc.source import SourceFile, Span
+
+UNUSED = Rule(
+    code="RAP071",
+    name="unused-suppression",
+    severity=Severity.WARNING,
+    summary="a suppression silences nothing",
+    why="""The finding that it was written for is gone, or never was in what it covers:
+an `ignore` covers the form that follows or that begins on its line. Left in place it
+would silence the next fault of that kind.""",
+    example="""\
+; rapc: ignore[unknown-rap] defined by the host
+(define-rap (wait))
+""",
+    better="""\
+(define-rap (wait))
+""",
+)
+
+BAD = Rule(
+    code="RAP072",
+    name="bad-suppression",
+    severity=Severity.WARNING,
+    summary="a comment is meant as a suppression, but names no rule",
+    why="""`; rapc: ignore[name] reason` and `; rapc: file-ignore[name] reason` take
+names or codes of rules, separated by commas; anything else silences nothing.""",
+    example="""\
+; rapc: ignore[unknown-rapp] defined by the host
+(define-rap (wait))
+""",
+    better="""\
+; an ordinary comment
+(define-rap (wait))
+""",
+)
+
+RULES = (UNUSED, BAD)
+"""The rules about suppressions themselves."""
+
+_MEANT = re.compile(r";+\s*rapc:\s*(?P<what>.*)", re.IGNORECASE | re.DOTALL)
+_FORM = re.compile(r"(?P<kind>ignore|file-ignore)\[(?P<rules>[^\]]*)\]", re.IGNORECASE)
+
+
+class Suppression(msgspec.Struct, frozen=True):
+    """One rule's name in one comment.
+
+    `rule` is a rule's proper name; `comment` is where the comment stands, `covers` the
+    stretch whose findings it silences; `alone` if the comment names no other rule.
+    """
+
+    rule: str
+    comment: Span
+    covers: Span
+    alone: bool
+
+
+def find(
+    source: SourceFile, comments: Iterable[Comment], rules: Mapping[str, Rule]
+) -> tuple[list[Suppression], list[Diagnostic]]:
+    """The suppressions of one file, and what is wrong with them.
+
+    Args:
+        source: the file.
+        comments: its comments, in the order of the text.
+        rules: all rules by name.
+    """
+    meant = [(c, m["what"]) for c in comments if (m := _MEANT.match(c.text))]
+    if not meant:
+        return [], []
+    by_word = {word: rule for rule in rules.values() for word in (rule.name, rule.code)}
+    starts = _first_forms(source)
+    names = Names(rules)
+    found: list[Suppression] = []
+    wrong: list[Diagnostic] = []
+    for comment, what in meant:
+        form = _FORM.match(what)
+        words = [w.strip() for w in form["rules"].split(",")] if form else []
+        if form is None or not any(words):
+            wrong.append(_malformed(comment))
+            continue
+        whole = form["kind"].lower() == "file-ignore"
+        covers = source.span(0, len(source.text) + 1)
+        covers = covers if whole else _covered(source, comment, starts)
+        for word in words:
+            rule = by_word.get(word) or by_word.get(word.upper())
+            if rule is None:
+                wrong.append(_unknown(comment, word, names))
+            else:
+                found.append(
+                    Suppression(rule.name, comment.span, covers, len(words) == 1)
+                )
+    return found, wrong
+
+
+def apply(
+    found: Iterable[Diagnostic], suppressions: Sequence[Suppression]
+) -> tuple[list[Diagnostic], list[Suppression]]:
+    """The findings left, and the suppressions that silenced none."""
+    by_place: dict[tuple[str, str], list[Suppression]] = {}
+    for one in suppressions:
+        by_place.setdefault((one.covers.file, one.rule), []).append(one)
+    left: list[Diagnostic] = []
+    used: set[int] = set()
+    for diagnostic in found:
+        at = diagnostic.span
+        silent = False
+        for one in by_place.get((at.file, diagnostic.rule), ()):
+            if one.covers.start <= at.start < one.covers.end:
+                silent = True
+                used.add(id(one))
+        if not silent:
+            left.append(diagnostic)
+    return left, [one for one in suppressions if id(one) not in used]
+
+
+def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:
+    """The finding about a suppression that silences nothing."""
+    comment = suppression.comment
+    start = comment.start
+    while start > 0 and source.text[start - 1] in " \t":
+        start -= 1
+    edit = Edit(source.span(start, comment.end), "")
+    fix = Fix(Applicability.SAFE, "take the comment out", (edit,))
+    return Diagnostic(
+        rule=UNUSED.name,
+        message=f"there is no `{suppression.rule}` here to ignore",
+        span=comment,
+        help="take it out" if suppression.alone else "take this name out",
+        fix=fix if suppression.alone else None,
+    )
+
+
+# --- what a comment covers ---------------------------------------------------------
+
+
+def _first_forms(source: SourceFile) -> Mapping[int, Span]:
+    """For each row on which a list begins, the outermost of those lists."""
+    starts: dict[int, Span] = {}
+    for one in _lists([top.datum for top in read(source).forms]):
+        row = source.position(one.start).row
+        starts.setdefault(row, source.span(one.start, one.end))
+    return starts
+
+
+def _lists(data: Iterable[Datum]) -> Iterator[List]:
+    """All lists among some data and in them, in the order of the text."""
+    stack = list(data)[::-1]
+    while stack:
+        datum = stack.pop()
+        if isinstance(datum, List):
+            yield datum
+            stack.extend(reversed(datum.items))
+
+
+def _covered(source: SourceFile, comment: Comment, starts: Mapping[int, Span]) -> Span:
+    """The form that begins on the comment's line, else on the next one with text."""
+    at = source.position(comment.span.start)
+    before = source.line(at.row)[: at.column - 1]
+    row = at.row
+    if not before.strip():
+        row += 1
+        while row <= len(source.line_starts) and _is_blank(source.line(row)):
+            row += 1
+    return starts.get(row, source.span(0, 0))
+
+
+def _is_blank(line: str) -> bool:
+    text = line.strip()
+    return not text or text.startswith(";")
+
+
+# --- messages -----------------------------------------------------------------------
+
+
+def _malformed(comment: Comment) -> Diagnostic:
+    return Diagnostic(
+        rule=BAD.name,
+        message="this comment looks like a suppression, but is none",
+        span=comment.span,
+        help="write `; rapc: ignore[rule-name] reason`, "
+        "or `file-ignore` for the whole file",
+    )
+
+
+def _unknown(comment: Comment, word: str, names: Names) -> Diagnostic:
+    return Diagnostic(
+        rule=BAD.name,
+        message=f"no rule is called `{word}`",
+        span=comment.span,
+        help=names.did_you_mean(word, "`rapc rule` lists all rules"),
+    )

@@ -1,0 +1,94 @@
+"""What the commands share that work on libraries: reading, checking, printing findings.
+
+Exit statuses of all commands: 0 for well, 1 for found or failed, 2 for what could not
+be tried. Findings and results go to standard output, everything else to standard error.
+"""
+
+from __future__ import annotations
+
+import gc
+import shutil
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+import click
+
+from rapc import render
+from rapc.analysis.driver import Report, check_library
+from rapc.cli.options import USAGE, common_options, fail, say, settings
+from rapc.compiler.plans import CompiledLibrary
+from rapc.diagnostics import Severity
+from rapc.loader import Loaded, LoadError, load
+
+__all__ = (
+    "USAGE",
+    "common_options",
+    "fail",
+    "load_checked",
+    "print_findings",
+    "read_paths",
+    "say",
+    "settings",
+    "undisturbed",
+)
+
+PIPED_WIDTH = 120
+"""How wide output is that goes to no terminal."""
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Hold the search for reference cycles back while a library is read and checked.
+
+    What is made then is kept and holds no cycles, so the search would find nothing,
+    and it takes half of the time.
+    """
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
+def read_paths(paths: Iterable[str]) -> Loaded:
+    """Load files and folders; what cannot be read ends the command with status 2."""
+    try:
+        loaded = load(paths)
+    except LoadError as error:
+        fail(str(error))
+    for name in loaded.files:
+        say(f"read {name}")
+    return loaded
+
+
+def print_findings(report: Report, output_format: str) -> None:
+    """Print a report's findings on standard output: `full`, `concise` or `json`."""
+    if output_format == "json":
+        click.echo(render.json_text(report))
+    elif output_format == "concise":
+        for line in render.concise(report):
+            click.echo(line)
+    else:
+        width = PIPED_WIDTH
+        if sys.stdout.isatty():
+            width = shutil.get_terminal_size().columns
+        lines = render.full(report, width)
+        render.write(lines, sys.stdout, color=settings().colored())
+
+
+def load_checked(path: str) -> CompiledLibrary:
+    """Load, check and compile a library for a command that runs it.
+
+    A finding of severity error is printed and ends the command with status 2; others
+    do not stop it.
+    """
+    with undisturbed():
+        report = check_library(read_paths([path]))
+    errors = tuple(f for f in report.findings if f.severity is Severity.ERROR)
+    if errors:
+        print_findings(Report(errors, report.library), "full")
+        raise SystemExit(USAGE)
+    return CompiledLibrary(report.library, path)

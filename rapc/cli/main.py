@@ -1,0 +1,134 @@
+"""The `rapc` command: its sub-commands, imported when they are used, and its errors.
+
+Whatever happens, the user sees no traceback: usage errors are one line with status 2,
+and so is a fault in rapc itself, unless `RAPC_DEBUG=1` asks to see it.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib import import_module
+
+import click
+
+from rapc import __version__
+from rapc.cli.options import USAGE, common_options
+from rapc.spell import nearest
+
+COMMANDS = {
+    "check": "Check RAP libraries.",
+    "rule": "Explain a rule of the checker.",
+    "run": "Run tasks of a library against a world.",
+    "worlds": "List worlds, or say what one offers.",
+}
+"""The commands with what the help says of them; `rapc.cli.NAME` holds each."""
+
+INTERRUPTED = 130
+"""The exit status after Ctrl-C."""
+
+EXAMPLES = """\b
+Examples:
+  rapc check my-library/
+  rapc run my-library/ --world truck --task '(deliver rock-1 factory-1)'
+  rapc rule unbound-variable
+"""
+
+
+class Commands(click.Group):
+    """A group that imports a command only when it is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names of all commands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """A command by its name, imported."""
+        if name not in COMMANDS:
+            return None
+        command = getattr(import_module(f"rapc.cli.{name}"), name)
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
+        """Write the list of commands without importing any of them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(
+    cls=Commands,
+    epilog=EXAMPLES,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(__version__, message="rapc %(version)s")
+@common_options
+def cli() -> None:
+    """Reactive Action Packages: check them, run them, see why."""
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Run the command line; ends the process with the command's exit status."""
+    _print_anything()
+    try:
+        status = cli.main(
+            None if args is None else list(args),
+            prog_name="rapc",
+            standalone_mode=False,
+        )
+        sys.stdout.flush()
+    except click.ClickException as error:
+        click.echo(f"error: {_message(error)}", err=True)
+        sys.exit(USAGE)
+    except (click.Abort, KeyboardInterrupt):
+        sys.exit(INTERRUPTED)
+    except BrokenPipeError:
+        _drop_output()
+        sys.exit(1)
+    except Exception as error:
+        _internal_fault(error)
+        sys.exit(USAGE)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _print_anything() -> None:
+    """Let no character, such as one of a file's odd name, stop the output."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _message(error: click.ClickException) -> str:
+    """A usage error as one line, with at most one suggestion."""
+    close: str | None = None
+    if isinstance(error, click.exceptions.NoSuchCommand):
+        text = f"there is no command `{error.command_name}`"
+        close = nearest(error.command_name, COMMANDS)
+    elif isinstance(error, click.NoSuchOption):
+        text = f"there is no option `{error.option_name}`"
+        close = nearest(error.option_name, error.possibilities or ())
+    else:
+        text = " ".join(error.format_message().split()).removesuffix(".")
+        text = text[:1].lower() + text[1:]
+    return f"{text}; did you mean `{close}`?" if close else text
+
+
+def _drop_output() -> None:
+    """Nobody reads standard output any more: keep the last flush from failing."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _internal_fault(error: Exception) -> None:
+    if os.environ.get("RAPC_DEBUG") == "1":
+        traceback.print_exception(error)
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    click.echo(
+        f"error: rapc itself is at fault ({what[:200]}); please report it to its "
+        "developers with the command, the input and what RAPC_DEBUG=1 shows",
+        err=True,
+    )

@@ -1,0 +1,94 @@
+"""The options that all commands have, and how a command ends that cannot be tried.
+
+Kept apart from `rapc.cli.common` so that `rapc --help` imports no more than it needs.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NoReturn, TypeVar
+
+import click
+
+USAGE = 2
+"""The exit status of what could not be tried."""
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@dataclass
+class Settings:
+    """What the options common to all commands say; lives in click's root context."""
+
+    color: str = "auto"
+    quiet: bool = False
+    verbose: bool = False
+
+    def colored(self) -> bool:
+        """Whether standard output is to be coloured."""
+        if self.color != "auto":
+            return self.color == "always"
+        plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+        return sys.stdout.isatty() and not plain
+
+
+def settings() -> Settings:
+    """The settings of the command that runs."""
+    return click.get_current_context().find_root().ensure_object(Settings)
+
+
+def common_options(command: F) -> F:
+    """Add `--color`, `-v` and `-q` to a command or group."""
+    color = click.option(
+        "--color",
+        type=click.Choice(["auto", "always", "never"]),
+        expose_value=False,
+        callback=_keep,
+        help="Whether to colour the output (NO_COLOR is heeded).",
+    )
+    verbose = click.option(
+        "-v",
+        "--verbose",
+        is_flag=True,
+        expose_value=False,
+        callback=_keep,
+        help="Say on standard error what is done.",
+    )
+    quiet = click.option(
+        "-q",
+        "--quiet",
+        is_flag=True,
+        expose_value=False,
+        callback=_keep,
+        help="Print nothing but findings and results.",
+    )
+    return color(verbose(quiet(command)))
+
+
+def _keep(context: click.Context, option: click.Parameter, value: object) -> None:
+    kept = context.find_root().ensure_object(Settings)
+    if value and option.name is not None:
+        setattr(kept, option.name, value)
+
+
+def fail(message: str, *more: str | None) -> NoReturn:
+    """End the command with status 2 and an error on standard error.
+
+    Args:
+        message: what is wrong, one line.
+        more: further lines, if any: other things that are wrong, or what to do.
+    """
+    click.echo(f"error: {message}", err=True)
+    for line in more:
+        if line:
+            click.echo(f"  {line}", err=True)
+    raise SystemExit(USAGE)
+
+
+def say(message: str) -> None:
+    """Tell on standard error what is done, if `-v` asks for it."""
+    if settings().verbose:
+        click.echo(message, err=True)

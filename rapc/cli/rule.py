@@ -1,0 +1,88 @@
+"""`rapc rule [NAME]`: the manual page of a rule, of all rules, or their list."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from rapc.analysis import driver, suite
+from rapc.cli.options import common_options, fail
+from rapc.diagnostics import Rule
+
+EXAMPLES = """\b
+Examples:
+  rapc rule
+  rapc rule unbound-variable
+  rapc rule RAP012 --format json
+  rapc rule --all
+"""
+
+
+@click.command(
+    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.argument("name", required=False)
+@click.option("--all", "everything", is_flag=True, help="The pages of all rules.")
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="Text (Markdown) or JSON.",
+)
+@common_options
+def rule(name: str | None, everything: bool, output_format: str) -> None:
+    """Print the manual page of the rule NAME (a name or a code).
+
+    Without NAME all rules are listed, one line each.
+    """
+    if name is not None and everything:
+        fail("a rule's name and --all exclude each other")
+    rules = suite.rules()
+    chosen = list(rules.values()) if name is None else [_find(name)]
+    if output_format == "json":
+        click.echo(_json(chosen, one=name is not None))
+    elif name is None and not everything:
+        width = max(len(one.name) for one in chosen)
+        for one in chosen:
+            severity = f"{one.severity.word:7}"
+            click.echo(f"{one.code}  {one.name:{width}}  {severity}  {one.summary}")
+    else:
+        click.echo("\n".join(_page(one) for one in chosen), nl=False)
+
+
+def _find(word: str) -> Rule:
+    try:
+        (name,) = driver.enabled_rules([word], (), ())
+    except driver.UnknownRuleError as error:
+        fail(f"{error}{f'; did you mean `{error.near}`?' if error.near else ''}")
+    return suite.rules()[name]
+
+
+def _page(one: Rule) -> str:
+    """A rule's page in Markdown."""
+    return (
+        f"## {one.name}\n\n"
+        f"{one.code}, {one.severity.word}: {one.summary}.\n\n"
+        f"{one.why}\n\n"
+        f"For example:\n\n```rap\n{one.example}```\n\n"
+        f"Better:\n\n```rap\n{one.better}```\n"
+    )
+
+
+def _json(chosen: list[Rule], *, one: bool) -> str:
+    pages = [
+        {
+            "code": rule.code,
+            "name": rule.name,
+            "severity": rule.severity.word,
+            "summary": rule.summary,
+            "why": " ".join(rule.why.split()),
+            "example": rule.example,
+            "better": rule.better,
+        }
+        for rule in chosen
+    ]
+    return json.dumps(pages[0] if one else pages, indent=2, ensure_ascii=False)

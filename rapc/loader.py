@@ -1,0 +1,269 @@
+"""Find and read RAP files, follow `require`, and link what was read.
+
+The only reader of files below the front ends. What cannot be read at all is a
+`LoadError`, one line for the user; everything else that is wrong is a diagnostic, and
+what could be made of the rest is there as well.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+
+import msgspec
+
+from rapc import library
+from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.ir import nodes
+from rapc.library import Library
+from rapc.parser.parse import Comment, Parsed, parse
+from rapc.source import SourceFile, Span
+from rapc.spell import nearest
+
+SUFFIX = ".rap"
+TEST_SUFFIX = ".test.rap"
+
+UNRESOLVED = Rule(
+    code="RAP062",
+    name="unresolved-require",
+    severity=Severity.ERROR,
+    summary="a `require` names neither a file, nor a folder, nor a standard library",
+    why="""`(require "name")` means the file `name.rap` or the folder `name` beside the
+requiring file, else the standard library of that name. What it should have brought in
+is missing, so most of what uses it would be reported as unknown too.""",
+    example="""\
+(require "no-such-library")
+""",
+    better="""\
+(declare-memory-proposition seen (?thing))
+""",
+)
+
+RULES = (UNRESOLVED,)
+"""The rules that loading can break."""
+
+
+class LoadError(Exception):
+    """A path that cannot be read, or is no text; the message is one line."""
+
+
+class Loaded(msgspec.Struct, frozen=True):
+    """What came of reading: the library, what was found so far, and the comments.
+
+    `diagnostics` holds what the reader, the forms, `require` and linking found;
+    `comments` the comments of each file, by the file's name; `partial` the places of
+    forms from which something had to be left out.
+    """
+
+    library: Library
+    diagnostics: tuple[Diagnostic, ...]
+    comments: Mapping[str, tuple[Comment, ...]]
+    partial: tuple[Span, ...]
+
+    @property
+    def files(self) -> Mapping[str, SourceFile]:
+        """Every file read, by the name that spans carry, first read first."""
+        return self.library.files
+
+
+def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
+    """Read files and folders, all they require, and link them into one library.
+
+    Args:
+        paths: files, folders (all `.rap` files below, sorted) or `-` for standard
+            input. Folders whose name begins with a dot are left out below a folder.
+        tests: whether `*.test.rap` files found in folders are read as well.
+
+    Raises:
+        LoadError: for a path that is missing, unreadable, not UTF-8 or not text, and
+            for folders that lead back into themselves.
+    """
+    reading = _Reading(tests)
+    for path in paths:
+        if str(path) == "-":
+            reading.add(SourceFile("<stdin>", _decode("<stdin>", _standard_input())))
+        else:
+            reading.read_all(_files_at(Path(path), tests))
+    return reading.finish()
+
+
+def load_text(text: str, name: str = "<text>") -> Loaded:
+    """Link one text as if it were a file in the working folder; see `load`."""
+    reading = _Reading(tests=False)
+    reading.add(SourceFile(name, _fold_line_ends(text)))
+    return reading.finish()
+
+
+def standard_libraries() -> tuple[str, ...]:
+    """The names of the standard libraries that are installed, sorted."""
+    folder = _stdlib()
+    if not folder.is_dir():
+        return ()
+    return tuple(sorted(e.name.removesuffix(SUFFIX) for e in folder.iterdir()))
+
+
+class _Reading:
+    """The files of one load: which were seen, which `require` is still to be read."""
+
+    def __init__(self, tests: bool) -> None:
+        self.tests = tests
+        self.parsed: list[tuple[SourceFile, Parsed]] = []
+        self.seen: set[str] = set()
+        self.requires: deque[tuple[nodes.Require, Path]] = deque()
+
+    def read_all(self, paths: Iterable[Path]) -> None:
+        """Read files that were not read before, under whatever name."""
+        for path in paths:
+            key = os.path.realpath(path)
+            if key not in self.seen:
+                self.seen.add(key)
+                self.add(SourceFile(str(path), _read(path)), path)
+
+    def add(self, source: SourceFile, path: Path | None = None) -> None:
+        """Parse a text and note what it requires."""
+        parsed = parse(source)
+        self.parsed.append((source, parsed))
+        for form in parsed.forms:
+            if isinstance(form, nodes.Require):
+                self.requires.append((form, path or Path(source.name)))
+
+    def finish(self) -> Loaded:
+        """Read what is required, and what that requires, and link it all."""
+        missing: list[Diagnostic] = []
+        while self.requires:
+            form, path = self.requires.popleft()
+            target = _resolve(form.name, path)
+            found = [] if target is None else list(_files_at(target, self.tests))
+            if not found:
+                missing.append(_unresolved(form, path))
+            self.read_all(found)
+        linked, names = library.link(self.parsed)
+        own = [d for _, parsed in self.parsed for d in parsed.diagnostics]
+        comments = {source.name: parsed.comments for source, parsed in self.parsed}
+        partial = tuple(span for _, parsed in self.parsed for span in parsed.partial)
+        return Loaded(linked, (*own, *missing, *names), comments, partial)
+
+
+# --- require -------------------------------------------------------------------
+
+
+def _stdlib() -> Path:
+    return Path(str(resources.files("rapc"))) / "stdlib"
+
+
+def _resolve(name: str, requiring: Path) -> Path | None:
+    """The file or folder a `require` means; never the requiring file itself."""
+    for folder in (requiring.parent, _shown(_stdlib())):
+        beside = folder / (name + SUFFIX)
+        if beside.is_file() and beside != requiring:
+            return beside
+        if name and (folder / name).is_dir():
+            return folder / name
+    return None
+
+
+def _shown(path: Path) -> Path:
+    """A path as it is best printed: relative to the working folder if below it."""
+    here = Path.cwd()
+    return path.relative_to(here) if path.is_relative_to(here) else path
+
+
+def _unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
+    beside = [] if not requiring.parent.is_dir() else list(requiring.parent.iterdir())
+    names = [
+        p.name.removesuffix(SUFFIX)
+        for p in beside
+        if p != requiring and (p.suffix == SUFFIX or p.is_dir())
+    ]
+    close = nearest(form.name, [*names, *standard_libraries()])
+    return Diagnostic(
+        rule=UNRESOLVED.name,
+        message=f"nothing is found for `{form.name}`",
+        span=form.span,
+        notes=(
+            f"neither `{form.name}{SUFFIX}` nor a folder `{form.name}` with RAP files "
+            "stands beside this file, and no standard library is called so",
+        ),
+        help=f"did you mean `{close}`?" if close else "",
+    )
+
+
+# --- files ----------------------------------------------------------------------
+
+
+def _files_at(path: Path, tests: bool) -> Iterator[Path]:
+    """The file itself, or all RAP files below a folder, sorted by path."""
+    if not os.path.lexists(path):
+        raise LoadError(f"`{path}` does not exist")
+    if not path.is_dir():
+        yield path
+        return
+    stack: list[tuple[Path, tuple[str, ...] | None]] = [(path, ())]
+    while stack:
+        here, above = stack.pop()
+        if above is None:
+            yield here
+            continue
+        real = os.path.realpath(here)
+        if real in above:
+            raise LoadError(f"`{here}` is a link back to a folder that it lies in")
+        stack.extend(reversed(_entries(here, (*above, real), tests)))
+
+
+def _entries(
+    folder: Path, above: tuple[str, ...], tests: bool
+) -> list[tuple[Path, tuple[str, ...] | None]]:
+    """A folder's RAP files (with None) and folders (with those they lie in)."""
+    try:
+        with os.scandir(folder) as entries:
+            listed = sorted((e.name, e.is_dir()) for e in entries)
+    except OSError as error:
+        raise LoadError(_unreadable(folder, error)) from None
+    found: list[tuple[Path, tuple[str, ...] | None]] = []
+    for name, is_folder in listed:
+        if is_folder and not name.startswith("."):
+            found.append((folder / name, above))
+        elif not is_folder and _is_rap(name, tests):
+            found.append((folder / name, None))
+    return found
+
+
+def _is_rap(name: str, tests: bool) -> bool:
+    return name.endswith(SUFFIX) and (tests or not name.endswith(TEST_SUFFIX))
+
+
+def _standard_input() -> bytes:
+    return sys.stdin.buffer.read()
+
+
+def _read(path: Path) -> str:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise LoadError(_unreadable(path, error)) from None
+    return _decode(str(path), data)
+
+
+def _unreadable(path: Path, error: OSError) -> str:
+    return f"cannot read `{path}`: {(error.strerror or str(error)).lower()}"
+
+
+def _decode(name: str, data: bytes) -> str:
+    if b"\0" in data:
+        raise LoadError(f"`{name}` is a binary file: it holds a null byte")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        row = data.count(b"\n", 0, error.start) + 1
+        raise LoadError(
+            f"`{name}` is not UTF-8: byte 0x{data[error.start]:02x} in line {row}"
+        ) from None
+    return _fold_line_ends(text)
+
+
+def _fold_line_ends(text: str) -> str:
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
