@@ -52,7 +52,7 @@ def compiled(loaded: Loaded) -> CompiledLibrary:
     Raises:
         ValueError: if something was found in it; then the benchmark is wrong.
     """
-    report = driver.check(loaded)
+    report = driver.check_library(loaded)
     if report.worst() not in (None, Severity.INFO):
         raise ValueError([f.diagnostic.message for f in report.findings[:5]])
     return CompiledLibrary(loaded.library)

@@ -51,15 +51,18 @@ def figures(quick: bool = False) -> Iterator[Figure]:
     text = library(size)
     source = SourceFile("generated.rap", text)
     loaded = loader.load_text(text)
-    found = driver.check(loaded).findings
+    found = driver.check_library(loaded).findings
     if found:
         raise ValueError(found[0].diagnostic.message)
     stages = (
         ("text to data", lambda: read(source)),
         ("text to IR", lambda: parse(source)),
         ("text to linked library", lambda: loader.load_text(text)),
-        ("all passes over it", lambda: driver.check(loaded)),
-        ("text to checked library", lambda: driver.check(loader.load_text(text))),
+        ("all passes over it", lambda: driver.check_library(loaded)),
+        (
+            "text to checked library",
+            lambda: driver.check_library(loader.load_text(text)),
+        ),
     )
     for what, work in stages:
         rate = size / seconds(work, rounds=3)

@@ -1,0 +1,48 @@
+"""One library, world and seed: one trace, byte for byte, in any process."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+LIBRARY = '(require "truck")\n'
+ORDER = "(fill-order red 2 factory-1)"
+RIVAL = "(fill-order blue 1 factory-2) :priority 1 :at 100"
+COMMAND = (sys.executable, "-c", "from rapc.cli.main import main; main()", "run", "-")
+
+
+def _traces(folder: Path, hash_seed: int, seed: int) -> tuple[bytes, str]:
+    """The traces of a run in a process of its own, as JSON Lines and as text."""
+    path = folder / f"{hash_seed}-{seed}.jsonl"
+    done = subprocess.run(
+        [
+            *COMMAND,
+            *("--world", "truck", "--task", ORDER, "--task", RIVAL),
+            *("--seed", str(seed), "--trace", str(path)),
+        ],
+        input=LIBRARY,
+        env={**os.environ, "PYTHONHASHSEED": str(hash_seed)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    return path.read_bytes(), done.stdout
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+def test_another_process_and_hash_seed_give_the_same_trace(
+    tmp_path: Path, seed: int
+) -> None:
+    first = _traces(tmp_path, 1, seed)
+    assert first[0].startswith(b'{"event":"run-started","n":0,"cycle":0,"time":0,')
+    assert _traces(tmp_path, 2, seed) == first
+
+
+def test_another_seed_gives_another_trace(tmp_path: Path) -> None:
+    one, other = (_traces(tmp_path, 1, seed)[0].splitlines() for seed in (0, 1))
+    assert one[1:] != other[1:]  # the first line tells the seed
