@@ -9,7 +9,8 @@ Resources (sets and counters) are values too; they live in `rapc.runtime`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import msgspec
 
@@ -27,6 +28,9 @@ Number = int | float
 
 Fact = tuple[Atom, ...]
 """A ground proposition: its name, then its arguments."""
+
+Bindings = Mapping[str, Any]
+"""Values by variable name, with its question mark."""
 
 
 def number(value: float) -> Number:
@@ -46,6 +50,25 @@ def is_number(value: object) -> bool:
     """Whether a value is a number of the language (`bool` is not)."""
     kind = type(value)
     return kind is int or kind is float
+
+
+def is_variable(part: object) -> bool:
+    """Whether a part of a pattern is a variable: a symbol that begins with `?`."""
+    return isinstance(part, str) and part.startswith("?")
+
+
+def match(pattern: Sequence[object], values: Sequence[object]) -> Bindings | None:
+    """The variables of a flat pattern as values bind them, or None; `?` is free."""
+    if len(pattern) != len(values):
+        return None
+    bound: dict[str, Any] = {}
+    for part, value in zip(pattern, values, strict=True):
+        if part == "?":
+            continue
+        expected = bound.setdefault(str(part), value) if is_variable(part) else part
+        if expected != value:
+            return None
+    return bound
 
 
 def format_atom(value: object) -> str:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rapc.compiler.plans import CompiledLibrary
+from rapc.ir.nodes import Formula
 from rapc.runtime.beginnings import (
     create,
     fix_inputs,
@@ -26,10 +27,11 @@ from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused, refusals, refuse_tasks
 from rapc.runtime.requests import take_in
+from rapc.runtime.signals import signal
 from rapc.runtime.submission import Submission
 from rapc.runtime.task import State, Task
 from rapc.runtime.world import Time, World
-from rapc.terms import Atom
+from rapc.terms import Atom, Fact, match
 
 FORMAT = 1
 """The version of the trace format."""
@@ -78,6 +80,7 @@ class Interpreter:
         self._given: list[Task] = []
         self._scheduled: list[tuple[Time, int, Submission]] = []
         self._serial = 0
+        self._at_the_end: list[Callable[[], None]] = []
         self._expected = 0
         self._idle = 0
         self._started = False
@@ -117,6 +120,31 @@ class Interpreter:
         """Look at a fact without asserting it. Raises FactError as `assert_fact`."""
         self._machine.memory.checked(fact)
 
+    def erase(self, *prefix: Atom) -> None:
+        """Erase every fact that starts so, on behalf of the user.
+
+        Raises:
+            FactError: if the prefix names nothing declared.
+        """
+        self._machine.memory.erase(prefix, "user")
+
+    def signal(self, *content: Atom) -> None:
+        """Send a signal `(:name arg...)` now."""
+        signal(self._machine, content)
+
+    def at(self, time: Time, action: Callable[[], None]) -> None:
+        """Do something at a time: first of all that falls on it.
+
+        In the course of an atomic primitive it is done when that ends, before its
+        result. The run goes on until it is done, or is ended for another reason.
+        """
+        self._serial += 1
+        heapq.heappush(self._machine.appointments, (time, self._serial, action))
+
+    def at_the_end(self, action: Callable[[], None]) -> None:
+        """Do something when the run is over, before live tasks are removed."""
+        self._at_the_end.append(action)
+
     def submit(self, task: Submission) -> None:
         """Give the robot a task, now or for a later time.
 
@@ -132,6 +160,21 @@ class Interpreter:
             heapq.heappush(self._scheduled, (task.at, self._serial, task))
         else:
             self._create(task)
+
+    def cancel(self, goal: Fact) -> int:
+        """Cancel every live top-level task that a goal matches; how many they were.
+
+        Its variables (`?x`, `?`) match anything.
+        """
+        found = [
+            task
+            for task in self._given
+            if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
+        ]
+        for task in found:
+            remove(self._machine, task, "cancelled")
+            task.last_result = None
+        return len(found)
 
     def check(self, tasks: Sequence[Submission]) -> None:
         """Look at tasks without running anything. Raises Refused as `submit`."""
@@ -179,7 +222,9 @@ class Interpreter:
         self.start()
         machine = self._machine
         while self._reason is None:
-            self._take_in()
+            machine.look_at_clock()
+            if not machine.late:
+                self._take_in()
             over = self._over()
             if over is not None:
                 self.end(over)
@@ -226,7 +271,7 @@ class Interpreter:
     def _take_in(self) -> None:
         """What falls on this time, up to the choice (semantics 4)."""
         machine = self._machine
-        machine.look_at_clock()
+        machine.keep_appointments()
         take_in(machine, machine.world.messages())
         while self._scheduled and self._scheduled[0][0] <= self.now:
             submission = heapq.heappop(self._scheduled)[2]
@@ -239,11 +284,11 @@ class Interpreter:
 
     def _over(self) -> str | None:
         machine = self._machine
-        if machine.too_late():
+        if machine.late:
             return "until"
         if machine.world.ended() is not None:
             return "world"
-        if not machine.foreground and not self._expected:
+        if not (machine.foreground or self._expected or machine.appointments):
             return "done"
         if self._idle > machine.settings.idle_cycles:
             return "runaway"
@@ -261,8 +306,8 @@ class Interpreter:
         """Nothing is eligible: move time on to what comes next, or end the run."""
         machine = self._machine
         times = [machine.monitors.next_time(), machine.world.next_time()]
-        if self._scheduled:
-            times.append(self._scheduled[0][0])
+        for waiting in (self._scheduled, machine.appointments):
+            times.extend(entry[0] for entry in waiting[:1])
         known = [time for time in times if time is not None]
         if not known:
             self.end("stuck")
@@ -282,12 +327,17 @@ class Interpreter:
             return
         self._reason = reason
         machine = self._machine
+        for action in self._at_the_end:
+            action()
         results = self.results()
+        waiting = () if reason == "done" else self.waiting()
         for task in self._given:
             if task.live:
                 remove(machine, task, "run-over")
         if machine.recorder.on:
-            machine.recorder.emit(RunEnded, reason=reason, results=tuple(results))
+            machine.recorder.emit(
+                RunEnded, reason=reason, results=tuple(results), waiting=waiting
+            )
 
     def results(self) -> Sequence[TaskResult]:
         """What has become of each task given so far, in the order in which it came."""
@@ -307,13 +357,34 @@ class Interpreter:
             )
         return found
 
-    def waiting(self) -> list[str]:
-        """Each live task that waits for a state, a time or a signal, with what for."""
-        return [
-            f"{task.goal()} [{task.number}] waits for {self._awaited(task)}"
+    def goals(self) -> dict[int, str]:
+        """The goals of all live tasks by number, with the inputs that are known."""
+        tasks = self._machine.tasks
+        return {number: task.goal() for number, task in tasks.items()}
+
+    def holds(self, formula: Formula) -> bool:
+        """Whether a formula has a solution in memory now; no task asks it."""
+        machine = self._machine
+        machine.context.task = None
+        query = machine.library.compiler.query(formula, "question", formula.span)
+        return query.holds(machine.context, {})
+
+    def waiting(self) -> tuple[str, ...]:
+        """Each task that is not done, and what it waits for, for a person to read.
+
+        Tasks that wait for their own steps are left out.
+        """
+        return tuple(
+            f"{task.goal()} [{task.number}] {self._awaited(task)}"
             for task in self._machine.tasks.values()
-            if task.held or task.state is State.BLOCKED
-        ]
+            if task.run is None and (not task.waiting or task.held)
+        )
 
     def _awaited(self, task: Task) -> str:
-        return task.blocked_on if task.held else self._machine.monitors.reason(task)
+        if task.held:
+            return f"waits for {task.blocked_on}"
+        if task.state is State.BLOCKED:
+            return f"waits for {self._machine.monitors.reason(task)}"
+        if task.state is State.ELIGIBLE:
+            return "could go on"
+        return "waits for its time"

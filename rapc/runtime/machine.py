@@ -6,6 +6,7 @@ machine, `interpreter` builds one and turns its crank.
 
 from __future__ import annotations
 
+import heapq
 import random
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any
@@ -103,6 +104,8 @@ class Machine:
         self.listening: dict[str, dict[int, Task]] = {}
         self.foreground = 0
         self.until: Time | None = None
+        self.late = False
+        self.appointments: list[tuple[Time, int, Callable[[], None]]] = []
         self.handlers = world.handlers()
         self._numbers = 0
         self._tickets = 0
@@ -113,8 +116,16 @@ class Machine:
         return self.recorder.time
 
     def look_at_clock(self) -> None:
-        """Take the time from the world."""
-        self.recorder.time = self.world.now()
+        """Take the time from the world; for the run it stops at `until`."""
+        now = self.world.now()
+        self.late = self.until is not None and now > self.until
+        self.recorder.time = self.until if self.late and self.until is not None else now
+
+    def keep_appointments(self) -> None:
+        """Do what the host wants done by now, in the order of its times."""
+        due = self.appointments
+        while due and due[0][0] <= self.recorder.time:
+            heapq.heappop(due)[2]()
 
     def next_number(self) -> int:
         """The number of a new task, from 1."""
@@ -125,10 +136,6 @@ class Machine:
         """The ticket of a new request, from 1."""
         self._tickets += 1
         return self._tickets
-
-    def too_late(self) -> bool:
-        """Whether the clock has passed the time at which the run is to stop."""
-        return self.until is not None and self.recorder.time > self.until
 
     def methods(self, plan: RapPlan) -> tuple[MethodPlan, ...]:
         """A RAP's methods with those that solvers have added in this run."""

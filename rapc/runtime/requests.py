@@ -19,7 +19,7 @@ from rapc.runtime.world import OKAY, Datum, Finished, Message, Reply, Signal
 from rapc.terms import Atom, Fact, format_list
 
 
-class WorldError(Exception):
+class PortError(Exception):
     """A world that does not keep to the port; the text says how."""
 
 
@@ -55,7 +55,8 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
     run.ticket = ticket
     reply = machine.world.perform(ticket, sent)
     machine.look_at_clock()
-    if reply is not None and not machine.too_late():
+    if reply is not None and not machine.late:
+        machine.keep_appointments()
         finish(machine, ticket, reply)
 
 
@@ -75,10 +76,10 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
     """A primitive has ended: run its handlers, then end its method.
 
     Raises:
-        WorldError: for a ticket that is not under way, or a datum nobody handles.
+        PortError: for a ticket that is not under way, or a datum nobody handles.
     """
     if ticket not in machine.pending:
-        raise WorldError(f"the world ended a request that is not under way: {ticket}")
+        raise PortError(f"the world ended a request that is not under way: {ticket}")
     task, asked = machine.pending.pop(ticket)
     handler = machine.handlers.results.get(str(asked[0]))
     if handler is not None:
@@ -114,7 +115,7 @@ def _named(machine: Machine, content: Fact) -> Fact:
 def _handle(machine: Machine, content: Fact) -> Fact:
     handler = machine.handlers.data.get(str(content[0]))
     if handler is None:
-        raise WorldError(f"the world has no handler for its datum {content[0]}")
+        raise PortError(f"the world has no handler for its datum {content[0]}")
     named = (content[0], *_named(machine, content[1:]))
     handler(machine.access, named)
     return named
@@ -124,7 +125,7 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
     """Take in what the world has sent: ends of primitives first, then the rest.
 
     Raises:
-        WorldError: as `finish`.
+        PortError: as `finish`.
     """
     others: list[Message] = []
     for message in messages:

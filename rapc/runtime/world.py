@@ -216,6 +216,14 @@ class World(ABC):
         reply; None means that the end comes later as a `Finished` with `ticket`.
         """
 
+    def usual_time(self, request: Fact) -> Time:
+        """How long a request usually holds the robot, in time units.
+
+        A request that is made to fail (`--fault`) takes so long; 0 where the world
+        cannot say.
+        """
+        return 0
+
     @abstractmethod
     def next_time(self) -> Time | None:
         """When the world will next send something if nothing is asked of it."""

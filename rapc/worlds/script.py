@@ -14,9 +14,7 @@ import msgspec
 
 from rapc.ir.nodes import DeclareDatum, DeclareEvent, DeclarePrimitive, DeclareSkill
 from rapc.runtime.world import OKAY, Offer, Time
-from rapc.terms import Atom, Fact, format_list
-
-Bindings = Mapping[str, Atom]
+from rapc.terms import Bindings, Fact, format_list, is_variable
 
 
 class Row(msgspec.Struct, frozen=True):
@@ -78,21 +76,6 @@ class Declarations(Protocol):
         """The events declared, by name."""
 
 
-def match(pattern: Fact, request: Fact) -> Bindings | None:
-    """The variables of a pattern as a request binds them, or None."""
-    if len(pattern) != len(request):
-        return None
-    bound: dict[str, Atom] = {}
-    for part, value in zip(pattern, request, strict=True):
-        if part == "?":
-            continue
-        variable = is_variable(part)
-        expected = bound.setdefault(str(part), value) if variable else part
-        if expected != value:
-            return None
-    return bound
-
-
 def fill(row: Row, bound: Bindings) -> Row:
     """A row with its variables put into its effects."""
 
@@ -106,11 +89,6 @@ def fill(row: Row, bound: Bindings) -> Row:
         data=put(row.data),
         signals=put(row.signals),
     )
-
-
-def is_variable(part: Atom) -> bool:
-    """Whether a part of a pattern is a variable."""
-    return isinstance(part, str) and part.startswith("?")
 
 
 def offer_of(declared: Declarations) -> Offer:

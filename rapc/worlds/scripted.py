@@ -7,7 +7,7 @@ with the result it belongs to. What a row may say is in `rapc.worlds.script`.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import msgspec
 
@@ -25,14 +25,13 @@ from rapc.runtime.world import (
     Time,
     World,
 )
-from rapc.terms import Fact, format_list, number
+from rapc.terms import Fact, format_list, match, number
 from rapc.worlds.script import (
     At,
     Declarations,
     Row,
     check_script,
     fill,
-    match,
     mentioned,
     offer_of,
 )
@@ -66,6 +65,7 @@ class ScriptedWorld(World):
         declared: the library that is to run; else all that is on offer is what the
             script itself mentions.
         data_handlers: handlers for the rows' data, those of another world, say.
+        leaving: called whenever the clock is about to move on.
 
     Raises:
         ValueError: for a row with an unbound variable in its effects, an undeclared
@@ -81,9 +81,11 @@ class ScriptedWorld(World):
         *,
         declared: Declarations | None = None,
         data_handlers: Mapping[str, DatumHandler] | None = None,
+        leaving: Callable[[], None] | None = None,
     ) -> None:
         self._rows = tuple(rows)
         self._data_handlers = dict(data_handlers or {})
+        self._leaving = leaving
         self._offer = offer_of(declared) if declared else mentioned(self._rows, at)
         check_script(self._rows, at, self._offer, self._data_handlers)
         self._used = [0] * len(self._rows)
@@ -91,7 +93,8 @@ class ScriptedWorld(World):
         self._coming = sorted((_Due(a.time, a) for a in at), key=_time)
         self._sent: list[Message] = []
         self._entries: deque[At] = deque()
-        self._ends: deque[Row] = deque()
+        self._ends: list[Row] = []
+        self._told: deque[Row] = deque()
         self._before: list[At] = []
         self._answered: Row | None = None
 
@@ -133,6 +136,16 @@ class ScriptedWorld(World):
         self._answered = row
         return Reply(row.result, row.data)
 
+    def usual_time(self, request: Fact) -> Time:
+        """How long the row that would answer holds the robot; 0 if there is none."""
+        rows = zip(self._rows, self._used, strict=True)
+        answers = (
+            row.takes
+            for row, used in rows
+            if used != row.times and match(row.pattern, request) is not None
+        )
+        return next(answers, 0)
+
     def next_time(self) -> Time | None:
         """When the next entry of `at` or the end of a primitive is due."""
         if self._sent:
@@ -141,6 +154,8 @@ class ScriptedWorld(World):
 
     def advance(self, to: Time) -> None:
         """Move the clock on, and send what falls due meanwhile."""
+        if self._leaving is not None and to > self._now:
+            self._leaving()
         while self._coming and self._coming[0].time <= to:
             due = self._coming.pop(0)
             if isinstance(due.what, At):
@@ -156,6 +171,8 @@ class ScriptedWorld(World):
     def messages(self) -> Sequence[Message]:
         """What fell due since this was last asked, in the order of time."""
         found, self._sent = tuple(self._sent), []
+        self._told.extend(self._ends)
+        self._ends.clear()
         return found
 
     def _answer(self, request: Fact) -> Row:
@@ -168,12 +185,18 @@ class ScriptedWorld(World):
         raise UnansweredRequest(request)
 
     def _handle_result(self, memory: HandlerMemory, _: Fact, __: str) -> None:
-        """The answer just given, and what came before it; else the next end."""
+        """The answer just given, and what came before it; else the next end told.
+
+        A result that this world has not given changes nothing.
+        """
         for entry in self._before:
             _change(memory, entry)
         self._before = []
         row, self._answered = self._answered, None
-        _change(memory, self._ends.popleft() if row is None else row)
+        if row is None and self._told:
+            row = self._told.popleft()
+        if row is not None:
+            _change(memory, row)
 
     def _handle_at(self, memory: HandlerMemory, _: Fact) -> None:
         _change(memory, self._entries.popleft())

@@ -121,6 +121,14 @@ class TruckWorld(World):
         noticed = () if primitive.by_eye else tuple(eye.notice(scene))
         return Reply(reply.result, (*reply.data, *noticed, ("clock", scene.state.now)))
 
+    def usual_time(self, request: Fact) -> Time:
+        """What the options say, travel without the time on the road; 0 if unknown."""
+        primitive = PRIMITIVES.get(str(request[0]))
+        if primitive is None:
+            return 0
+        takes: Number = getattr(self._scene.settings, primitive.time)
+        return takes
+
     def next_time(self) -> Time | None:
         """Nothing comes unasked but the first look at the truck's own gauges."""
         return self._scene.state.now if self._scene.state.pending else None
