@@ -1,0 +1,76 @@
+"""What docs/truck.md and docs/worlds.md show is what there is."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.submission import read_submission
+from rapc.runtime.world import HandlerMemory, Option, World
+from rapc.terms import Text
+from rapc.worlds.truck.kinds import KINDS
+from rapc.worlds.truck.map import read_map
+from rapc.worlds.truck.options import describe_options
+from rapc.worlds.truck.primitives import OFFER
+
+from . import script_of_the_manual
+
+DOCS = Path(__file__).parents[2] / "docs"
+TRUCK = (DOCS / "truck.md").read_text(encoding="utf-8")
+WORLDS = (DOCS / "worlds.md").read_text(encoding="utf-8")
+
+
+def row(option: Option) -> str:
+    value = option.default
+    default = value.value or "none" if isinstance(value, Text) else str(value).lower()
+    unit = f" {option.unit}" if option.unit else ""
+    return f"| `{option.name}` | {default}{unit} | {option.doc} |"
+
+
+def test_the_truck_page_lists_all_options_with_their_defaults() -> None:
+    table = TRUCK.partition("| option | default | meaning |\n")[2]
+    rows = table.partition("\n\n")[0].splitlines()[1:]
+    assert rows == [row(option) for option in describe_options()]
+
+
+def test_the_truck_page_names_all_primitives_results_and_data() -> None:
+    for name, (_, results) in OFFER.primitives.items():
+        assert f"`({name}" in TRUCK
+        assert all(r == "okay" or f"`{r}`" in TRUCK for r in results), name
+    for datum in set(OFFER.data) - {"object-seen", "road-seen"}:
+        assert f"`{datum}`" in TRUCK, datum
+
+
+def test_the_truck_page_gives_the_kinds_their_sizes() -> None:
+    for name, kind in KINDS.items():
+        liquid = kind.liquid or kind.rounds
+        holds = f"{kind.capacity} {liquid} " if liquid else ""
+        assert f"| `{name}` | {kind.size} | {holds}|" in TRUCK
+
+
+def test_the_map_of_the_truck_page_can_be_driven_on() -> None:
+    shown = re.search(r"```json\n(.*?)```", TRUCK, re.DOTALL)
+    assert shown is not None
+    made = read_map(shown[1])
+    assert [leg.to for leg in made.legs("pit")] == ["depot", "works"]
+
+
+def test_the_worlds_page_names_all_that_the_port_has() -> None:
+    for port in (World, HandlerMemory):
+        names = [name for name in vars(port) if not name.startswith("_")]
+        assert [n for n in names if f"`{n}" not in WORLDS and n != "name"] == []
+
+
+def test_the_script_of_the_worlds_page_works() -> None:
+    text = Path(script_of_the_manual.__file__).read_text(encoding="utf-8")
+    assert text[text.index("from") :].strip() in WORLDS
+    library = CompiledLibrary(script_of_the_manual.library, "shown")
+    interpreter = Interpreter(library, script_of_the_manual.world, 0)
+    interpreter.submit(read_submission("(take cup)"))
+    interpreter.run()
+    assert interpreter.now == 2
+    assert interpreter.memory.query("holding", None, None) == [
+        ("holding", "left", "cup")
+    ]
