@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from rapc.cli.common import fail, load_checked
+from rapc.cli.common import common_options, fail, load_checked, settings
 from rapc.compiler.plans import CompiledLibrary
 from rapc.parser.parse import TextError, parse_fact
 from rapc.runtime.interpreter import Interpreter
@@ -18,8 +18,10 @@ from rapc.runtime.machine import SettingError, Settings, read_settings
 from rapc.runtime.memory.memory import FactError
 from rapc.runtime.refusals import Refused
 from rapc.runtime.report import Report
+from rapc.runtime.requests import PortError
 from rapc.runtime.submission import Submission, read_submission
 from rapc.runtime.trace import JsonTrace, TextTrace
+from rapc.runtime.world import Time
 from rapc.terms import Fact, number
 from rapc.worlds import registry
 
@@ -56,7 +58,7 @@ Examples:
 )
 @click.option(
     "--set",
-    "settings",
+    "values",
     multiple=True,
     metavar="OWNER.NAME=VALUE",
     help="Option of the world, or rapc.NAME for a setting of the interpreter.",
@@ -69,7 +71,7 @@ Examples:
     show_default=True,
     help="Form of the trace file.",
 )
-@click.option("-q", "--quiet", is_flag=True, help="No trace on standard output.")
+@common_options
 def run(
     path: str,
     world_name: str,
@@ -77,41 +79,46 @@ def run(
     seed: int,
     until: float | None,
     facts: Sequence[str],
-    settings: Sequence[str],
+    values: Sequence[str],
     trace: str | None,
     trace_format: str,
-    quiet: bool,
 ) -> None:
     """Run tasks of the library at PATH against a world.
 
-    The trace goes to standard output, a short report closes it. Exit status: 0 if
-    every task that is not in the background succeeded, 1 if one did not, 2 if nothing
-    could be run.
+    Unless -q is given, the trace goes to standard output; a short report closes it.
+
+    Exit status: 0 if every task that is not in the background succeeded, 1 if one did
+    not, 2 if nothing could be run.
     """
     library = load_checked(path)
     submissions = [_submission(text) for text in tasks]
     known = [_fact(text) for text in facts]
-    interpreter, options = _build(library, world_name, seed, settings)
+    end = _time(until)
+    interpreter, options = _build(library, world_name, seed, values)
     _refuse(interpreter, submissions, known)
     with ExitStack() as stack:
-        report = _listeners(stack, interpreter, trace, trace_format, quiet)
+        report = _listeners(stack, interpreter, trace, trace_format)
         interpreter.start(options, tasks)
         for fact in known:
             interpreter.assert_fact(*fact)
         for submission in submissions:
             interpreter.submit(submission)
-        try:
-            interpreter.run(until=_time(until))
-        except KeyboardInterrupt:
-            interpreter.end("cancelled")
+        _run(interpreter, end, world_name)
     for line in report.lines():
         click.echo(line)
-    if interpreter.reason in ("stuck", "runaway"):
-        for line in interpreter.waiting():
-            click.echo(f"  {line}")
-    results = [r for r in interpreter.results() if not r.background]
-    if not all(result.outcome == "succeeded" for result in results):
+    given = [result for result in interpreter.results() if not result.background]
+    if not all(result.outcome == "succeeded" for result in given):
         raise SystemExit(1)
+
+
+def _run(interpreter: Interpreter, until: Time | None, world_name: str) -> None:
+    """Run to the end; Ctrl-C ends a run early, with its report."""
+    try:
+        interpreter.run(until=until)
+    except KeyboardInterrupt:
+        interpreter.end("cancelled")
+    except (PortError, FactError) as error:
+        fail(f"the world `{world_name}` does not keep to the port: {error}")
 
 
 def _submission(text: str) -> Submission:
@@ -121,7 +128,7 @@ def _submission(text: str) -> Submission:
         fail(f"--task: {error}")
 
 
-def _time(until: float | None) -> int | float | None:
+def _time(until: float | None) -> Time | None:
     if until is None:
         return None
     try:
@@ -138,14 +145,14 @@ def _fact(text: str) -> Fact:
 
 
 def _build(
-    library: CompiledLibrary, world_name: str, seed: int, settings: Sequence[str]
+    library: CompiledLibrary, world_name: str, seed: int, values: Sequence[str]
 ) -> tuple[Interpreter, Mapping[str, Any]]:
     """The interpreter for a library in a world; ends the command if it cannot be."""
     own: dict[str, str] = {}
     texts: dict[str, str] = {}
     try:
         world_class = registry.find_world(world_name)
-        for setting in settings:
+        for setting in values:
             owner, name, value = registry.split_setting(setting)
             if owner not in ("rapc", world_class.name):
                 fail(f"--set: `{owner}` is neither `rapc` nor `{world_class.name}`")
@@ -172,9 +179,8 @@ def _listeners(
     interpreter: Interpreter,
     trace: str | None,
     trace_format: str,
-    quiet: bool,
 ) -> Report:
-    if not quiet:
+    if not settings().quiet:
         interpreter.listen(TextTrace(sys.stdout))
     if trace is not None:
         try:

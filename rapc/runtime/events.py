@@ -222,7 +222,11 @@ class TaskResult(msgspec.Struct, frozen=True):
 
 
 class RunEnded(Event, frozen=True, kw_only=True):
-    """The last event: why the run is over, and what became of each task given."""
+    """The last event: why the run is over, and what became of each task given.
+
+    `waiting` names the tasks that were left over, each with what it waited for.
+    """
 
     reason: str
     results: tuple[TaskResult, ...]
+    waiting: tuple[str, ...]

@@ -9,6 +9,9 @@ from rapc.runtime import events
 from rapc.runtime.world import OKAY
 from rapc.terms import format_atom
 
+_LEFT_OVER = 20
+"""How many tasks that were left over are named."""
+
 
 class Report:
     """Counts what happens in a run; a listener for `Interpreter.listen`."""
@@ -43,6 +46,9 @@ class Report:
                 told = f"failed: {result.result}"
             standing = " (background)" if result.background else ""
             yield f"  [{result.task}] {result.goal} {told}{standing}"
+        if end.waiting:
+            yield "Left over:"
+            yield from (f"  {line}" for line in end.waiting[:_LEFT_OVER])
         total, failed = self._primitives.total(), self._failures.total()
         yield f"Primitives: {total}, of which {failed} failed."
         for name in sorted(self._primitives):
