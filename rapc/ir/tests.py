@@ -36,7 +36,7 @@ class ScriptRow(Node, frozen=True, eq=False):
     span: Span = NOWHERE
 
 
-class TestTask(Node, frozen=True, eq=False):
+class GivenTask(Node, frozen=True, eq=False):
     """`(task goal [:priority n] [:deadline t] [:background true])`."""
 
     goal: Goal
@@ -217,7 +217,7 @@ class Expect(Node, frozen=True, eq=False):
 
 # --- the whole -----------------------------------------------------------------------
 
-Action = Asserts | Erases | Signals | TestTask | Cancel | Expect
+Action = Asserts | Erases | Signals | GivenTask | Cancel | Expect
 
 
 class At(Node, frozen=True, eq=False):
@@ -241,7 +241,7 @@ class DefineTest(Node, frozen=True, eq=False):
     facts: tuple[Pattern, ...]
     script: tuple[ScriptRow, ...]
     ats: tuple[At, ...]
-    tasks: tuple[TestTask, ...]
+    tasks: tuple[GivenTask, ...]
     until: Until | None
     expectations: tuple[Expectation, ...]
     name_span: Span = NOWHERE
