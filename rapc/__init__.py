@@ -11,19 +11,55 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rapc.analysis.driver import check as check
+    from rapc.compiler.build import compile_library as compile
     from rapc.loader import load as load
+    from rapc.runtime import events as events
+    from rapc.runtime.interpreter import Interpreter as Interpreter
+    from rapc.runtime.machine import Settings as Settings
+    from rapc.runtime.submission import Submission as Submission
+    from rapc.runtime.submission import read_submission as task
+    from rapc.runtime.trace import JsonTrace as JsonTrace
+    from rapc.runtime.trace import TextTrace as TextTrace
+    from rapc.runtime.world import World as World
+    from rapc.worlds.registry import make_world as world
 
 __version__ = "0.1.0"
 
-__all__ = ("__version__", "check", "load")
+__all__ = (
+    "Interpreter",
+    "JsonTrace",
+    "Settings",
+    "Submission",
+    "TextTrace",
+    "World",
+    "__version__",
+    "check",
+    "compile",
+    "events",
+    "load",
+    "task",
+    "world",
+)
 
 _HOMES = {
-    "check": "rapc.analysis.driver",
-    "load": "rapc.loader",
+    "Interpreter": ("rapc.runtime.interpreter", "Interpreter"),
+    "JsonTrace": ("rapc.runtime.trace", "JsonTrace"),
+    "Settings": ("rapc.runtime.machine", "Settings"),
+    "Submission": ("rapc.runtime.submission", "Submission"),
+    "TextTrace": ("rapc.runtime.trace", "TextTrace"),
+    "World": ("rapc.runtime.world", "World"),
+    "check": ("rapc.analysis.driver", "check"),
+    "compile": ("rapc.compiler.build", "compile_library"),
+    "load": ("rapc.loader", "load"),
+    "task": ("rapc.runtime.submission", "read_submission"),
+    "world": ("rapc.worlds.registry", "make_world"),
 }
 
 
 def __getattr__(name: str) -> object:
+    if name == "events":
+        return import_module("rapc.runtime.events")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+    module, attribute = _HOMES[name]
+    return getattr(import_module(module), attribute)

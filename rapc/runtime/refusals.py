@@ -129,7 +129,10 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
             elif isinstance(body, nodes.TaskNet):
                 for step in body.steps:
                     below = library.raps.get(step.goal.name)
-                    if below is not None and below.name not in seen:
+                    if below is None:
+                        place = _place(library, step.goal.span)
+                        yield f"{place}no RAP is named `{step.goal.name}`"
+                    elif below.name not in seen:
                         seen.add(below.name)
                         stack.append(below)
 

@@ -183,6 +183,20 @@ def build_world(
         raise WorldError(f"the world `{world.name}` refuses: {error}") from error
 
 
+def make_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
+    """A world by its name, for programs; `fuel_capacity=20` sets `fuel-capacity`.
+
+    Raises:
+        WorldError: if there is no such world or option, or the world refuses a value.
+    """
+    world = find_world(name)
+    given = {key.replace("_", "-"): value for key, value in options.items()}
+    known = {option.name: option for option in world.options()}
+    for option in given:
+        _known(world, known, option)
+    return build_world(world, seed, given)
+
+
 def _did_you_mean(name: str, names: Iterable[str]) -> str | None:
     near = nearest(name, names)
     return f"did you mean `{near}`?" if near else None
