@@ -31,12 +31,20 @@ def worlds(name: str | None) -> None:
     NAME is the name of an installed world, or `module:Class`.
     """
     width = min(shutil.get_terminal_size().columns, _WIDEST)
+    if name is None:
+        found = {installed: _summary(installed) for installed in registry.available()}
+        click.echo(list_worlds(found, width))
+        return
     try:
-        if name is None:
-            found = {n: registry.find_world(n) for n in registry.available()}
-            click.echo(list_worlds({n: summary(w) for n, w in found.items()}, width))
-        else:
-            world = registry.build_world(registry.find_world(name), 0, {})
-            click.echo(describe_world(world, width))
+        world = registry.build_world(registry.find_world(name), 0, {})
     except registry.WorldError as error:
         fail(error.message, error.help or "")
+    click.echo(describe_world(world, width))
+
+
+def _summary(name: str) -> str:
+    """What an installed world is, or why it cannot be had."""
+    try:
+        return summary(registry.find_world(name))
+    except registry.WorldError as error:
+        return error.message

@@ -87,10 +87,13 @@ def test_opposites_are_half_a_turn_apart() -> None:
         (changed(places=[*PLACES, {"name": "Q", "kind": "zone"}]), "matching regex"),
         (changed(items=[rock("nowhere")]), "the place of a `rock` is `nowhere`"),
         (changed(items=[thing("drum")]), "an item's kind is `drum`"),
-        (changed(items=[thing("rock")]), "a rock has a colour"),
+        (
+            changed(items=[thing("rock")]),
+            "`rock` at `depot`: rocks alone have a colour",
+        ),
         (
             changed(places=[*PLACES, {"name": "q", "kind": "quarry"}]),
-            "`q`: a quarry has a colour",
+            "`q`: quarries alone have",
         ),
     ],
 )

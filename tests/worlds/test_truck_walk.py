@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -112,6 +113,15 @@ def test_a_saved_world_goes_on_as_if_nothing_had_been(
     for request in walk[half:]:
         assert world.perform(0, request) == other.perform(0, request)
     assert world.save() == other.save()
+
+
+def test_a_state_of_other_options_or_none_is_refused() -> None:
+    world = TruckWorld(random.Random(0), BUSY)
+    with pytest.raises(ValueError, match="with other options"):
+        world.restore(TruckWorld(random.Random(0), {}).save())
+    for state in (b"", b"{}", b"[1]", world.save()[:-5]):
+        with pytest.raises(ValueError, match="no state of a truck world"):
+            world.restore(state)
 
 
 def test_a_long_walk_among_things_in_reach_stays_consistent() -> None:

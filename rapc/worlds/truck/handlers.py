@@ -49,6 +49,8 @@ def _not_there(memory: HandlerMemory, item: Atom, place: Atom) -> None:
     """An item is lost if it was believed where it was not found."""
     believed = memory.value("location", item)
     if believed is not None and believed == _true_place(memory, place):
+        for arm in _ARMS:
+            memory.erase("arm-at", arm, item)
         memory.lose(str(item))
 
 

@@ -214,7 +214,7 @@ def _crossed(made: Map) -> Iterator[str]:
 def _bad_colors(made: Map) -> Iterator[str]:
     for place in made.places:
         if (place.color is not None) != (place.kind == "quarry"):
-            yield f"`{place.name}`: a quarry has a colour, and only a quarry"
+            yield f"`{place.name}`: quarries alone have a colour"
     for lying in made.items:
         if (lying.color is not None) != (lying.kind in COLORED):
-            yield f"`{lying.kind}` at `{lying.place}`: a rock has a colour, and only it"
+            yield f"`{lying.kind}` at `{lying.place}`: rocks alone have a colour"

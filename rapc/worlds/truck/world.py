@@ -46,7 +46,7 @@ class Saved(msgspec.Struct, frozen=True):
 
 
 class TruckWorld(World):
-    """The simulated truck and its world (T 6.1, appendix B).
+    """A delivery truck among quarries and factories (T 6.1, appendix B).
 
     Raises:
         ValueError: for an option out of range, or a map or orders that make no sense.
@@ -160,7 +160,10 @@ class TruckWorld(World):
         Raises:
             ValueError: if it is none, or one of a truck world with other options.
         """
-        saved = msgspec.json.decode(state, type=Saved)
+        try:
+            saved = msgspec.json.decode(state, type=Saved)
+        except msgspec.DecodeError as error:
+            raise ValueError(f"no state of a truck world: {error}") from error
         if saved.settings != self._scene.settings:
             raise ValueError("the state is that of a truck world with other options")
         self._scene.rng.setstate(saved.rng)
