@@ -10,7 +10,7 @@ from typing import Literal
 
 import msgspec
 
-from rapc.analysis.passes.occurrences import Occurrences
+from rapc.analysis.occurrences import Occurrences
 from rapc.ir import nodes
 from rapc.library import Library, name_span
 from rapc.source import Span

@@ -15,7 +15,6 @@ from importlib import import_module
 
 import click
 
-from rapc import __version__
 from rapc.cli.options import USAGE, common_options
 from rapc.spell import nearest
 
@@ -66,7 +65,7 @@ class Commands(click.Group):
     epilog=EXAMPLES,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-@click.version_option(__version__, message="rapc %(version)s")
+@click.version_option(package_name="rapc", message="rapc %(version)s")
 @common_options
 def cli() -> None:
     """Reactive Action Packages: check them, run them, see why."""

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.passes.occurrences import OCCURRENCES, Occurrences
+from rapc.analysis.occurrences import Occurrences
+from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.vocabulary import predicates
 from rapc.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes

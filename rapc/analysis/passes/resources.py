@@ -13,8 +13,9 @@ from typing import Literal
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.occurrences import Occurrences, Use
 from rapc.analysis.passes.bindings import BINDINGS
-from rapc.analysis.passes.occurrences import OCCURRENCES, Occurrences
+from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 
@@ -130,13 +131,15 @@ def _places(
         yield effect.node.resource, kind, effect.owner
     for resource in occurrences.of(nodes.Resource):
         first = resource.node.initial
-        if first is not None and not _counts(resource.node.kind, first):
+        if first is not None and not _may_be_number(resource, first):
             yield first, resource.node.kind, resource.owner
 
 
-def _counts(kind: Kind, initial: nodes.Term) -> bool:
-    """Whether a counter begins with a value of its own, not as a copy of another."""
-    return kind == "counter" and not isinstance(initial, nodes.Var)
+def _may_be_number(use: Use[nodes.Resource], initial: nodes.Term) -> bool:
+    """Whether a counter may begin with a number, not as a copy of another counter."""
+    rap = use.owner
+    assert isinstance(rap, nodes.DefineRap)
+    return use.node.kind == "counter" and _resource(rap, initial) is None
 
 
 def _resource(rap: nodes.DefineRap, term: nodes.Term) -> nodes.Resource | None:

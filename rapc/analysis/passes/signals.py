@@ -11,7 +11,8 @@ from collections.abc import Iterator, Mapping
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.arity import wrong_arity
 from rapc.analysis.names import Names
-from rapc.analysis.passes.occurrences import OCCURRENCES, Occurrences
+from rapc.analysis.occurrences import Occurrences
+from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.unknown import Unknown
 from rapc.diagnostics import Rule, Severity
 from rapc.ir import nodes

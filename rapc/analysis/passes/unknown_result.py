@@ -10,7 +10,8 @@ from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.names import Names
-from rapc.analysis.passes.occurrences import OCCURRENCES, Occurrences
+from rapc.analysis.occurrences import Occurrences
+from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.unknown import Unknown
 from rapc.diagnostics import Rule, Severity
 from rapc.ir import nodes

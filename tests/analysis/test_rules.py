@@ -1,0 +1,54 @@
+"""Every rule is its own manual page: the example breaks it, the better one nothing."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from rapc.analysis.driver import check_library
+from rapc.analysis.suite import rules
+from rapc.diagnostics import Rule
+from rapc.loader import load_text
+
+RULES = tuple(rules().values())
+
+
+@pytest.fixture(params=RULES, ids=[rule.name for rule in RULES])
+def rule(request: pytest.FixtureRequest) -> Rule:
+    """Each rule in turn."""
+    assert isinstance(request.param, Rule)
+    return request.param
+
+
+def _found(text: str) -> list[str]:
+    return [f.rule.name for f in check_library(load_text(text)).findings]
+
+
+def test_example_breaks_the_rule_and_no_other(rule: Rule) -> None:
+    assert _found(rule.example) == [rule.name]
+
+
+def test_better_program_is_clean(rule: Rule) -> None:
+    assert _found(rule.better) == []
+
+
+def test_page_is_written_in_house_style(rule: Rule) -> None:
+    assert re.fullmatch(r"RAP[0-9]{3}", rule.code)
+    assert re.fullmatch(r"[a-z]+(-[a-z]+)*", rule.name)
+    assert rule.summary and rule.why
+    assert not rule.summary.endswith(".")
+    assert rule.why.rstrip().endswith((".", ")"))
+
+
+def test_messages_are_written_in_house_style(rule: Rule) -> None:
+    for finding in check_library(load_text(rule.example)).findings:
+        said = finding.diagnostic
+        for text in (said.message, said.label, *(one.message for one in said.labels)):
+            assert not text.endswith(".")
+            assert text[:1] == text[:1].lower() or text.startswith("RAP")
+
+
+def test_codes_and_names_are_unique() -> None:
+    assert len({rule.code for rule in RULES}) == len(RULES)
+    assert len({rule.name for rule in RULES}) == len(RULES)
