@@ -41,8 +41,11 @@ def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
     fewest = _plain(tokens)
     if not fewest.edits:
         return fewest
-    meant = _Guided(source, tokens).repair()
-    return meant if meant is not None and meant.edits == fewest.edits else fewest
+    guided = _Guided(source, tokens)
+    meant = guided.repair()
+    if meant is None or meant.edits > fewest.edits + 2 * guided.strays:
+        return fewest
+    return meant
 
 
 def _plain(tokens: Sequence[Token]) -> Repair:
@@ -63,7 +66,9 @@ class _Guided:
     """The repair that indentation suggests.
 
     `open` holds the lists open, `closed` those closed since the last line began, each
-    with its closing parenthesis; `places` the row and column of every token.
+    with its closing parenthesis; `places` the row and column of every token. `strays`
+    is true once a clause would stand outside of its form: putting it back costs two
+    more repairs.
     """
 
     def __init__(self, source: SourceFile, tokens: Sequence[Token]) -> None:
@@ -74,6 +79,7 @@ class _Guided:
         self.closed: list[tuple[int, int]] = []
         self.closes: list[tuple[int, int]] = []
         self.drops: list[tuple[int, int | None]] = []
+        self.strays = False
         firsts = [i for i in range(len(tokens)) if self._begins_line(i)]
         left = [i for i in firsts if self.places[i].column == 1]
         self.indented = 2 * len(left) <= len(firsts)
@@ -102,6 +108,7 @@ class _Guided:
     def _reopen(self, index: int) -> None:
         """Take back what the line before has closed but this line stands inside of."""
         column = self.places[index].column
+        self.strays = self.strays or len(self.open) < self._depth(index)
         while self.closed:
             opener, closer = self.closed[-1]
             inside = self.places[opener].column < column and self._begins_line(opener)
@@ -183,6 +190,7 @@ def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Dia
         _, start, stop = tokens[plain[0][0]]
         labels.append(Label(source.span(start, stop), "noticed here"))
     spans = [source.span(tokens[i][1], tokens[i][2]) for i, _ in repair.drops]
+    labels += [Label(span, "and this one") for span in spans[1:]]
     return Diagnostic(
         "surplus-parenthesis",
         "there is a `)` too many"

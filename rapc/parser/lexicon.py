@@ -38,6 +38,9 @@ MAX_NAME = 1000
 MAX_NUMBER = 100
 """How many characters a number may have: well within the range of floats."""
 
+MAX_FINDINGS = 1000
+"""How many findings a file's text may give; more would help nobody."""
+
 OPEN, CLOSE, QUOTE, ATOM, STRING, COMMENT, BLOCK, OTHER = range(1, 9)
 """The groups of `Lexicon.token`; OTHER is a character that begins nothing."""
 
@@ -123,6 +126,16 @@ class Notes:
         self.known: dict[str, tuple[Callable[[Any, int, int], Datum], Any]] = {}
         self._illegal: list[tuple[int, int]] = []
 
+    @property
+    def full(self) -> bool:
+        """Whether there is no room for further findings."""
+        return len(self.diagnostics) + len(self._illegal) >= MAX_FINDINGS
+
+    def report(self, found: Diagnostic) -> None:
+        """Keep a finding, if there is room for it."""
+        if not self.full:
+            self.diagnostics.append(found)
+
     def comment(self, start: int, end: int) -> None:
         """Keep a comment."""
         text = self.source.text[start:end]
@@ -155,13 +168,12 @@ class Notes:
         """Keep characters that begin nothing; neighbours make one finding."""
         if self._illegal and self._illegal[-1][1] == start:
             start = self._illegal.pop()[0]
-        if start or self.source.text[0] != "\ufeff":
+        if not self.full and (start or self.source.text[0] != "\ufeff"):
             self._illegal.append((start, end))
 
     def finish(self, forms: Iterable[Datum]) -> Reading:
         """The reading of a file with these data at its top level."""
-        for start, end in self._illegal:
-            self._report_illegal(start, end)
+        self.diagnostics.extend(self._illegal_text(s, e) for s, e in self._illegal)
         found = sorted(self.diagnostics, key=lambda d: d.span.start)
         damage = sorted(self.damage)
         top = tuple(TopLevel(form, _hit(form, damage)) for form in forms)
@@ -181,7 +193,7 @@ class Notes:
         content = format_atom(number(value)) if fits else "0"
         span = self.source.span(start, end)
         fix = Fix(Applicability.SAFE, f"write `{content}`", (Edit(span, content),))
-        self.diagnostics.append(
+        self.report(
             Diagnostic(
                 "malformed-number",
                 f"`{raw[:MAX_NUMBER]}` is no number of this language",
@@ -194,7 +206,7 @@ class Notes:
 
     def _too_long(self, what: str, limit: int, start: int, end: int) -> None:
         self.damage.append(start)
-        self.diagnostics.append(
+        self.report(
             Diagnostic(
                 "too-long",
                 f"a {what} of {end - start} characters is longer than {limit}",
@@ -203,7 +215,7 @@ class Notes:
             )
         )
 
-    def _report_illegal(self, start: int, end: int) -> None:
+    def _illegal_text(self, start: int, end: int) -> Diagnostic:
         text = self.source.text[start:end]
         harmless = text.isspace() or _QUOTES.issuperset(text) or text == "|#"
         if not harmless:
@@ -212,14 +224,12 @@ class Notes:
         span = self.source.span(start, end)
         doing = f"write `{content}` for it" if content.strip() else "take it out"
         sure = Applicability.SAFE if harmless else Applicability.UNSAFE
-        self.diagnostics.append(
-            Diagnostic(
-                "illegal-character",
-                f"{_shown(text)} means nothing here",
-                span,
-                help=_advice(text),
-                fix=Fix(sure, doing, (Edit(span, content),)),
-            )
+        return Diagnostic(
+            "illegal-character",
+            f"{_shown(text)} means nothing here",
+            span,
+            help=_advice(text),
+            fix=Fix(sure, doing, (Edit(span, content),)),
         )
 
 

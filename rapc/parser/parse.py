@@ -16,6 +16,7 @@ from rapc.parser.data import Comment, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.table import FORMS
 from rapc.parser.forms.terms import goal, pattern
+from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.source import SourceFile, Span
 from rapc.spell import nearest
@@ -56,15 +57,17 @@ def parse(source: SourceFile) -> Parsed:
     found = list(reading.diagnostics)
     partial: list[Span] = []
     for top in reading.forms:
-        ctx = Context(source)
+        ctx = Context(source, 0 if top.damaged else MAX_FINDINGS - len(found))
         form = _form(ctx, top.datum)
         if form is not None:
             forms.append(form)
-        if not top.damaged:
-            found.extend(ctx.diagnostics)
+        found.extend(ctx.diagnostics)
         if top.damaged or ctx.lost:
             partial.append(ctx.span(top.datum))
     found.sort(key=lambda d: d.span.start)
+    if len(found) >= MAX_FINDINGS:
+        note = f"this is the last of {MAX_FINDINGS}: further faults are not shown"
+        found[-1] = msgspec.structs.replace(found[-1], notes=(note,))
     return Parsed(tuple(forms), tuple(found), reading.comments, tuple(partial))
 
 
@@ -169,7 +172,7 @@ def _small(text: str) -> tuple[Context, tuple[Datum, ...]]:
         raise TextError(f"{found.message}: {text.strip()}")
     if not reading.forms:
         raise TextError("the text is empty")
-    return Context(source), tuple(top.datum for top in reading.forms)
+    return Context(source, 1), tuple(top.datum for top in reading.forms)
 
 
 def _complain(ctx: Context) -> None:

@@ -198,17 +198,18 @@ class _Cutter:
 
 def _data(notes: Notes, segment: Segment) -> list[Datum]:
     """The data of a segment; all of them count as damaged if anything was amiss."""
-    found = list(_lost_text(notes, segment))
+    lost = list(_lost_text(notes, segment))
     code = [t for t in segment.tokens if t[0] not in (COMMENT, BLOCK)]
     repair = balance(notes.source, code)
-    if not found:
-        found.extend(findings(notes.source, code, repair, segment.end))
-    notes.diagnostics.extend(found)
+    if not notes.full:
+        told = lost or findings(notes.source, code, repair, segment.end)
+        for found in told:
+            notes.report(found)
     for kind, start, end in segment.tokens:
         if kind in (COMMENT, BLOCK):
             notes.comment(start, end)
     forms = _build(notes, code, repair)
-    if found or repair.edits:
+    if lost or repair.edits:
         notes.damage.extend(form.start for form in forms)
     return forms
 

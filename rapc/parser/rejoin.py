@@ -45,7 +45,7 @@ def _adopt(notes: Notes, kept: list[Datum], strays: list[List]) -> None:
     opener = notes.source.span(rap.start, rap.start + 1)
     first = notes.source.span(strays[0].start, strays[0].start + 1)
     edits = (Edit(closer, ""), Edit(notes.source.span(last, last), ")"))
-    notes.diagnostics.append(
+    notes.report(
         Diagnostic(
             "surplus-parenthesis",
             "this `)` closes a RAP before its last clause",

@@ -25,14 +25,15 @@ _KINDS = {
 
 
 class Context:
-    """The file in hand and what has been said about it.
+    """The form in hand, its file, and what has been said about it.
 
-    `lost` tells whether something of the form in hand had to be left out, so that
-    what others miss in it may not be the author's fault.
+    `lost` tells whether something of the form had to be left out, so that what others
+    miss in it may not be the author's fault. `room` is how many findings are kept.
     """
 
-    def __init__(self, source: SourceFile) -> None:
+    def __init__(self, source: SourceFile, room: int) -> None:
         self.source = source
+        self.room = room
         self.diagnostics: list[Diagnostic] = []
         self.lost = False
 
@@ -69,16 +70,12 @@ class Context:
         fix: Fix | None = None,
     ) -> None:
         """Report a fault whose meaning is clear, so that nothing is left out."""
-        self.diagnostics.append(
-            Diagnostic(
-                rule,
-                message,
-                self.span(at),
-                labels=tuple(Label(self.span(d), text) for d, text in labels),
-                help=help,
-                fix=fix,
+        if len(self.diagnostics) < self.room:
+            shown = tuple(Label(self.span(d), text) for d, text in labels)
+            place = self.span(at)
+            self.diagnostics.append(
+                Diagnostic(rule, message, place, labels=shown, help=help, fix=fix)
             )
-        )
 
     def replace(self, datum: Datum, content: str, *, sure: bool = True) -> Fix:
         """The fix that writes `content` in place of a datum."""
@@ -117,6 +114,9 @@ class Context:
                 fix=self.replace(word, printed),
             )
             return printed
+        if len(self.diagnostics) >= self.room:
+            self.lost = True
+            return None
         meant = nearest(word.name, (*options, *SLIPS))
         meant = SLIPS.get(meant or "", meant)
         if meant not in options:
