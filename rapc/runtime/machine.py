@@ -26,7 +26,7 @@ from rapc.spell import nearest
 from rapc.terms import number
 
 _Count = Annotated[int, msgspec.Meta(ge=1)]
-_Cost = Annotated[int | float, msgspec.Meta(ge=0)]
+_Cost = Annotated[int, msgspec.Meta(ge=0)] | Annotated[float, msgspec.Meta(ge=0)]
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
