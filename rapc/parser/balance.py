@@ -167,7 +167,7 @@ def _missing(
         labels.insert(0, Label(source.span(stop - 1, stop), text))
     return Diagnostic(
         "missing-parenthesis",
-        f"{named} is not closed"
+        f"{named} is never closed"
         if count == 1
         else f"{count} closing parentheses are missing",
         source.span(start, start + 1),
@@ -181,9 +181,11 @@ def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Dia
     at, opener = repair.drops[0]
     count = len(repair.drops)
     labels = []
-    if opener is not None:
-        start = tokens[opener][1]
-        text = f"it closes {_words(source, tokens, opener)} too early"
+    before = _form_before(tokens, at) if opener is None else opener
+    if before is not None:
+        start = tokens[before][1]
+        closed = "is closed before it" if opener is None else "is closed too early"
+        text = f"{_words(source, tokens, before)} {closed}"
         labels.append(Label(source.span(start, start + 1), text))
     plain = _plain(tokens).drops
     if plain and plain[0][0] != at:
@@ -205,6 +207,18 @@ def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Dia
             tuple(Edit(span, "") for span in sorted(spans, key=lambda s: s.start)),
         ),
     )
+
+
+def _form_before(tokens: Sequence[Token], at: int) -> int | None:
+    """The last list at the top level that begins before a token."""
+    depth, found = 0, None
+    for index, (kind, _, _) in enumerate(tokens[:at]):
+        if kind == OPEN:
+            found = found if depth else index
+            depth += 1
+        elif kind == CLOSE:
+            depth = max(0, depth - 1)
+    return found
 
 
 def _words(source: SourceFile, tokens: Sequence[Token], opener: int) -> str:
