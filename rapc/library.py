@@ -7,13 +7,14 @@ for itself. What a reference means, and whether it means anything, is for
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import msgspec
 
 from rapc.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
+from rapc.ir.tests import DefineTest
 from rapc.parser.names import CALLS, QUERIES, TRUTHS
 from rapc.parser.parse import Parsed
 from rapc.source import SourceFile, Span
@@ -63,7 +64,7 @@ class Library(msgspec.Struct, frozen=True):
     """All definitions by name, in the order of the text; nothing changes afterwards.
 
     `files` holds every file read, by the name that spans carry; `forms` every
-    top-level form, also one whose name was taken before.
+    top-level form, also one whose name was taken before; `tests` the tests in them.
     """
 
     raps: Mapping[str, nodes.DefineRap]
@@ -80,6 +81,7 @@ class Library(msgspec.Struct, frozen=True):
     event_rules: tuple[nodes.EventRule, ...]
     files: Mapping[str, SourceFile]
     forms: tuple[nodes.TopForm, ...] = ()
+    tests: tuple[DefineTest, ...] = ()
 
 
 _KINDS: Mapping[type, tuple[str, str, str]] = {
@@ -129,7 +131,9 @@ def link(
                 found.append(_builtin(files, form))
     fields: dict[str, Any] = {**tables}
     fields.update((name, tuple(rows)) for name, rows in sequences.items())
-    return Library(**fields, files=files, forms=forms), tuple(found)
+    tests = tuple(test for _, one in parsed for test in one.tests)
+    found.extend(_duplicate_tests(tests))
+    return Library(**fields, files=files, forms=forms, tests=tests), tuple(found)
 
 
 def name_span(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Span:
@@ -178,6 +182,21 @@ def _duplicate(
         labels=(Label(name_span(files, first), "first defined here"),),
         help=help_,
     )
+
+
+def _duplicate_tests(tests: Iterable[DefineTest]) -> Iterator[Diagnostic]:
+    """Tests of one name in one file."""
+    taken: dict[tuple[str, str], DefineTest] = {}
+    for test in tests:
+        first = taken.setdefault((test.span.file, test.name), test)
+        if first is not test:
+            yield Diagnostic(
+                rule=DUPLICATE.name,
+                message=f"test `{test.name}` is defined already",
+                span=test.name_span,
+                labels=(Label(first.name_span, "first defined here"),),
+                help="rename one of the two, or remove it",
+            )
 
 
 def _builtin(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Diagnostic:

@@ -91,6 +91,31 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
     return reading.finish()
 
 
+def load_for_test(path: Path, requires: Iterable[nodes.Require]) -> Loaded:
+    """Link what a test runs: its file, and what that and the test itself require.
+
+    What other tests of the file require is left out. Raises LoadError as `load`.
+    """
+    reading = _Reading(tests=False, follow_tests=False)
+    reading.read_all([path])
+    reading.requires.extend((form, path) for form in requires)
+    return reading.finish()
+
+
+def files_with_tests(paths: Iterable[str | Path]) -> tuple[Path, ...]:
+    """The files named, and all `*.test.rap` files below the folders named.
+
+    Raises:
+        LoadError: for a path that is missing, and as `load` for folders.
+    """
+    found: dict[str, Path] = {}
+    for path in map(Path, paths):
+        for file in _files_at(path, tests=True):
+            if file == path or file.name.endswith(TEST_SUFFIX):
+                found.setdefault(os.path.realpath(file), file)
+    return tuple(found.values())
+
+
 def load_text(text: str, name: str = "<text>") -> Loaded:
     """Link one text as if it were a file in the working folder; see `load`."""
     reading = _Reading(tests=False)
@@ -109,8 +134,9 @@ def standard_libraries() -> tuple[str, ...]:
 class _Reading:
     """The files of one load: which were seen, which `require` is still to be read."""
 
-    def __init__(self, tests: bool) -> None:
+    def __init__(self, tests: bool, follow_tests: bool = True) -> None:
         self.tests = tests
+        self.follow_tests = follow_tests
         self.parsed: list[tuple[SourceFile, Parsed]] = []
         self.seen: set[str] = set()
         self.requires: deque[tuple[nodes.Require, Path]] = deque()
@@ -130,6 +156,8 @@ class _Reading:
         for form in parsed.forms:
             if isinstance(form, nodes.Require):
                 self.requires.append((form, path or Path(source.name)))
+        for test in parsed.tests if self.follow_tests else ():
+            self.requires.extend((r, path or Path(source.name)) for r in test.requires)
 
     def finish(self) -> Loaded:
         """Read what is required, and what that requires, and link it all."""

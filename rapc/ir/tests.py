@@ -15,6 +15,9 @@ from rapc.terms import Number
 # --- what is given -----------------------------------------------------------------
 
 
+RowKind = Literal["request", "enable", "disable"]
+
+
 class ScriptRow(Node, frozen=True, eq=False):
     """`((request) [result] option...)`: what the world answers, and what comes of it.
 
@@ -22,7 +25,7 @@ class ScriptRow(Node, frozen=True, eq=False):
     a skill. `after` is None for an atomic primitive, `times` for a row without limit.
     """
 
-    kind: Literal["request", "enable", "disable"]
+    kind: RowKind
     request: Pattern
     result: str | None
     times: int | None

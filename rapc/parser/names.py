@@ -49,6 +49,7 @@ TEST_CLAUSES = (
     "at",
     "task",
     "until",
+    "cycles",
     "expect",
 )
 """The clauses of a `define-test`."""

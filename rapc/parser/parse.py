@@ -12,6 +12,7 @@ import msgspec
 
 from rapc.diagnostics import Diagnostic
 from rapc.ir import nodes
+from rapc.ir.tests import DefineTest
 from rapc.parser.data import Comment, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.table import FORMS
@@ -41,25 +42,30 @@ class Parsed(msgspec.Struct, frozen=True):
 
     `forms` holds all that could be made of it, in the order of the text. `partial`
     holds the spans of those from which something had to be left out: what others
-    find missing in them is not the author's fault.
+    find missing in them is not the author's fault. `tests` are kept apart: they are
+    no part of the library.
     """
 
     forms: tuple[nodes.TopForm, ...]
     diagnostics: tuple[Diagnostic, ...]
     comments: tuple[Comment, ...]
     partial: tuple[Span, ...] = ()
+    tests: tuple[DefineTest, ...] = ()
 
 
 def parse(source: SourceFile) -> Parsed:
     """Read a file and make IR of it; never raises."""
     reading = read(source)
     forms: list[nodes.TopForm] = []
+    tests: list[DefineTest] = []
     found = list(reading.diagnostics)
     partial: list[Span] = []
     for top in reading.forms:
         ctx = Context(source, 0 if top.damaged else MAX_FINDINGS - len(found))
         form = _form(ctx, top.datum)
-        if form is not None:
+        if isinstance(form, DefineTest):
+            tests.append(form)
+        elif form is not None:
             forms.append(form)
         found.extend(ctx.diagnostics)
         if top.damaged or ctx.lost:
@@ -68,10 +74,12 @@ def parse(source: SourceFile) -> Parsed:
     if len(found) >= MAX_FINDINGS:
         note = f"this is the last of {MAX_FINDINGS}: further faults are not shown"
         found[-1] = msgspec.structs.replace(found[-1], notes=(note,))
-    return Parsed(tuple(forms), tuple(found), reading.comments, tuple(partial))
+    return Parsed(
+        tuple(forms), tuple(found), reading.comments, tuple(partial), tuple(tests)
+    )
 
 
-def _form(ctx: Context, datum: Datum) -> nodes.TopForm | None:
+def _form(ctx: Context, datum: Datum) -> nodes.TopForm | DefineTest | None:
     name = head_of(datum)
     if not isinstance(datum, List) or name is None:
         ctx.report(

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from rapc.ir import nodes
+from rapc.ir.tests import DefineTest
 from rapc.parser.data import List
 from rapc.parser.forms import declarations, memory_rules, offers
 from rapc.parser.forms.context import Context
 from rapc.parser.forms.rap import define_rap
 from rapc.parser.forms.require import require
+from rapc.parser.forms.tests import define_test
 
-FORMS: Mapping[str, Callable[[Context, List], nodes.TopForm | None]] = {
+FORMS: Mapping[str, Callable[[Context, List], nodes.TopForm | DefineTest | None]] = {
     "define-rap": define_rap,
     "declare-memory-proposition": declarations.proposition,
     "declare-memory-property": declarations.property_,
@@ -24,6 +26,7 @@ FORMS: Mapping[str, Callable[[Context, List], nodes.TopForm | None]] = {
     "declare-event": offers.event,
     "define-memory-rule": memory_rules.memory_rule,
     "define-event-rule": memory_rules.event_rule,
+    "define-test": define_test,
     "require": require,
 }
 """The top-level forms by name."""

@@ -1,0 +1,206 @@
+"""The expectations of a test, one function each, and event patterns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, cast
+
+from rapc.ir import nodes, tests
+from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol, Variable
+from rapc.parser.forms.clauses import lone_formula
+from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.forms.script import made, number, options, whole
+from rapc.parser.forms.terms import goal, pattern, patterns, term, terms
+
+
+class _Kind(NamedTuple):
+    """How an expectation is written, how many operands it takes, who reads it."""
+
+    form: str
+    least: int
+    most: int | None
+    read: Callable[[Context, List], tests.Expectation | None]
+
+
+def expectations(ctx: Context, data: Sequence[Datum]) -> tuple[tests.Expectation, ...]:
+    """What stands in an `expect`."""
+    return made(_expectation(ctx, datum) for datum in data)
+
+
+def _expectation(ctx: Context, datum: Datum) -> tests.Expectation | None:
+    name = head_of(datum)
+    if name is None or not isinstance(datum, List):
+        message = f"an expectation is wanted here, not {kind_of(datum)}"
+        help = "expectations begin with " + ", ".join(f"`{name}`" for name in _KINDS)
+        ctx.report("malformed-clause", message, datum, help=help)
+        return None
+    if name not in _KINDS:
+        ctx.unknown(
+            "unknown-clause", "expectation", cast(Symbol, datum.items[0]), _KINDS
+        )
+        return None
+    kind = _KINDS[name]
+    count = len(datum.items) - 1
+    if count < kind.least or (kind.most is not None and count > kind.most):
+        _wrong(ctx, datum)
+        return None
+    return kind.read(ctx, datum)
+
+
+def _wrong(ctx: Context, datum: List) -> None:
+    name = head_of(datum) or ""
+    message = f"`{name}` is written `{_KINDS[name].form}`"
+    ctx.report("malformed-clause", message, datum)
+
+
+def _goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
+    """A goal without outputs."""
+    asked = goal(ctx, datum)
+    if asked is not None and asked.outputs:
+        message = "the goal of an expectation has no outputs"
+        help = "they stand behind it: `(succeeds (find box) kitchen)`"
+        ctx.report("malformed-goal", message, datum, help=help)
+        return None
+    return asked
+
+
+def _succeeds(ctx: Context, datum: List) -> tests.Succeeds | None:
+    asked = _goal(ctx, datum.items[1])
+    outputs = terms(ctx, datum.items[2:])
+    return tests.Succeeds(asked, outputs, ctx.span(datum)) if asked else None
+
+
+def _fails(ctx: Context, datum: List) -> tests.Fails | None:
+    asked = _goal(ctx, datum.items[1])
+    result = None
+    if len(datum.items) == 3:
+        word = datum.items[2]
+        if not isinstance(word, Symbol | Variable):
+            _wrong(ctx, datum)
+            return None
+        result = cast(nodes.Const | nodes.Var, term(ctx, word))
+    return tests.Fails(asked, result, ctx.span(datum)) if asked else None
+
+
+def _active(ctx: Context, datum: List) -> tests.Active | None:
+    asked = _goal(ctx, datum.items[1])
+    return tests.Active(asked, ctx.span(datum)) if asked else None
+
+
+def _primitives(ctx: Context, datum: List) -> tests.Primitives:
+    return tests.Primitives(patterns(ctx, datum.items[1:]), ctx.span(datum))
+
+
+def _include(ctx: Context, datum: List) -> tests.PrimitivesInclude:
+    return tests.PrimitivesInclude(patterns(ctx, datum.items[1:]), ctx.span(datum))
+
+
+def _never(ctx: Context, datum: List) -> tests.Never | None:
+    request = pattern(ctx, datum.items[1])
+    return tests.Never(request, ctx.span(datum)) if request else None
+
+
+def _memory(ctx: Context, datum: List) -> tests.MemoryHolds | None:
+    formula = lone_formula(ctx, datum)
+    return tests.MemoryHolds(formula, ctx.span(datum)) if formula else None
+
+
+def _method(ctx: Context, datum: List) -> tests.MethodChosen | None:
+    """`(method rap name)`, `(method rap name n)` or `(method rap name n times)`."""
+    rap, name, *more = datum.items[1:]
+    if len(more) == 2 and isinstance(more[1], Symbol) and more[1].name in _TIMES:
+        del more[1]
+    if (
+        not isinstance(rap, Symbol)
+        or not isinstance(name, Symbol | Numeral)
+        or len(more) > 1
+    ):
+        _wrong(ctx, datum)
+        return None
+    times = whole(ctx, more[0], "a number", least=0) if more else None
+    word = name.name if isinstance(name, Symbol) else str(name.value)
+    return tests.MethodChosen(rap.name, word, times, ctx.span(datum))
+
+
+_TIMES = ("times", "time")
+
+
+def _selected_before(ctx: Context, datum: List) -> tests.SelectedBefore | None:
+    first, second = _goal(ctx, datum.items[1]), _goal(ctx, datum.items[2])
+    if first is None or second is None:
+        return None
+    return tests.SelectedBefore(first, second, ctx.span(datum))
+
+
+def _ends_by(ctx: Context, datum: List) -> tests.EndsBy | None:
+    time = number(ctx, datum.items[1], "a time")
+    asked = _goal(ctx, datum.items[2])
+    if time is None or asked is None:
+        return None
+    return tests.EndsBy(time, asked, ctx.span(datum))
+
+
+# --- event patterns -------------------------------------------------------------------
+
+
+def _trace(ctx: Context, datum: List) -> tests.TraceHas:
+    events = made(_event(ctx, one) for one in datum.items[1:])
+    return tests.TraceHas(events, ctx.span(datum))
+
+
+def _event(ctx: Context, datum: Datum) -> tests.EventPattern | None:
+    """`(event-name :key value...)`."""
+    name = head_of(datum)
+    if name is None or not isinstance(datum, List):
+        message = f"an event pattern is wanted here, not {kind_of(datum)}"
+        help = "write `(task-failed :reason no-method)`"
+        ctx.report("malformed-clause", message, datum, help=help)
+        return None
+    rest = _joined(ctx, datum.items[1:])
+    words = {word.name: 1 for word in rest if isinstance(word, Keyword)}
+    given = options(ctx, rest, name, words)
+    keys = tuple((key[1:], _value(ctx, value)) for key, value in given.items())
+    return tests.EventPattern(name, keys, ctx.span(datum))
+
+
+def _value(ctx: Context, datum: Datum) -> tests.TracePattern:
+    """A term of the trace, as it is written there."""
+    if isinstance(datum, List):
+        items = [_value(ctx, item) for item in _joined(ctx, datum.items)]
+        return tests.ListPattern(tuple(items), ctx.span(datum))
+    return cast(nodes.Const | nodes.Var, term(ctx, datum))
+
+
+def _joined(ctx: Context, data: Sequence[Datum]) -> list[Datum]:
+    """Data in a row; `#counter(3)`, which the reader takes for two, is one symbol."""
+    found: list[Datum] = []
+    for datum in data:
+        last = found[-1] if found else None
+        if (
+            isinstance(datum, List)
+            and isinstance(last, Symbol)
+            and last.name in ("#counter", "#set")
+            and last.end == datum.start
+        ):
+            words = [ctx.text(item).lower() for item in datum.items]
+            name = f"{last.name}({' '.join(words)})"
+            found[-1] = Symbol(name, last.start, datum.end)
+        else:
+            found.append(datum)
+    return found
+
+
+_KINDS: Mapping[str, _Kind] = {
+    "succeeds": _Kind("(succeeds (goal) output...)", 1, None, _succeeds),
+    "fails": _Kind("(fails (goal) result)", 1, 2, _fails),
+    "active": _Kind("(active (goal))", 1, 1, _active),
+    "primitives": _Kind("(primitives (request)...)", 0, None, _primitives),
+    "primitives-include": _Kind("(primitives-include (request)...)", 1, None, _include),
+    "never": _Kind("(never (request))", 1, 1, _never),
+    "memory": _Kind("(memory formula)", 1, None, _memory),
+    "method": _Kind("(method rap name 2 times)", 2, 4, _method),
+    "selected-before": _Kind("(selected-before (goal) (goal))", 2, 2, _selected_before),
+    "ends-by": _Kind("(ends-by time (goal))", 2, 2, _ends_by),
+    "trace": _Kind("(trace (event :key value...)...)", 1, None, _trace),
+}
+"""The expectations by the word they begin with."""

@@ -1,0 +1,157 @@
+"""The script of a test: its rows, and what is written like them elsewhere in a test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeVar
+
+from rapc.ir import nodes, tests
+from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol
+from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.forms.terms import pattern, patterns, signal
+from rapc.terms import Number
+
+_OPTIONS = {
+    ":times": 1,
+    ":takes": 1,
+    ":after": 1,
+    ":asserts": 1,
+    ":erases": 1,
+    ":data": 1,
+    ":signals": 1,
+    ":refused": 0,
+}
+
+T = TypeVar("T")
+
+
+def made(found: Iterable[T | None]) -> tuple[T, ...]:
+    """What could be made, without what could not."""
+    return tuple([one for one in found if one is not None])
+
+
+def row(ctx: Context, datum: Datum) -> tests.ScriptRow | None:
+    """`((request) [result] option...)`."""
+    if not isinstance(datum, List) or not datum.items:
+        message = f"a row of the script is wanted here, not {kind_of(datum)}"
+        help = "write `((request) result)`"
+        ctx.report("malformed-clause", message, datum, help=help)
+        return None
+    first, *rest = datum.items
+    kind, request = _request(ctx, first)
+    result = None
+    if rest and isinstance(rest[0], Symbol):
+        result, rest = rest[0].name, rest[1:]
+    given = options(ctx, rest, "a row", _OPTIONS)
+    if request is None:
+        return None
+    times, takes, after = (given.get(f":{n}") for n in ("times", "takes", "after"))
+    taken = None if takes is None else number(ctx, takes, "a duration")
+    return tests.ScriptRow(
+        kind=kind,
+        request=request,
+        result=result,
+        times=None if times is None else whole(ctx, times, "a number", least=1),
+        takes=taken or 0,
+        after=None if after is None else number(ctx, after, "a duration"),
+        asserts=patterns(ctx, _listed(ctx, given, ":asserts")),
+        erases=patterns(ctx, _listed(ctx, given, ":erases")),
+        data=patterns(ctx, _listed(ctx, given, ":data")),
+        signals=signals(ctx, _listed(ctx, given, ":signals")),
+        refused=":refused" in given,
+        span=ctx.span(datum),
+    )
+
+
+def _request(ctx: Context, datum: Datum) -> tuple[tests.RowKind, nodes.Pattern | None]:
+    """A request, or a skill that is enabled or disabled."""
+    name = head_of(datum)
+    inner = datum.items[1] if isinstance(datum, List) and len(datum.items) == 2 else 0
+    if name == "enable" and isinstance(inner, List):
+        return "enable", signal(ctx, inner)
+    if name == "disable" and isinstance(inner, List):
+        return "disable", signal(ctx, inner)
+    return "request", pattern(ctx, datum)
+
+
+def _listed(ctx: Context, given: Mapping[str, Datum], name: str) -> Sequence[Datum]:
+    datum = given.get(name)
+    if datum is None:
+        return ()
+    if isinstance(datum, List) and all(isinstance(i, List) for i in datum.items):
+        return datum.items
+    message = f"`{name}` takes a list of lists"
+    fix = ctx.wrap(datum, datum, "(", sure=False) if isinstance(datum, List) else None
+    ctx.report("malformed-clause", message, datum, fix=fix)
+    return ()
+
+
+# --- shared by the clauses of a test -------------------------------------------------
+
+
+def facts(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:
+    """Propositions without variables."""
+    return made(_ground(ctx, pattern(ctx, datum), datum) for datum in data)
+
+
+def signals(
+    ctx: Context, data: Sequence[Datum], *, ground: bool = False
+) -> tuple[nodes.Pattern, ...]:
+    """Signals, where need be without variables."""
+    found = [(signal(ctx, datum), datum) for datum in data]
+    return made(_ground(ctx, one, at) if ground else one for one, at in found)
+
+
+def _ground(
+    ctx: Context, node: nodes.Pattern | None, datum: Datum
+) -> nodes.Pattern | None:
+    if node is None or all(isinstance(arg, nodes.Const) for arg in node.args):
+        return node
+    message = "only symbols, numbers and strings can stand in it"
+    ctx.report("malformed-proposition", message, datum)
+    return None
+
+
+def number(ctx: Context, datum: Datum, what: str) -> Number | None:
+    """A number that is not negative."""
+    if isinstance(datum, Numeral) and datum.value >= 0:
+        return datum.value
+    ctx.report("malformed-clause", f"{what} is wanted here", datum)
+    return None
+
+
+def whole(ctx: Context, datum: Datum, what: str, least: int | None = None) -> int:
+    """A whole number; `least`, or 0, stands in for what is none."""
+    value = datum.value if isinstance(datum, Numeral) else None
+    if isinstance(value, int) and (least is None or value >= least):
+        return value
+    ctx.report("malformed-clause", f"{what} is wanted here, a whole one", datum)
+    return least or 0
+
+
+def options(
+    ctx: Context, data: Sequence[Datum], owner: str, known: Mapping[str, int]
+) -> Mapping[str, Datum]:
+    """Options with their values by name; the word itself for those without one."""
+    found: dict[str, Datum] = {}
+    rest = list(data)
+    while rest:
+        word = rest.pop(0)
+        if not isinstance(word, Keyword):
+            message = f"{kind_of(word)} stands where an option of `{owner}` is wanted"
+            ctx.report("malformed-clause", message, word)
+            continue
+        value: Datum | None = None
+        if known.get(word.name, 1) == 0:
+            value = word
+        elif rest and not isinstance(rest[0], Keyword):
+            value = rest.pop(0)
+        if word.name not in known:
+            ctx.unknown("unknown-clause", f"option of `{owner}`", word, known)
+        elif value is None:
+            ctx.report("malformed-clause", f"`{word.name}` lacks its value", word)
+        elif word.name in found:
+            ctx.report("duplicate-clause", f"there is a second `{word.name}`", word)
+        else:
+            found[word.name] = value
+    return found

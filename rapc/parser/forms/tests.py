@@ -1,0 +1,189 @@
+"""`define-test`: its clauses, what is given, and what is done at a time.
+
+The rows of a script are read by `rapc.parser.forms.script`, expectations by
+`rapc.parser.forms.expectations`. What a test means is in docs/testing.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from rapc.ir import nodes, tests
+from rapc.parser.data import Datum, List, Numeral, String, Symbol
+from rapc.parser.forms.clauses import clauses, single
+from rapc.parser.forms.context import Context
+from rapc.parser.forms.expectations import expectations
+from rapc.parser.forms.require import require
+from rapc.parser.forms.script import (
+    facts,
+    made,
+    number,
+    options,
+    row,
+    signals,
+    whole,
+)
+from rapc.parser.forms.terms import goal
+from rapc.parser.names import TEST_CLAUSES
+
+_MANY = ("require", "facts", "script", "at", "task", "expect")
+_TASK_OPTIONS = {":priority": 1, ":deadline": 1, ":background": 1}
+
+
+def define_test(ctx: Context, datum: List) -> tests.DefineTest | None:
+    """`(define-test name ["doc"] clause...)`."""
+    items = datum.items[1:]
+    name = items[0] if items else datum
+    if not isinstance(name, Symbol):
+        ctx.report("malformed-form", "`define-test` wants a symbol for its name", name)
+        return None
+    doc = ""
+    first = items[1] if len(items) > 1 else None
+    if isinstance(first, String):
+        doc, items = first.value, items[1:]
+    found = clauses(ctx, items[1:], "define-test", TEST_CLAUSES)
+    kept = single(ctx, found, _MANY)
+    return tests.DefineTest(
+        name=name.name,
+        doc=doc,
+        requires=made(require(ctx, clause) for clause in kept.get("require", ())),
+        world=_world(ctx, kept),
+        facts=facts(ctx, _inside(kept, "facts")),
+        script=made(row(ctx, one) for one in _inside(kept, "script")),
+        ats=made(_at(ctx, clause) for clause in kept.get("at", ())),
+        tasks=made(_task(ctx, clause) for clause in kept.get("task", ())),
+        until=_until(ctx, kept),
+        expectations=expectations(ctx, _inside(kept, "expect")),
+        name_span=ctx.span(name),
+        span=ctx.span(datum),
+    )
+
+
+def _inside(kept: Mapping[str, Sequence[List]], name: str) -> list[Datum]:
+    return [datum for clause in kept.get(name, ()) for datum in clause.items[1:]]
+
+
+def _lone(ctx: Context, clause: List, what: str) -> Datum | None:
+    """The one operand of a clause."""
+    if len(clause.items) == 2:
+        return clause.items[1]
+    head = ctx.text(clause.items[0])
+    ctx.report("malformed-clause", f"`{head}` takes {what}, nothing else", clause)
+    return None
+
+
+def _world(ctx: Context, kept: Mapping[str, Sequence[List]]) -> str | None:
+    for clause in kept.get("world", ()):
+        operand = _lone(ctx, clause, "the name of a world")
+        if isinstance(operand, Symbol | String):
+            return operand.name if isinstance(operand, Symbol) else operand.value
+        if operand is not None:
+            ctx.report("malformed-clause", "the name of a world is wanted", operand)
+    return None
+
+
+def _until(ctx: Context, kept: Mapping[str, Sequence[List]]) -> tests.Until | None:
+    """`(until t)`, `(until (cycles n))`, and `cycles` as a clause of its own."""
+    time: nodes.Const | None = None
+    cycles: int | None = None
+    place: List | None = None
+    for clause in (*kept.get("until", ()), *kept.get("cycles", ())):
+        place = clause
+        operand = _lone(ctx, clause, "a time or `(cycles n)`")
+        if isinstance(operand, List):
+            place, operand = operand, _lone(ctx, operand, "a number")
+        if operand is None:
+            continue
+        if ctx.text(place.items[0]).lower() == "cycles":
+            cycles = whole(ctx, operand, "a number of cycles", least=1)
+        elif isinstance(operand, Numeral) and operand.value >= 0:
+            time = nodes.Const(operand.value, ctx.span(operand))
+        else:
+            ctx.report("malformed-clause", "a time is wanted here", operand)
+    if place is None or (time is None and cycles is None):
+        return None
+    value = time.value if time is not None else None
+    assert value is None or isinstance(value, int | float)
+    return tests.Until(value, cycles, ctx.span(place))
+
+
+# --- tasks and times ---------------------------------------------------------------
+
+
+def _task(ctx: Context, clause: List) -> tests.GivenTask | None:
+    """`(task goal [:priority n] [:deadline t] [:background true])`."""
+    asked = _ground_goal(ctx, clause, clause.items[1:2])
+    given = options(ctx, clause.items[2:], "task", _TASK_OPTIONS)
+    if asked is None:
+        return None
+    priority = given.get(":priority")
+    deadline = given.get(":deadline")
+    background = given.get(":background")
+    if background is not None and ctx.text(background).lower() not in _TRUTHS:
+        message = "`:background` takes `true` or `false`"
+        ctx.report("malformed-clause", message, background)
+    return tests.GivenTask(
+        goal=asked,
+        priority=0 if priority is None else whole(ctx, priority, "a priority") or 0,
+        deadline=None if deadline is None else number(ctx, deadline, "a time"),
+        background=background is not None and ctx.text(background).lower() == "true",
+        span=ctx.span(clause),
+    )
+
+
+_TRUTHS = ("true", "false")
+
+
+def _ground_goal(
+    ctx: Context, clause: List, data: Sequence[Datum]
+) -> nodes.Goal | None:
+    if not data:
+        ctx.report("malformed-clause", "`task` lacks its goal", clause)
+        return None
+    asked = goal(ctx, data[0])
+    if asked is None:
+        return None
+    if asked.outputs or not all(isinstance(a, nodes.Const) for a in asked.args):
+        message = "the inputs of a task are symbols, numbers or strings"
+        ctx.report("malformed-goal", message, data[0])
+        return None
+    return asked
+
+
+def _cancel(ctx: Context, clause: List) -> tests.Cancel | None:
+    operand = _lone(ctx, clause, "one goal")
+    asked = None if operand is None else goal(ctx, operand)
+    return None if asked is None else tests.Cancel(asked, ctx.span(clause))
+
+
+def _at(ctx: Context, clause: List) -> tests.At | None:
+    """`(at time action...)`."""
+    time = number(ctx, clause.items[1], "a time") if len(clause.items) > 1 else None
+    if time is None:
+        if len(clause.items) == 1:
+            ctx.report("malformed-clause", "`at` lacks its time", clause)
+        return None
+    found = clauses(ctx, clause.items[2:], "at", tuple(_ACTIONS))
+    actions: tuple[tests.Action, ...] = made(
+        _ACTIONS[name](ctx, one) for name, one in found
+    )
+    return tests.At(time, actions, ctx.span(clause))
+
+
+_ACTIONS: Mapping[str, Callable[[Context, List], tests.Action | None]] = {
+    "asserts": lambda ctx, clause: tests.Asserts(
+        facts(ctx, clause.items[1:]), ctx.span(clause)
+    ),
+    "erases": lambda ctx, clause: tests.Erases(
+        facts(ctx, clause.items[1:]), ctx.span(clause)
+    ),
+    "signals": lambda ctx, clause: tests.Signals(
+        signals(ctx, clause.items[1:], ground=True), ctx.span(clause)
+    ),
+    "task": _task,
+    "cancel": _cancel,
+    "expect": lambda ctx, clause: tests.Expect(
+        expectations(ctx, clause.items[1:]), ctx.span(clause)
+    ),
+}
+"""What may be done at a time."""
