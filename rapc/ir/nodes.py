@@ -17,8 +17,11 @@ from rapc.source import NOWHERE, Span
 from rapc.terms import Atom
 
 
-class Node(msgspec.Struct, frozen=True, eq=False, tag=True):
-    """The base of all nodes: compared by type and fields, the span left out."""
+class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False):
+    """The base of all nodes: compared by type and fields, the span left out.
+
+    Nodes are trees, so the garbage collector need not look after them.
+    """
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):

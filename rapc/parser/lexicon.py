@@ -73,31 +73,31 @@ class Lexicon:
     """The compiled terminals of the grammar.
 
     `token` matches any token with the space before it; `loose` does so too, but of a
-    string the opening quote alone. `atom` tells the kinds of atoms apart.
+    string the opening quote alone. Any atom is a `_NAME`, only a colon by itself is
+    none; `atom` tells the kinds of atoms apart.
 
     Args:
         terminals: regular expressions without groups of their own, by terminal name.
     """
 
     def __init__(self, terminals: Mapping[str, str]) -> None:
-        kinds = tuple(_MAKERS)
-        space = terminals["WS"]
+        space, name = terminals["_SPACE"], terminals["_NAME"]
         groups = [
-            *(terminals[name] for name in ("LPAR", "RPAR")),
+            *(terminals[kind] for kind in ("LPAR", "RPAR")),
             "#'",
-            "|".join(terminals[kind] for kind in kinds),
-            *(terminals[name] for name in ("STRING", "COMMENT", "BLOCK_OPEN")),
+            f"(?!:(?!{name})){name}",
+            *(terminals[kind] for kind in ("STRING", "COMMENT", "BLOCK_OPEN")),
             rf"\|#|(?!{space})(?s:.)",
         ]
         self.token = _any_of(groups, space)
         groups[STRING - 1] = '"'
         self.loose = _any_of(groups, space)
-        self.atom = re.compile("|".join(f"(?P<{k}>{terminals[k]})" for k in kinds))
+        self.atom = re.compile("|".join(f"(?P<{k}>{terminals[k]})" for k in _MAKERS))
 
 
 def _any_of(groups: Iterable[str], space: str) -> re.Pattern[str]:
     choice = "|".join(f"({group})" for group in groups)
-    return re.compile(rf"(?:{space})?(?:{choice}|\Z)")
+    return re.compile(rf"{space}*(?:{choice}|\Z)")
 
 
 def comment_end(text: str, start: int) -> int:
