@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rapc.analysis.driver import check as check
-    from rapc.compiler.build import compile_library as compile
+    from rapc.api import compile_library as compile
     from rapc.loader import load as load
     from rapc.runtime import events as events
     from rapc.runtime.interpreter import Interpreter as Interpreter
@@ -49,7 +49,7 @@ _HOMES = {
     "TextTrace": ("rapc.runtime.trace", "TextTrace"),
     "World": ("rapc.runtime.world", "World"),
     "check": ("rapc.analysis.driver", "check"),
-    "compile": ("rapc.compiler.build", "compile_library"),
+    "compile": ("rapc.api", "compile_library"),
     "load": ("rapc.loader", "load"),
     "task": ("rapc.runtime.submission", "read_submission"),
     "world": ("rapc.worlds.registry", "make_world"),

@@ -15,10 +15,10 @@ from contextlib import contextmanager
 import click
 
 from rapc import render
-from rapc.analysis.driver import Report, check_library
+from rapc.analysis.driver import Report
+from rapc.api import CheckError, compile_loaded
 from rapc.cli.options import USAGE, common_options, fail, say, settings
 from rapc.compiler.plans import CompiledLibrary
-from rapc.diagnostics import Severity
 from rapc.loader import Loaded, LoadError, load
 
 __all__ = (
@@ -85,10 +85,9 @@ def load_checked(path: str) -> CompiledLibrary:
     A finding of severity error is printed and ends the command with status 2; others
     do not stop it.
     """
-    with undisturbed():
-        report = check_library(read_paths([path]))
-    errors = tuple(f for f in report.findings if f.severity is Severity.ERROR)
-    if errors:
-        print_findings(Report(errors, report.library), "full")
-        raise SystemExit(USAGE)
-    return CompiledLibrary(report.library, path)
+    try:
+        with undisturbed():
+            return compile_loaded(read_paths([path]), path)
+    except CheckError as error:
+        print_findings(error.report, "full")
+        raise SystemExit(USAGE) from None

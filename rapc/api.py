@@ -1,0 +1,48 @@
+"""From paths to a library in executable form, for commands and programs that run RAPs.
+
+A library with errors becomes an exception that carries the findings; printing them is
+for who catches it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rapc.analysis.driver import Report, check_library
+from rapc.compiler.plans import CompiledLibrary
+from rapc.diagnostics import Severity
+from rapc.loader import Loaded, load
+
+
+class CheckError(Exception):
+    """A library with findings of severity error; `report` holds them alone."""
+
+    def __init__(self, report: Report) -> None:
+        first = report.findings[0].diagnostic
+        count = len(report.findings) - 1
+        more = f", and {count} more" if count else ""
+        super().__init__(f"{first.span.file}: {first.message}{more}")
+        self.report = report
+
+
+def compile_library(*paths: str | Path) -> CompiledLibrary:
+    """Load, check and compile files and folders as one library.
+
+    Raises:
+        LoadError: for what cannot be read.
+        CheckError: if anything of severity error is found.
+    """
+    return compile_loaded(load(paths), ", ".join(map(str, paths)))
+
+
+def compile_loaded(loaded: Loaded, name: str) -> CompiledLibrary:
+    """Check and compile what was loaded; `name` is what traces call it.
+
+    Raises:
+        CheckError: if anything of severity error is found.
+    """
+    report = check_library(loaded)
+    errors = tuple(f for f in report.findings if f.severity is Severity.ERROR)
+    if errors:
+        raise CheckError(Report(errors, report.library))
+    return CompiledLibrary(report.library, name)
