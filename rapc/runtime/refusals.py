@@ -32,6 +32,7 @@ def refusals(
     """Why a library cannot be run in a world at all, one line per reason."""
     return [
         *_lacking(library, world),
+        *_undeclared(library, world),
         *_unregistered(library, functions),
         *_unsupported(library),
     ]
@@ -58,6 +59,18 @@ def _lacking(library: Library, world: World) -> Iterator[str]:
         if datum.name not in offer.data:
             place = _place(library, datum.span)
             yield f"{place}the world `{world.name}` has no datum `{datum.name}`"
+
+
+def _undeclared(library: Library, world: World) -> Iterator[str]:
+    """The words in which the world tells what the robot knows at first."""
+    told = dict.fromkeys(str(fact[0]) for fact in world.facts())
+    known = {*library.propositions, *library.properties}
+    missing = [f"`{word}`" for word in told if word not in known]
+    if missing:
+        yield (
+            f"the world `{world.name}` tells of {', '.join(missing)}, not declared in "
+            "the library; `require` the declarations that come with the world"
+        )
 
 
 def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator[str]:

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from rapc.compiler.plans import CompiledLibrary
+from rapc.loader import load_text
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.refusals import Refused
 from rapc.worlds.truck.handlers import HANDLERS
 from rapc.worlds.truck.primitives import OFFER
 
@@ -295,3 +299,9 @@ def test_memory_and_world_agree_after_a_long_journey() -> None:
     one.do("arm-move arm2 external", "arm-ungrasp arm2 rock-1", "arm-move arm2 bay2")
     assert one.do("arm-ungrasp arm2 rock-2") == "okay"
     assert [one.where(f"rock-{n}") for n in (1, 2)] == ["factory-1", "bay2"]
+
+
+def test_a_library_without_the_trucks_words_is_refused_beforehand() -> None:
+    library = load_text("(define-rap (idle) (succeed t))").library
+    with pytest.raises(Refused, match="the world `truck` tells of `place`, `produces`"):
+        Interpreter(CompiledLibrary(library, "idle"), Driver().world)
