@@ -79,17 +79,9 @@ def _fact(
         scope.require(f"{fact} in ctx.stamps")
         _aged(clause, scope, fact, age)
         return
-    maybe = [isinstance(arg, nodes.Var) and arg.name in scope.maybe for arg in args]
-    known = tuple(
-        scope.local(arg.name)
-        if isinstance(arg, nodes.Var) and arg.name in scope.maybe
-        else known_value(clause, scope, arg)
-        for arg in args
-    )
+    known = tuple([known_value(clause, scope, arg) for arg in args])
     query = _Query(relation, args, known, age)
-    if any(maybe):
-        _scan_loosely(clause, scope, query)
-    elif relation.is_property and None not in known[:-1]:
+    if relation.is_property and None not in known[:-1]:
         _look_up(clause, scope, query)
     else:
         _scan(clause, scope, query)
@@ -102,22 +94,24 @@ def _look_up(clause: Clause, scope: Scope, query: _Query) -> None:
     parts = "".join(f"{k}, " for k in query.known[:-1])
     scope.line(f"{index} = ({name}, {parts})")
     scope.line(f"{fact} = values.get({index})")
-    if query.age is not None and _asks_age(scope, query.age):
+    must_exist = query.age is not None and _asks_age(scope, query.age, query.args)
+    if must_exist:
         scope.refuse(f"{fact} is None")
-        _aged(clause, scope, fact, query.age)
         scope.line(f"{value} = {fact}[-1]")
     else:
         default = _default(clause, query.relation, index)
         scope.line(f"if {fact} is None: {value} = {default}")
         scope.line(f"else: {value} = {fact}[-1]")
-        if query.age is not None:
-            limit = _limit(clause, scope, query.age)
-            scope.refuse(f"{fact} is not None and not ctx.young({fact}, {limit})")
     expected = query.known[-1]
     if query.may_be_external:
         scope.require(f"{value} == {expected} or ctx.is_here({fact}, {expected})")
     else:
         match(clause, scope, query.args[-1], value)
+    if must_exist or query.age is None:
+        _aged(clause, scope, fact, query.age)
+    else:
+        limit = _limit(clause, scope, query.age)
+        scope.refuse(f"{fact} is not None and not ctx.young({fact}, {limit})")
 
 
 def _default(clause: Clause, relation: Relation, index: str) -> str:
@@ -153,22 +147,11 @@ def _scan(clause: Clause, scope: Scope, query: _Query) -> None:
     _aged(clause, scope, fact, query.age)
 
 
-def _scan_loosely(clause: Clause, scope: Scope, query: _Query) -> None:
-    """A pattern with a variable that only some branch of an `or` has bound."""
-    fact, shown = clause.emitter.fresh("f"), clause.emitter.fresh("f")
-    values = "".join(f"{'UNBOUND' if k is None else k}, " for k in query.known)
-    name = clause.emitter.constant(query.relation.name)
-    with_default = query.age is None or not _asks_age(scope, query.age)
-    call = f"ctx.candidates({name}, ({values}), {with_default})"
-    scope.loop(f"for {fact}, {shown} in {call}:")
-    for at, arg in enumerate(query.args, 1):
-        if isinstance(arg, nodes.Var):
-            match(clause, scope, arg, f"{shown}[{at}]")
-    _aged(clause, scope, fact, query.age)
-
-
-def _asks_age(scope: Scope, age: nodes.Term) -> bool:
-    return isinstance(age, nodes.Var) and age.name not in scope.bound | scope.maybe
+def _asks_age(scope: Scope, age: nodes.Term, args: tuple[nodes.Term, ...] = ()) -> bool:
+    """Whether an age is a variable that is unbound and that no argument will bind."""
+    if not isinstance(age, nodes.Var) or age.name in scope.bound:
+        return False
+    return age.anonymous or age not in args
 
 
 def _limit(clause: Clause, scope: Scope, age: nodes.Term) -> str:

@@ -4,7 +4,8 @@ A formula becomes a generator that yields its solutions in the order semantics 2
 promises: `and` is nested loops, left to right; `or` and long conjunctions become
 generators of their own; `not` asks such a generator for a first solution. The result
 depends on which variables are bound beforehand, so a formula is compiled once for
-each such set that occurs (`rapc.compiler.query`).
+each such set that occurs (`rapc.compiler.query`), and one that uses a variable which
+only some branch of an `or` before it binds is written once for either case.
 
 Terms and facts have modules of their own. Generated code is handed a context `ctx`
 (see `rapc.compiler.query.Context`).
@@ -12,7 +13,7 @@ Terms and facts have modules of their own. Generated code is handed a context `c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from rapc.compiler import facts
 from rapc.compiler.emitter import MAX_LOOPS, Scope
@@ -22,6 +23,11 @@ from rapc.ir import nodes
 
 def write(clause: Clause, scope: Scope, formula: nodes.Formula) -> None:
     """Append the code of a formula; what follows runs once for each solution."""
+    if scope.maybe and type(formula) not in _CONNECTIVES:
+        unsure = [name for name in variables(formula) if name in scope.maybe]
+        if unsure:
+            _in_either_case(clause, scope, formula, unsure[0])
+            return
     _WRITERS[type(formula)](clause, scope, formula)
 
 
@@ -79,21 +85,57 @@ def _through(
     clause: Clause, scope: Scope, prefix: str, branches: Sequence[nodes.Formula]
 ) -> None:
     """Write branches as one generator and loop over what it yields."""
+    if not branches:
+        scope.line(scope.skip)
+        return
     needed = [name for branch in branches for name in variables(branch)]
     inner = scope.child(prefix, needed)
     writers = [inner.child(prefix, inner.parameters) for _ in branches]
     for writer, branch in zip(writers, branches, strict=True):
         write(clause, writer, branch)
-    exports = [
-        name
-        for name in dict.fromkeys(needed)
-        if name not in scope.bound and any(name in w.bound | w.maybe for w in writers)
-    ]
+    exports = _exports(scope, writers, needed)
     for writer in writers:
         _export(writer, exports)
         inner.line(f"yield from {inner.call(writer)}")
     inner.close()
-    call = scope.call(inner)
+    _loop(scope, scope.call(inner), exports, writers)
+
+
+def _in_either_case(
+    clause: Clause, scope: Scope, formula: nodes.Formula, name: str
+) -> None:
+    """Write a formula once with a variable bound, once without, and run what fits."""
+    needed = variables(formula)
+    bound = scope.child("bound", needed)
+    bound.maybe.discard(name)
+    bound.bound.add(name)
+    unbound = scope.child("unbound", [other for other in needed if other != name])
+    writers = [bound, unbound]
+    for writer in writers:
+        write(clause, writer, formula)
+    exports = _exports(scope, writers, needed)
+    for writer in writers:
+        _export(writer, exports)
+    test = f"{scope.local(name)} is not UNBOUND"
+    call = f"({scope.call(bound)} if {test} else {scope.call(unbound)})"
+    _loop(scope, call, exports, writers)
+
+
+def _exports(
+    scope: Scope, writers: Sequence[Scope], names: Iterable[str]
+) -> Sequence[str]:
+    """The names that generators have to hand out, as some of them may bind them."""
+    return [
+        name
+        for name in dict.fromkeys(names)
+        if name not in scope.bound and any(name in w.bound | w.maybe for w in writers)
+    ]
+
+
+def _loop(
+    scope: Scope, call: str, exports: Sequence[str], writers: Sequence[Scope]
+) -> None:
+    """Loop over what generators yield, and take note of what they have bound."""
     targets = "".join(
         f"{scope.rename(n) if n in scope.maybe else scope.local(n)}, " for n in exports
     )
@@ -194,6 +236,8 @@ def _count(clause: Clause, scope: Scope, formula: nodes.Count) -> None:
     scope.line(f"{size} = ctx.count({args[0]}, {args[1]})")
     match(clause, scope, formula.number, size)
 
+
+_CONNECTIVES = (nodes.And, nodes.Or, nodes.Not, nodes.Truth)
 
 _WRITERS: dict[type, Callable[..., None]] = {
     nodes.Truth: _truth,

@@ -58,11 +58,6 @@ class Context(Protocol):
     def facts_at(self, place: object) -> Iterator[Fact]:
         """Location facts of a place, `external` among them, oldest first."""
 
-    def candidates(
-        self, name: str, values: Sequence[object], with_default: bool
-    ) -> Iterator[tuple[Fact, Fact]]:
-        """Facts that match values (UNBOUND: any), as stored and as asked for."""
-
     def method_tried(self, name: object) -> bool:
         """Whether the task has tried a method of that name."""
 

@@ -62,14 +62,6 @@ def bound_value(clause: Clause, scope: Scope, term: nodes.Term) -> str | None:
         return known
     assert isinstance(term, nodes.Var)
     what = clause.emitter.constant(f"{term.name} is not bound")
-    if term.name in scope.maybe:
-        local = scope.local(term.name)
-        scope.line(f"if {local} is UNBOUND:")
-        scope.line(f"    ctx.fault({clause.where}, {what})")
-        scope.line(f"    {scope.skip}")
-        scope.maybe.discard(term.name)
-        scope.bound.add(term.name)
-        return local
     fault(clause, scope, what)
     return None
 
@@ -116,11 +108,5 @@ def match(clause: Clause, scope: Scope, term: nodes.Term, value: str) -> None:
     assert isinstance(term, nodes.Var)
     if term.anonymous:
         return
-    if term.name in scope.maybe:
-        old, local = scope.local(term.name), scope.rename(term.name)
-        scope.line(f"{local} = {value}")
-        scope.refuse(f"{old} is not UNBOUND and {old} != {local}")
-        scope.maybe.discard(term.name)
-    else:
-        scope.line(f"{scope.local(term.name)} = {value}")
+    scope.line(f"{scope.local(term.name)} = {value}")
     scope.bound.add(term.name)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from rapc.compiler.builtin import UNBOUND
 from rapc.runtime.events import QueryFaulted
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.memory.memory import EXTERNAL, Memory
@@ -46,7 +45,7 @@ class QueryContext:
 
     def young(self, fact: Fact, limit: Number) -> bool:
         """Whether a fact was asserted less than `limit` time units ago."""
-        stale = self.stamps.get(fact, self._recorder.time) + limit
+        stale = self.stamps[fact] + limit
         if self._recorder.time >= stale:
             return False
         if self.horizon is not None:
@@ -64,29 +63,6 @@ class QueryContext:
     def facts_at(self, place: object) -> Iterator[Fact]:
         """Location facts of a place, `external` among them, oldest first."""
         return self._memory.facts_at(place)
-
-    def candidates(
-        self, name: str, values: Sequence[Any], with_default: bool
-    ) -> Iterator[tuple[Fact, Fact]]:
-        """Facts that match values (UNBOUND: any), as stored and as asked for."""
-        relation = self._memory.vocabulary.relations[name]
-        pattern = tuple(None if v is UNBOUND else v for v in values)
-        if name == "location" and relation.is_property and pattern[-1] == EXTERNAL:
-            for fact in self._memory.facts_at(EXTERNAL):
-                if pattern[0] in (None, fact[1]):
-                    yield fact, (name, fact[1], EXTERNAL)
-            return
-        for fact in self._memory.facts.matching((name, *pattern)):
-            yield fact, fact
-        index = (name, *values[:-1])
-        known = UNBOUND not in index and index not in self.values
-        if with_default and relation.is_property and known:
-            function = relation.default_function
-            default: Any = relation.default
-            if function is not None:
-                default = self.functions[function](self.view, index)
-            if pattern[-1] in (None, default):
-                yield (*index, default), (*index, default)
 
     def method_tried(self, name: object) -> bool:
         """Whether the task has tried a method of that name."""

@@ -1,0 +1,136 @@
+"""A small vocabulary, and memories about it in two forms, changed in step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any, cast
+
+from rapc.compiler.query import Query
+from rapc.compiler.vocabulary import Relation, Vocabulary
+from rapc.ir import nodes
+from rapc.runtime.context import QueryContext
+from rapc.runtime.events import Event, QueryFaulted
+from rapc.runtime.memory.handling import HandlerAccess
+from rapc.runtime.memory.memory import Memory
+from rapc.runtime.recorder import Recorder
+from rapc.runtime.task import Task
+
+from .reference import Mind
+
+PROPERTIES: Mapping[str, tuple[int, str]] = {
+    "color": (2, "unknown"),
+    "heavy": (2, "false"),
+    "size": (2, "zero"),
+    "power": (1, "true"),
+    "wire": (3, "unknown"),
+    "location": (2, "unknown"),
+    "class": (3, "false"),
+}
+PROPOSITIONS: Mapping[str, int] = {"p": 1, "q": 2, "r": 0, "s": 3}
+
+VOCABULARY = Vocabulary(
+    {
+        **{n: Relation(n, a, True, d) for n, (a, d) in PROPERTIES.items()},
+        **{n: Relation(n, a, False) for n, a in PROPOSITIONS.items()},
+    },
+    {
+        "odd": nodes.DeclareFunction("odd", None, (), ""),
+        "next-to": nodes.DeclareFunction("next-to", None, (), ""),
+    },
+)
+
+FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    "odd": lambda view, number: isinstance(number, int) and number % 2 == 1,
+    "next-to": lambda view, thing: f"{thing}'",
+    "zero": lambda view, index: 0,
+}
+
+
+@dataclass
+class Memories:
+    """One and the same memory, as it is in a run and as the reference has it."""
+
+    memory: Memory
+    access: HandlerAccess
+    recorder: Recorder
+    context: QueryContext
+    mind: Mind
+
+
+Change = tuple[str, Any]
+"""What is done to a memory: a verb and its operand."""
+
+
+def memories(changes: list[Change]) -> Memories:
+    """Both memories after some changes."""
+    recorder = Recorder()
+    memory = Memory(VOCABULARY, recorder, lambda: recorder.time)
+    context = QueryContext(memory, recorder, FUNCTIONS)
+    context.task = _task()
+    mind = Mind(
+        PROPERTIES,
+        PROPOSITIONS,
+        tried=("one", 2),
+        results={"one": "okay", 2: "dropped"},
+        last_result="dropped",
+    )
+    access = HandlerAccess(memory, recorder)
+    both = Memories(memory, access, recorder, context, mind)
+    for change in changes:
+        apply(both, change)
+    return both
+
+
+def _task() -> Task:
+    """All of a task that a formula can ask about."""
+    history = {"one": "okay", 2: "dropped"}
+    stand_in = SimpleNamespace(
+        number=1, tried={"one", 2}, results=history, last_result="dropped"
+    )
+    return cast(Task, stand_in)
+
+
+def apply(both: Memories, change: Change) -> None:
+    """Make one change to both memories."""
+    verb, what = change
+    mind = both.mind
+    if verb == "assert":
+        both.memory.assert_fact(both.memory.checked(what), "test")
+        mind.add(both.memory.checked(what))
+    elif verb == "erase":
+        both.memory.erase(what, "test")
+        mind.erase(what)
+    elif verb == "wait":
+        both.recorder.time += what
+        mind.now += what
+    elif verb == "arrive":
+        both.access.arrive(what)
+        mind.place = what
+    elif verb == "expire":
+        both.access.expire()
+        mind.items = dict.fromkeys(mind.items, False)
+    else:
+        name, place = what
+        both.access.introduce(name, "thing", place)
+        if not mind.items.get(name):
+            mind.items.pop(name, None)
+        mind.items[name] = True
+        mind.kinds[name] = "thing"
+        mind.add(("class", name, "thing", "true"))
+        known = mind.place is not None and place == "external"
+        mind.add(("location", name, mind.place if known else place))  # type: ignore[arg-type]
+
+
+class Faults(list[str]):
+    """Collects the faults of queries."""
+
+    def __call__(self, event: Event) -> None:
+        if isinstance(event, QueryFaulted):
+            self.append(event.what)
+
+
+def query(formula: nodes.Formula) -> Query:
+    """A formula, ready to be asked."""
+    return Query(formula, VOCABULARY, "clause")

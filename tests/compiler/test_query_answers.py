@@ -1,0 +1,59 @@
+"""Compiled queries give the answers of the plain reference, in its order."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rapc.ir import nodes
+from rapc.parser.printer import format_formula
+
+from .dice import Case, Dice, dice, sizes
+from .memories import memories, query
+from .reference import solutions
+
+ENOUGH = 60
+
+
+def agree(case: Case, formula: nodes.Formula) -> None:
+    """Ask both, and compare all answers, the first one, and whether there is any."""
+    both = memories(case.changes)
+    asked = query(formula)
+    found = list(islice(asked.solutions(both.context, case.env), ENOUGH))
+    plain = islice(solutions(both.mind, case.env, formula), ENOUGH)
+    wanted = [{n: v for n, v in one.items() if n not in case.env} for one in plain]
+    assert found == wanted, f"{format_formula(formula)} in {both.mind}"
+    first = wanted[0] if wanted else None
+    assert asked.first(both.context, case.env) == first
+    assert asked.holds(both.context, case.env) is bool(wanted)
+
+
+@settings(max_examples=4000)
+@given(dice(), sizes, st.integers(1, 9))
+def test_any_formula(thrown: Dice, size: int, leaves: int) -> None:
+    case = Case(thrown.changes(size), [thrown.formula(leaves)], thrown.env())
+    agree(case, case.parts[0])
+
+
+@settings(max_examples=3000)
+@given(dice(), sizes, st.integers(1, 3), st.integers(1, 3))
+def test_variables_bound_in_one_branch_only(
+    thrown: Dice, size: int, branches: int, users: int
+) -> None:
+    changes = thrown.changes(size)
+    some = [thrown.formula(2) for _ in range(branches)]
+    either = nodes.Or((*some, nodes.Truth(True)))
+    then = [thrown.simple() for _ in range(users)]
+    agree(Case(changes, [], thrown.env()), nodes.And((either, *then)))
+
+
+@settings(max_examples=300)
+@given(dice(), sizes, st.integers(13, 18))
+def test_more_conjuncts_than_python_has_blocks(
+    thrown: Dice, size: int, parts: int
+) -> None:
+    changes = thrown.changes(size)
+    formula = nodes.And(tuple(thrown.pattern() for _ in range(parts)))
+    agree(Case(changes, [], thrown.env()), formula)
