@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
@@ -26,6 +25,9 @@ from rapc.spell import nearest
 
 SUFFIX = ".rap"
 TEST_SUFFIX = ".test.rap"
+
+_LONG = 60
+"""How much of a required name is repeated in messages."""
 
 UNRESOLVED = Rule(
     code="RAP062",
@@ -45,6 +47,13 @@ is missing, so most of what uses it would be reported as unknown too.""",
 
 RULES = (UNRESOLVED,)
 """The rules that loading can break."""
+
+
+Identity = tuple[int, int]
+"""The device and number of a file or folder."""
+
+_Entry = tuple[Path, tuple[Identity, ...] | None]
+"""A folder with those that it lies in, or a file with None."""
 
 
 class LoadError(Exception):
@@ -96,9 +105,8 @@ def load_for_test(path: Path, requires: Iterable[nodes.Require]) -> Loaded:
 
     What other tests of the file require is left out. Raises LoadError as `load`.
     """
-    reading = _Reading(tests=False, follow_tests=False)
+    reading = _Reading(tests=False, of_tests=frozenset(form.name for form in requires))
     reading.read_all([path])
-    reading.requires.extend((form, path) for form in requires)
     return reading.finish()
 
 
@@ -131,49 +139,78 @@ def standard_libraries() -> tuple[str, ...]:
     return tuple(sorted(e.name.removesuffix(SUFFIX) for e in folder.iterdir()))
 
 
-class _Reading:
-    """The files of one load: which were seen, which `require` is still to be read."""
+class _Opened(msgspec.Struct, frozen=True):
+    """A file that was parsed while the files that it requires are being read."""
 
-    def __init__(self, tests: bool, follow_tests: bool = True) -> None:
+    source: SourceFile
+    parsed: Parsed
+    required: Iterator[Path]
+
+
+class _Reading:
+    """The files of one load; those that a file requires come before it.
+
+    `of_tests` names what is read of that which tests require; all of it if None.
+    """
+
+    def __init__(self, tests: bool, of_tests: frozenset[str] | None = None) -> None:
         self.tests = tests
-        self.follow_tests = follow_tests
+        self.of_tests = of_tests
         self.parsed: list[tuple[SourceFile, Parsed]] = []
-        self.seen: set[str] = set()
-        self.requires: deque[tuple[nodes.Require, Path]] = deque()
+        self.missing: list[Diagnostic] = []
+        self.seen: set[Identity] = set()
 
     def read_all(self, paths: Iterable[Path]) -> None:
         """Read files that were not read before, under whatever name."""
         for path in paths:
-            key = os.path.realpath(path)
-            if key not in self.seen:
-                self.seen.add(key)
-                self.add(SourceFile(str(path), _read(path)), path)
+            if self._is_new(path):
+                self.add(SourceFile(str(path), _read(path)))
 
-    def add(self, source: SourceFile, path: Path | None = None) -> None:
-        """Parse a text and note what it requires."""
-        parsed = parse(source)
-        self.parsed.append((source, parsed))
-        for form in parsed.forms:
-            if isinstance(form, nodes.Require):
-                self.requires.append((form, path or Path(source.name)))
-        for test in parsed.tests if self.follow_tests else ():
-            self.requires.extend((r, path or Path(source.name)) for r in test.requires)
+    def add(self, source: SourceFile) -> None:
+        """Parse a text, after all that it requires."""
+        opened = [self._open(source)]
+        while opened:
+            path = next(opened[-1].required, None)
+            if path is None:
+                done = opened.pop()
+                self.parsed.append((done.source, done.parsed))
+            elif self._is_new(path):
+                opened.append(self._open(SourceFile(str(path), _read(path))))
 
     def finish(self) -> Loaded:
-        """Read what is required, and what that requires, and link it all."""
-        missing: list[Diagnostic] = []
-        while self.requires:
-            form, path = self.requires.popleft()
-            target = _resolve(form.name, path)
-            found = [] if target is None else list(_files_at(target, self.tests))
-            if not found:
-                missing.append(_unresolved(form, path))
-            self.read_all(found)
+        """Link what was read."""
         linked, names = library.link(self.parsed)
         own = [d for _, parsed in self.parsed for d in parsed.diagnostics]
         comments = {source.name: parsed.comments for source, parsed in self.parsed}
         partial = tuple(span for _, parsed in self.parsed for span in parsed.partial)
-        return Loaded(linked, (*own, *missing, *names), comments, partial)
+        return Loaded(linked, (*own, *self.missing, *names), comments, partial)
+
+    def _is_new(self, path: Path) -> bool:
+        identity = _identity(path)
+        is_new = identity not in self.seen
+        self.seen.add(identity)
+        return is_new
+
+    def _open(self, source: SourceFile) -> _Opened:
+        parsed = parse(source)
+        return _Opened(source, parsed, self._required(parsed, Path(source.name)))
+
+    def _required(self, parsed: Parsed, path: Path) -> Iterator[Path]:
+        for form in self._requires(parsed):
+            target = _resolve(form.name, path)
+            found = [] if target is None else list(_files_at(target, self.tests))
+            if not found:
+                self.missing.append(_unresolved(form, path))
+            yield from found
+
+    def _requires(self, parsed: Parsed) -> Iterator[nodes.Require]:
+        for form in parsed.forms:
+            if isinstance(form, nodes.Require):
+                yield form
+        for test in parsed.tests:
+            for form in test.requires:
+                if self.of_tests is None or form.name in self.of_tests:
+                    yield form
 
 
 # --- require -------------------------------------------------------------------
@@ -185,13 +222,16 @@ def _stdlib() -> Path:
 
 def _resolve(name: str, requiring: Path) -> Path | None:
     """The file or folder a `require` means; never the requiring file itself."""
-    for folder in (requiring.parent, _shown(_stdlib())):
-        beside = folder / (name + SUFFIX)
-        if beside.is_file() and beside != requiring:
-            return beside
-        if name and (folder / name).is_dir():
-            return folder / name
-    return None
+    return _in_folder(name, requiring.parent, requiring) or _in_folder(
+        name, _shown(_stdlib()), requiring
+    )
+
+
+def _in_folder(name: str, folder: Path, requiring: Path) -> Path | None:
+    file = folder / (name + SUFFIX)
+    if os.path.isfile(file) and file != requiring:
+        return file
+    return folder / name if name and os.path.isdir(folder / name) else None
 
 
 def _shown(path: Path) -> Path:
@@ -201,23 +241,30 @@ def _shown(path: Path) -> Path:
 
 
 def _unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
-    beside = [] if not requiring.parent.is_dir() else list(requiring.parent.iterdir())
-    names = [
-        p.name.removesuffix(SUFFIX)
-        for p in beside
-        if p != requiring and (p.suffix == SUFFIX or p.is_dir())
-    ]
+    names = [name for name in _beside(requiring) if name != requiring.stem]
     close = nearest(form.name, [*names, *standard_libraries()])
+    name = form.name if len(form.name) <= _LONG else f"{form.name[:_LONG]}..."
     return Diagnostic(
         rule=UNRESOLVED.name,
-        message=f"nothing is found for `{form.name}`",
+        message=f"nothing is found for `{name}`",
         span=form.span,
         notes=(
-            f"neither `{form.name}{SUFFIX}` nor a folder `{form.name}` with RAP files "
+            f"neither `{name}{SUFFIX}` nor a folder `{name}` with RAP files "
             "stands beside this file, and no standard library is called so",
         ),
         help=f"did you mean `{close}`?" if close else "",
     )
+
+
+def _beside(requiring: Path) -> list[str]:
+    """What could be required from beside a file."""
+    try:
+        with os.scandir(requiring.parent) as entries:
+            listed = [(entry.name, entry.is_dir()) for entry in entries]
+    except OSError:
+        return []
+    found = [name for name, is_folder in listed if is_folder or name.endswith(SUFFIX)]
+    return [name.removesuffix(SUFFIX) for name in found]
 
 
 # --- files ----------------------------------------------------------------------
@@ -227,31 +274,38 @@ def _files_at(path: Path, tests: bool) -> Iterator[Path]:
     """The file itself, or all RAP files below a folder, sorted by path."""
     if not os.path.lexists(path):
         raise LoadError(f"`{path}` does not exist")
-    if not path.is_dir():
+    if not os.path.isdir(path):
         yield path
         return
-    stack: list[tuple[Path, tuple[str, ...] | None]] = [(path, ())]
+    stack: list[_Entry] = [(path, ())]
     while stack:
         here, above = stack.pop()
         if above is None:
             yield here
             continue
-        real = os.path.realpath(here)
-        if real in above:
+        identity = _identity(here)
+        if identity in above:
             raise LoadError(f"`{here}` is a link back to a folder that it lies in")
-        stack.extend(reversed(_entries(here, (*above, real), tests)))
+        stack.extend(reversed(_entries(here, (*above, identity), tests)))
 
 
-def _entries(
-    folder: Path, above: tuple[str, ...], tests: bool
-) -> list[tuple[Path, tuple[str, ...] | None]]:
+def _identity(path: Path) -> Identity:
+    """What tells a file or folder from all others, whatever it is called."""
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise LoadError(_unreadable(path, error)) from None
+    return status.st_dev, status.st_ino
+
+
+def _entries(folder: Path, above: tuple[Identity, ...], tests: bool) -> list[_Entry]:
     """A folder's RAP files (with None) and folders (with those they lie in)."""
     try:
         with os.scandir(folder) as entries:
             listed = sorted((e.name, e.is_dir()) for e in entries)
     except OSError as error:
         raise LoadError(_unreadable(folder, error)) from None
-    found: list[tuple[Path, tuple[str, ...] | None]] = []
+    found: list[_Entry] = []
     for name, is_folder in listed:
         if is_folder and not name.startswith("."):
             found.append((folder / name, above))

@@ -364,10 +364,11 @@ class Interpreter:
 
     def holds(self, formula: Formula) -> bool:
         """Whether a formula has a solution in memory now; no task asks it."""
-        machine = self._machine
-        machine.context.task = None
-        query = machine.library.compiler.query(formula, "question", formula.span)
-        return query.holds(machine.context, {})
+        context, compiler = self._machine.context, self._machine.library.compiler
+        asking, context.task = context.task, None
+        holds = compiler.query(formula, "question", formula.span).holds(context, {})
+        context.task = asking
+        return holds
 
     def waiting(self) -> tuple[str, ...]:
         """Each task that is not done, and what it waits for, for a person to read.

@@ -130,7 +130,7 @@ def check_script(
         ValueError: with the first row or entry that does not, and why.
     """
     for row in rows:
-        for problem in _row_problems(row, offer, handled):
+        for problem in row_problems(row, offer, handled):
             raise ValueError(f"row {format_list(row.pattern)}: {problem}")
     for entry in at:
         facts = (*entry.asserts, *entry.erases, *entry.signals)
@@ -138,7 +138,8 @@ def check_script(
             raise ValueError(f"at {entry.time}: {problem}")
 
 
-def _row_problems(row: Row, offer: Offer, handled: Container[str]) -> Iterator[str]:
+def row_problems(row: Row, offer: Offer, handled: Container[str]) -> Iterator[str]:
+    """What is wrong with a row of a script for a world that offers so much."""
     arity, results = offer.primitives.get(str(row.pattern[0]), (-1, ()))
     if arity != len(row.pattern) - 1:
         yield "no such primitive is declared"

@@ -1,0 +1,1 @@
+"""Tests of RAP libraries: `define-test` forms found, run, judged and told of."""

@@ -1,0 +1,79 @@
+"""Find tests, and link, check and compile the libraries they run.
+
+The library of a test is its file with what that requires and what the test itself
+requires; tests that require the same share one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
+
+from rapc import loader
+from rapc.analysis.driver import Report, check_library
+from rapc.compiler.plans import CompiledLibrary
+from rapc.diagnostics import Severity
+from rapc.ir.tests import DefineTest
+from rapc.testing.run import Case
+
+
+class Found(msgspec.Struct, frozen=True):
+    """What was found: the tests, or the reports on libraries that have errors."""
+
+    cases: tuple[Case, ...]
+    reports: tuple[Report, ...]
+
+
+def find(paths: Iterable[str | Path]) -> Found:
+    """The tests in files, and in all `*.test.rap` files below folders.
+
+    Raises:
+        LoadError: for what cannot be read.
+    """
+    cases: list[Case] = []
+    reports: list[Report] = []
+    for path in loader.files_with_tests(paths):
+        found = find_in(path)
+        cases += found.cases
+        reports += found.reports
+    return Found(tuple(cases), tuple(reports))
+
+
+def find_in(path: Path) -> Found:
+    """The tests of one file. Raises LoadError as `find`."""
+    cases: list[Case] = []
+    reports: list[Report] = []
+    libraries: dict[tuple[str, ...], CompiledLibrary | None] = {}
+    whole = loader.load_for_test(path, ())
+    tests = _own(whole.library.tests, path)
+    for test in tests:
+        names = tuple([form.name for form in test.requires])
+        if names not in libraries:
+            report = check_library(loader.load_for_test(path, test.requires))
+            libraries[names] = _compiled(report, path, reports)
+        library = libraries[names]
+        if library is not None:
+            cases.append(Case(test, library))
+    if not tests:
+        _compiled(check_library(whole), path, reports)
+    return Found(tuple(cases), tuple(reports))
+
+
+def _compiled(
+    report: Report, path: Path, reports: list[Report]
+) -> CompiledLibrary | None:
+    """A library without errors; those of another are added to the reports, once."""
+    errors = [f for f in report.findings if f.severity is Severity.ERROR]
+    if not errors:
+        return CompiledLibrary(report.library, str(path))
+    told = [f for earlier in reports for f in earlier.findings]
+    new = tuple([finding for finding in errors if finding not in told])
+    reports.append(msgspec.structs.replace(report, findings=new))
+    return None
+
+
+def _own(tests: Iterable[DefineTest], path: Path) -> list[DefineTest]:
+    """The tests that stand in a file itself, not in one that it requires."""
+    return [test for test in tests if test.span.file == str(path)]

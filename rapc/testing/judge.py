@@ -1,0 +1,258 @@
+"""Whether the expectations of a test hold, and what happened where they do not.
+
+One function per expectation; each returns None, or lines that say what happened. They
+read a record and ask memory, and change nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.ir import nodes, tests, walk
+from rapc.runtime import events
+from rapc.terms import Fact, format_atom, format_list, match
+from rapc.testing.patterns import atom, event_matches, flat
+from rapc.testing.record import Record, TaskRecord
+
+_MANY = 8
+"""How many tasks, requests or facts are listed at most."""
+
+Happened = tuple[str, ...]
+
+
+class Scene(msgspec.Struct, frozen=True):
+    """What an expectation is judged by: the record, and memory to be asked."""
+
+    record: Record
+    holds: Callable[[nodes.Formula], bool]
+
+
+def judge(expectation: tests.Expectation, scene: Scene) -> Happened | None:
+    """None if an expectation holds now, else what happened instead."""
+    return _JUDGES[type(expectation)](expectation, scene)
+
+
+def _some(lines: Sequence[str]) -> Happened:
+    """The first of many lines, and how many more there are."""
+    if len(lines) <= _MANY + 1:
+        return tuple(lines)
+    return (*lines[:_MANY], f"and {len(lines) - _MANY} more")
+
+
+# --- goals -------------------------------------------------------------------------
+
+
+def _tasks(goal: nodes.Goal, scene: Scene, found: Iterable[TaskRecord]) -> Happened:
+    """What became of the tasks a goal means, or else of those of its RAP."""
+    lines = [f"{task.text} [{task.number}] {task.state()}" for task in found]
+    if lines:
+        return _some(lines)
+    asked = format_list(flat(goal))
+    others = [t for t in scene.record.tasks.values() if t.inputs[0] == goal.name]
+    if not others:
+        return (f"no task {asked} was made, nor any other of `{goal.name}`",)
+    lines = [f"{task.text} [{task.number}] {task.state()}" for task in others]
+    return (f"no task {asked} was made, but", *_some(lines))
+
+
+def _succeeds(node: tests.Succeeds, scene: Scene) -> Happened | None:
+    found = scene.record.matching(node.goal)
+    wanted = (*flat(node.goal), *[atom(out) for out in node.outputs])
+    for task in found:
+        values = (*task.inputs, *task.outputs) if node.outputs else task.inputs
+        if task.ended == "succeeded" and match(wanted, values) is not None:
+            return None
+    return _tasks(node.goal, scene, found)
+
+
+def _fails(node: tests.Fails, scene: Scene) -> Happened | None:
+    found = scene.record.matching(node.goal)
+    wanted = flat(node.goal)
+    if node.result is not None:
+        wanted = (*wanted, atom(node.result))
+    for task in found:
+        values = task.inputs if node.result is None else (*task.inputs, task.result)
+        if task.ended == "failed" and match(wanted, values) is not None:
+            return None
+    return _tasks(node.goal, scene, found)
+
+
+def _active(node: tests.Active, scene: Scene) -> Happened | None:
+    found = scene.record.matching(node.goal)
+    if any(task.ended is None for task in found):
+        return None
+    return _tasks(node.goal, scene, found)
+
+
+def _ends_by(node: tests.EndsBy, scene: Scene) -> Happened | None:
+    found = scene.record.matching(node.goal)
+    if any(t.ended == "succeeded" and t.time <= node.time for t in found):
+        return None
+    return _tasks(node.goal, scene, found)
+
+
+def _selected_before(node: tests.SelectedBefore, scene: Scene) -> Happened | None:
+    firsts = _selected(node.first, scene)
+    seconds = _selected(node.second, scene)
+    if any(a < b for a in firsts for b in seconds):
+        return None
+    lines = []
+    for goal in (node.first, node.second):
+        for task in scene.record.matching(goal):
+            if task.selected is None:
+                lines.append(f"{task.text} [{task.number}] was never selected")
+            else:
+                event = scene.record.events[task.selected]
+                lines.append(
+                    f"{task.text} [{task.number}] was first selected in cycle "
+                    f"{event.cycle}, at time {format_atom(event.time)}"
+                )
+        if not scene.record.matching(goal):
+            lines.extend(_tasks(goal, scene, ()))
+    return _some(lines)
+
+
+def _selected(goal: nodes.Goal, scene: Scene) -> list[int]:
+    found = scene.record.matching(goal)
+    return [task.selected for task in found if task.selected is not None]
+
+
+# --- requests ------------------------------------------------------------------------
+
+
+def _requests(scene: Scene) -> list[Fact]:
+    return [request for request, _ in scene.record.requests]
+
+
+def _primitives(node: tests.Primitives, scene: Scene) -> Happened | None:
+    done, wanted = _requests(scene), node.requests
+    same = 0
+    for pattern, request in zip(wanted, done, strict=False):
+        if match(flat(pattern), request) is None:
+            break
+        same += 1
+    if same == len(done) == len(wanted):
+        return None
+    if same == len(wanted):
+        return ("these were too many:", *_listed(done[same:]))
+    missing = format_list(flat(wanted[same]))
+    if same == len(done):
+        return (f"{missing} did not follow; all requests:", *_listed(done))
+    return (
+        f"request {same + 1} was {format_list(done[same])}, not {missing}; "
+        "all requests:",
+        *_listed(done),
+    )
+
+
+def _listed(requests: Sequence[Fact]) -> Happened:
+    if not requests:
+        return ("no primitive was requested",)
+    return _some([format_list(request) for request in requests])
+
+
+def _include(node: tests.PrimitivesInclude, scene: Scene) -> Happened | None:
+    rest = iter(_requests(scene))
+    for at, pattern in enumerate(node.requests):
+        wanted = flat(pattern)
+        if not any(match(wanted, request) is not None for request in rest):
+            after = " after those before it" if at else ""
+            return (
+                f"{format_list(wanted)} did not come{after}; all requests:",
+                *_listed(_requests(scene)),
+            )
+    return None
+
+
+def _never(node: tests.Never, scene: Scene) -> Happened | None:
+    for request, event in scene.record.requests:
+        if match(flat(node.request), request) is not None:
+            task = scene.record.tasks[event.task]
+            return (
+                f"{event.request} was requested at time {format_atom(event.time)} "
+                f"by {task.text} [{task.number}]",
+            )
+    return None
+
+
+# --- memory, methods, the trace -----------------------------------------------------
+
+
+def _memory(node: tests.MemoryHolds, scene: Scene) -> Happened | None:
+    if scene.holds(node.formula):
+        return None
+    lines: list[str] = []
+    names = [f.name for f in walk.subformulas(node.formula) if type(f) is nodes.Pattern]
+    for name in dict.fromkeys(names):
+        facts = scene.record.about(name)
+        if facts:
+            lines += _some([f"in memory: {fact}" for fact in facts])
+        else:
+            lines.append(f"no fact `{name}` is in memory")
+    return tuple(lines) or ("it does not hold",)
+
+
+def _method(node: tests.MethodChosen, scene: Scene) -> Happened | None:
+    chosen = [
+        event.method
+        for event in scene.record.events
+        if isinstance(event, events.MethodChosen) and event.rap == node.rap
+    ]
+    count = chosen.count(node.method)
+    if count == node.times or (node.times is None and count):
+        return None
+    if not chosen:
+        return (f"no method of `{node.rap}` was chosen",)
+    times = {name: chosen.count(name) for name in chosen}
+    return _some([f"method {name} was chosen {_times(n)}" for name, n in times.items()])
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
+
+
+def _trace(node: tests.TraceHas, scene: Scene) -> Happened | None:
+    reached = -1
+    for at, pattern in enumerate(node.events):
+        same = scene.record.of_kind(pattern.event)
+        found = (n for n, keys in same if n > reached and event_matches(pattern, keys))
+        serial = next(found, None)
+        if serial is None:
+            after = f" after the first {at}" if at else ""
+            told = _some([_told(keys) for _, keys in same])
+            return (
+                f"no event fits pattern {at + 1}{after}",
+                *(told or (f"there was no event `{pattern.event}`",)),
+            )
+        reached = serial
+    return None
+
+
+def _told(keys: Mapping[str, Any]) -> str:
+    """An event written like a pattern."""
+    hidden = ("event", "n", "cycle", "time")
+    told = [f":{k} {_shown(v)}" for k, v in keys.items() if k not in hidden]
+    words = " ".join((keys["event"], *told))
+    return f"({words}) at time {format_atom(keys['time'])}"
+
+
+def _shown(value: object) -> str:
+    return "null" if value is None else format_atom(value)
+
+
+_JUDGES: Mapping[type, Callable[[Any, Scene], Happened | None]] = {
+    tests.Succeeds: _succeeds,
+    tests.Fails: _fails,
+    tests.Active: _active,
+    tests.EndsBy: _ends_by,
+    tests.SelectedBefore: _selected_before,
+    tests.Primitives: _primitives,
+    tests.PrimitivesInclude: _include,
+    tests.Never: _never,
+    tests.MemoryHolds: _memory,
+    tests.MethodChosen: _method,
+    tests.TraceHas: _trace,
+}

@@ -1,0 +1,125 @@
+"""Terms as traces print them, read back, and how patterns of a test match them.
+
+What an event means to an expectation is for `rapc.testing.judge`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rapc.ir import nodes, tests
+from rapc.terms import Atom, Fact, Text, match, number
+
+Value = Atom | tuple[Any, ...]
+"""A term of a trace: an atom, or a list as a tuple; `#counter(3)` is one symbol."""
+
+_STRING = r'"(?:[^"\\]|\\.)*"'
+_RESOURCE = rf'#(?:counter|set)\((?:[^()"]|{_STRING})*\)'
+_WORD = re.compile(rf'[()]|{_STRING}|{_RESOURCE}|[^\s()"]+')
+_NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?")
+_ESCAPE = re.compile(r"\\(.)", re.DOTALL)
+
+
+def read_value(text: str) -> Value:
+    """A term from the text of a trace; what is not one term is a string."""
+    stack: list[list[Value]] = [[]]
+    for word in _WORD.findall(text):
+        if word == "(":
+            stack.append([])
+        elif word != ")":
+            stack[-1].append(_atom(word))
+        elif len(stack) > 1:
+            done = tuple(stack.pop())
+            stack[-1].append(done)
+        else:
+            return Text(text)
+    whole = stack[0]
+    return whole[0] if len(stack) == 1 and len(whole) == 1 else Text(text)
+
+
+def _atom(word: str) -> Atom:
+    if word.startswith('"'):
+        return Text(_ESCAPE.sub(r"\1", word[1:-1]))
+    if not _NUMBER.fullmatch(word):
+        return word
+    return number(float(word)) if "." in word else int(word)
+
+
+def split_goal(goal: Value) -> tuple[Fact, Fact]:
+    """The name with the inputs, and the outputs behind `=>`."""
+    words = goal if isinstance(goal, tuple) else (goal,)
+    if "=>" not in words:
+        return words, ()
+    arrow = words.index("=>")
+    return words[:arrow], words[arrow + 1 :]
+
+
+def flat(node: nodes.Pattern | nodes.Goal) -> Fact:
+    """A goal or request as a flat pattern: variables by their names."""
+    return (node.name, *[atom(arg) for arg in node.args])
+
+
+def atom(term: nodes.Term) -> Atom:
+    """A constant's value, or a variable's name; computed terms stand in no pattern."""
+    assert not isinstance(term, nodes.Call)
+    return term.value if isinstance(term, nodes.Const) else term.name
+
+
+def goal_matches(goal: nodes.Goal, inputs: Fact) -> bool:
+    """Whether the RAP and its inputs match; variables match anything."""
+    return match(flat(goal), inputs) is not None
+
+
+# --- events ------------------------------------------------------------------------
+
+
+def event_matches(pattern: tests.EventPattern, event: Mapping[str, Any]) -> bool:
+    """Whether an event, as plain data under the keys of the trace, fits a pattern."""
+    if event["event"] != pattern.event:
+        return False
+    bound: dict[str, Value] = {}
+    for key, wanted in pattern.keys:
+        value = event.get(key)
+        if value is None:
+            return False
+        if isinstance(wanted, nodes.Const) and wanted.value == Text(str(value)):
+            continue
+        term = _term(value)
+        if key == "goal" and not _names_outputs(wanted):
+            term = split_goal(term)[0]
+        if not _unify(wanted, term, bound):
+            return False
+    return True
+
+
+def _names_outputs(pattern: tests.TracePattern) -> bool:
+    if not isinstance(pattern, tests.ListPattern):
+        return True
+    return any(i.value == "=>" for i in pattern.items if isinstance(i, nodes.Const))
+
+
+def _term(value: object) -> Value:
+    """A value of a trace as a term: objects as lists of pairs."""
+    if isinstance(value, str):
+        return read_value(value)
+    if isinstance(value, Mapping):
+        return tuple([(str(name), _term(one)) for name, one in value.items()])
+    if isinstance(value, Sequence):
+        return tuple([_term(one) for one in value])
+    assert isinstance(value, int | float)
+    return value
+
+
+def _unify(pattern: tests.TracePattern, value: Value, bound: dict[str, Value]) -> bool:
+    """Whether a value fits; data are nested at most as deep as the reader allows."""
+    if isinstance(pattern, nodes.Var):
+        return pattern.anonymous or bound.setdefault(pattern.name, value) == value
+    if isinstance(pattern, nodes.Const):
+        return pattern.value == value
+    return (
+        isinstance(value, tuple)
+        and len(value) == len(pattern.items)
+        and all(map(lambda p, v: _unify(p, v, bound), pattern.items, value))
+    )

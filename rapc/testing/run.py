@@ -1,0 +1,272 @@
+"""Run one test against the scripted world and say what became of it.
+
+Nothing is read from disk here and nothing is printed: cases come from
+`rapc.testing.discover`, outcomes go to `rapc.testing.explain`.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable, Sequence
+
+import msgspec
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.ir import tests
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.memory.memory import FactError
+from rapc.runtime.recorder import Listener
+from rapc.runtime.refusals import Refused
+from rapc.runtime.submission import Submission
+from rapc.runtime.world import World
+from rapc.source import Span
+from rapc.terms import format_atom, format_list
+from rapc.testing.judge import Scene, judge
+from rapc.testing.patterns import flat
+from rapc.testing.record import Record
+from rapc.testing.validate import Problem, problems, row_of
+from rapc.worlds import registry
+from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
+
+MOST_CYCLES = 100_000
+"""How many cycles a test may take that says nothing of its end."""
+
+
+class Case(msgspec.Struct, frozen=True):
+    """A test with the library it runs, ready to be run any number of times."""
+
+    test: tests.DefineTest
+    library: CompiledLibrary
+
+
+class Failure(msgspec.Struct, frozen=True):
+    """Something that was not as expected: the place that asks for it, and what was.
+
+    `events` is how many events of the trace had come when that was found.
+    """
+
+    span: Span
+    happened: tuple[str, ...]
+    events: int
+
+
+class Status(enum.Enum):
+    """What became of a test; `ERROR` if there is something wrong with the test."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    ERROR = "error"
+
+
+class Outcome(msgspec.Struct, frozen=True):
+    """What became of a test under one seed; `trace` are its last lines if it failed."""
+
+    case: Case
+    seed: int
+    status: Status
+    failures: tuple[Failure, ...] = ()
+    trace: tuple[str, ...] = ()
+
+
+Wrap = Callable[[World, int], World]
+"""Puts something between a test and its world; called with the world and the seed."""
+
+
+def run_case(
+    case: Case,
+    seed: int = 0,
+    wrap: Wrap | None = None,
+    listener: Listener | None = None,
+) -> Outcome:
+    """Run a test once.
+
+    Args:
+        case: the test and its library.
+        seed: the seed of interpreter and faults.
+        wrap: what to put around the world: faults.
+        listener: is told of every event, besides the test itself.
+    """
+    place = case.test.name_span
+    try:
+        helper = _helper(case.test, seed)
+        found = problems(
+            case.test,
+            case.library.library,
+            handled=helper.handlers().data if helper else (),
+            solved=helper.solvers() if helper else (),
+        )
+        if found:
+            return _error(case, seed, found)
+        running = _Run(case, seed, helper, wrap)
+    except registry.WorldError as error:
+        return _error(case, seed, [Problem(place, str(error))])
+    except Refused as error:
+        return _error(case, seed, [Problem(place, line) for line in error.reasons])
+    if listener is not None:
+        running.interpreter.listen(listener)
+    running.run()
+    return running.outcome()
+
+
+def _error(case: Case, seed: int, found: Sequence[Problem]) -> Outcome:
+    failures = tuple(Failure(p.span, (p.message,), 0) for p in found)
+    return Outcome(case, seed, Status.ERROR, failures)
+
+
+def _helper(test: tests.DefineTest, seed: int) -> World | None:
+    """The world whose handlers and functions a test uses, if it names one."""
+    if test.world is None:
+        return None
+    return registry.build_world(registry.find_world(test.world), seed, {})
+
+
+class _Run:
+    """One run of a test: its interpreter, and what was found so far.
+
+    Raises:
+        Refused: if the library or a task cannot be run.
+    """
+
+    def __init__(
+        self, case: Case, seed: int, helper: World | None, wrap: Wrap | None
+    ) -> None:
+        self.test = case.test
+        self._case = case
+        self._seed = seed
+        self._record = Record()
+        self._failures: list[Failure] = []
+        self._pending: list[tests.Expect] = []
+        self._unreached: dict[int, tests.At] = dict(enumerate(case.test.ats))
+        self._broken = False
+        scripted = ScriptedWorld(
+            [row_of(row) for row in case.test.script],
+            declared=case.library.library,
+            data_handlers=helper.handlers().data if helper else None,
+            leaving=self._leaving,
+        )
+        self.interpreter = Interpreter(
+            case.library,
+            scripted if wrap is None else wrap(scripted, seed),
+            seed,
+            functions=helper.functions() if helper else None,
+            solvers=helper.solvers() if helper else None,
+        )
+        self.interpreter.check(_all_tasks(case.test))
+
+    # --- while it runs -----------------------------------------------------------
+
+    def run(self) -> None:
+        """Run the test to its end."""
+        interpreter, test = self.interpreter, self.test
+        interpreter.listen(self._record)
+        interpreter.at_the_end(self._judge_at_the_end)
+        until = test.until or tests.Until(None, None)
+        cycles = until.cycles
+        if cycles is None and until.time is None:
+            cycles = MOST_CYCLES
+        try:
+            interpreter.start(tasks=[format_list(flat(t.goal)) for t in test.tasks])
+            for fact in test.facts:
+                interpreter.assert_fact(*flat(fact))
+            for number, at in enumerate(test.ats):
+                interpreter.at(at.time, self._action(number, at))
+            for task in test.tasks:
+                interpreter.submit(submission(task))
+            interpreter.run(until=until.time, cycles=cycles)
+        except UnansweredRequest as error:
+            self._fail(test.name_span, str(error))
+            return
+        except FactError as error:
+            self._broken = True
+            self._fail(test.name_span, str(error))
+            return
+        if interpreter.reason == "cycles" and test.until is None:
+            self._fail(
+                test.name_span,
+                f"the test was not over after {MOST_CYCLES} cycles; "
+                "say when with `(until time)`",
+            )
+
+    def _action(self, number: int, at: tests.At) -> Callable[[], None]:
+        def act() -> None:
+            del self._unreached[number]
+            for action in at.actions:
+                self._do(action)
+
+        return act
+
+    def _do(self, action: tests.Action) -> None:
+        match action:
+            case tests.Asserts(facts):
+                for fact in facts:
+                    self.interpreter.assert_fact(*flat(fact))
+            case tests.Erases(prefixes):
+                for prefix in prefixes:
+                    self.interpreter.erase(*flat(prefix))
+            case tests.Signals(signals):
+                for signal in signals:
+                    self.interpreter.signal(*flat(signal))
+            case tests.GivenTask():
+                self.interpreter.submit(submission(action))
+            case tests.Cancel(goal):
+                self.interpreter.cancel(flat(goal))
+            case tests.Expect():
+                self._pending.append(action)
+
+    def _leaving(self) -> None:
+        """The clock is about to move on: judge what this time was to have brought."""
+        pending, self._pending = self._pending, []
+        for expect in pending:
+            self._judge(expect.expectations)
+
+    def _judge_at_the_end(self) -> None:
+        self._leaving()
+        self._judge(self.test.expectations)
+        for at in self._unreached.values():
+            self._not_reached(at)
+
+    def _judge(self, expectations: Sequence[tests.Expectation]) -> None:
+        self._record.refresh(self.interpreter.goals())
+        scene = Scene(self._record, self.interpreter.holds)
+        for expectation in expectations:
+            happened = judge(expectation, scene)
+            if happened is not None:
+                self._fail(expectation.span, *happened)
+
+    def _not_reached(self, at: tests.At) -> None:
+        if any(isinstance(action, tests.Expect) for action in at.actions):
+            now = format_atom(self.interpreter.now)
+            reason = self.interpreter.reason
+            self._fail(
+                at.span, f"never reached: the run was over at time {now} ({reason})"
+            )
+
+    def _fail(self, span: Span, *happened: str) -> None:
+        self._failures.append(Failure(span, happened, len(self._record.events)))
+
+    # --- after -------------------------------------------------------------------
+
+    def outcome(self) -> Outcome:
+        """What became of the test."""
+        if not self._failures:
+            return Outcome(self._case, self._seed, Status.PASSED)
+        status = Status.ERROR if self._broken else Status.FAILED
+        count = self._failures[0].events
+        trace = tuple(self._record.last_lines(count))
+        return Outcome(self._case, self._seed, status, tuple(self._failures), trace)
+
+
+def _all_tasks(test: tests.DefineTest) -> list[Submission]:
+    actions = [action for at in test.ats for action in at.actions]
+    later = [action for action in actions if isinstance(action, tests.GivenTask)]
+    return [submission(task) for task in (*test.tasks, *later)]
+
+
+def submission(task: tests.GivenTask) -> Submission:
+    """A task of a test as the interpreter takes it."""
+    return Submission(
+        goal=flat(task.goal),
+        priority=task.priority,
+        deadline=task.deadline,
+        background=task.background,
+    )

@@ -1,0 +1,225 @@
+"""What is wrong with a test, as against the library: found before it is run.
+
+A name that nobody declares would make an expectation fail for the wrong reason, or, in
+`never`, hold for none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+
+import msgspec
+
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.ir import nodes, tests, walk
+from rapc.library import Library
+from rapc.runtime import events
+from rapc.runtime.memory.memory import FactError, Memory
+from rapc.runtime.recorder import Recorder
+from rapc.source import Span
+from rapc.spell import nearest
+from rapc.testing.patterns import flat
+from rapc.worlds.script import Row, offer_of, row_problems
+
+
+class Problem(msgspec.Struct, frozen=True):
+    """What is wrong with a test, and where: one line."""
+
+    span: Span
+    message: str
+
+
+def problems(
+    test: tests.DefineTest,
+    library: Library,
+    handled: Collection[str],
+    solved: Collection[str],
+) -> list[Problem]:
+    """All that is wrong with a test of a library.
+
+    Args:
+        test: the test.
+        library: what it runs.
+        handled: the sensor data that there are handlers for.
+        solved: the RAPs that have problem solvers, whose methods nobody knows before.
+    """
+    validator = _Validator(library, handled, solved)
+    return list(validator.test(test))
+
+
+def row_of(row: tests.ScriptRow) -> Row:
+    """A row of a test's script as the scripted world takes it."""
+    return Row(
+        pattern=flat(row.request),
+        result=row.result or "okay",
+        times=row.times,
+        takes=row.takes,
+        after=row.after,
+        asserts=tuple(map(flat, row.asserts)),
+        erases=tuple(map(flat, row.erases)),
+        data=tuple(map(flat, row.data)),
+        signals=tuple(map(flat, row.signals)),
+    )
+
+
+class _Validator:
+    """Looks at the parts of a test with a library at hand."""
+
+    def __init__(
+        self, library: Library, handled: Collection[str], solved: Collection[str]
+    ) -> None:
+        self._library = library
+        self._handled = handled
+        self._solved = solved
+        self._offer = offer_of(library)
+        self._memory = Memory(Vocabulary.of(library), Recorder(), lambda: 0)
+
+    def test(self, test: tests.DefineTest) -> Iterator[Problem]:
+        """Everything, in the order of the clauses."""
+        yield from self._facts(test.facts)
+        for row in test.script:
+            yield from self._row(row)
+        for at in test.ats:
+            for action in at.actions:
+                yield from self._action(action)
+        for task in test.tasks:
+            yield from self._goal(task.goal)
+        for expectation in test.expectations:
+            yield from self._expectation(expectation)
+
+    # --- what is given -------------------------------------------------------------
+
+    def _facts(self, facts: Iterable[nodes.Pattern]) -> Iterator[Problem]:
+        for fact in facts:
+            values = [a.value if isinstance(a, nodes.Const) else "?" for a in fact.args]
+            try:
+                self._memory.checked((fact.name, *values))
+            except FactError as error:
+                yield Problem(fact.span, str(error))
+
+    def _prefixes(self, prefixes: Iterable[nodes.Pattern]) -> Iterator[Problem]:
+        for prefix in prefixes:
+            if prefix.name not in self._memory.vocabulary.relations:
+                yield Problem(prefix.span, f"`{prefix.name}` is not declared")
+
+    def _row(self, row: tests.ScriptRow) -> Iterator[Problem]:
+        if row.kind != "request" or row.refused:
+            yield Problem(row.span, "skills and conflicts cannot be run yet")
+            return
+        for message in row_problems(row_of(row), self._offer, self._handled):
+            yield Problem(row.span, message)
+        yield from self._facts(row.asserts)
+        yield from self._prefixes(row.erases)
+
+    def _action(self, action: tests.Action) -> Iterator[Problem]:
+        match action:
+            case tests.Asserts(facts):
+                yield from self._facts(facts)
+            case tests.Erases(prefixes):
+                yield from self._prefixes(prefixes)
+            case tests.Signals(signals):
+                for signal in signals:
+                    yield from self._offered(signal, "event", self._offer.events)
+            case tests.GivenTask(goal) | tests.Cancel(goal):
+                yield from self._goal(goal)
+            case tests.Expect(expectations):
+                for expectation in expectations:
+                    yield from self._expectation(expectation)
+
+    # --- what is expected ------------------------------------------------------------
+
+    def _expectation(self, node: tests.Expectation) -> Iterator[Problem]:
+        match node:
+            case tests.Succeeds() | tests.Fails() | tests.Active() | tests.EndsBy():
+                yield from self._goal(node.goal)
+                if isinstance(node, tests.Succeeds):
+                    yield from self._outputs(node)
+            case tests.SelectedBefore(first, second):
+                yield from self._goal(first)
+                yield from self._goal(second)
+            case tests.Primitives(requests) | tests.PrimitivesInclude(requests):
+                for request in requests:
+                    yield from self._request(request)
+            case tests.Never(request):
+                yield from self._request(request)
+            case tests.MemoryHolds(formula):
+                yield from self._formula(formula)
+            case tests.MethodChosen():
+                yield from self._method(node)
+            case tests.TraceHas(patterns):
+                for pattern in patterns:
+                    yield from _event(pattern)
+
+    def _goal(self, goal: nodes.Goal) -> Iterator[Problem]:
+        rap = self._library.raps.get(goal.name)
+        if rap is None:
+            yield _unknown(goal.span, "RAP", goal.name, self._library.raps)
+        elif len(rap.inputs) != len(goal.args):
+            message = f"`{goal.name}` takes {len(rap.inputs)} inputs"
+            yield Problem(goal.span, f"{message}, not {len(goal.args)}")
+
+    def _outputs(self, node: tests.Succeeds) -> Iterator[Problem]:
+        rap = self._library.raps.get(node.goal.name)
+        if rap and node.outputs and len(node.outputs) != len(rap.outputs):
+            message = f"`{rap.name}` has {len(rap.outputs)} outputs"
+            yield Problem(node.span, f"{message}, not {len(node.outputs)}")
+
+    def _request(self, request: nodes.Pattern) -> Iterator[Problem]:
+        arities = {name: n for name, (n, _) in self._offer.primitives.items()}
+        yield from self._offered(request, "primitive", arities)
+
+    def _offered(
+        self, pattern: nodes.Pattern, what: str, offered: Mapping[str, int]
+    ) -> Iterator[Problem]:
+        arity = offered.get(pattern.name)
+        if arity is None:
+            yield _unknown(pattern.span, what, pattern.name, offered)
+        elif arity != len(pattern.args):
+            message = f"`{pattern.name}` takes {arity} arguments"
+            yield Problem(pattern.span, f"{message}, not {len(pattern.args)}")
+
+    def _formula(self, formula: nodes.Formula) -> Iterator[Problem]:
+        functions = self._memory.vocabulary.functions
+        patterns = [f for f in walk.subformulas(formula) if type(f) is nodes.Pattern]
+        yield from self._facts(p for p in patterns if p.name not in functions)
+
+    def _method(self, node: tests.MethodChosen) -> Iterator[Problem]:
+        rap = self._library.raps.get(node.rap)
+        if rap is None:
+            yield _unknown(node.span, "RAP", node.rap, self._library.raps)
+            return
+        names = [str(m.name or f"#{m.position}") for m in rap.methods]
+        if node.method not in names and node.rap not in self._solved:
+            what = f"method of `{node.rap}`"
+            yield _unknown(node.span, what, node.method, names)
+
+
+def _unknown(span: Span, what: str, name: str, known: Collection[str]) -> Problem:
+    near = nearest(name, known)
+    hint = f"; did you mean `{near}`?" if near else ""
+    return Problem(span, f"there is no {what} `{name}`{hint}")
+
+
+def _event(pattern: tests.EventPattern) -> Iterator[Problem]:
+    kinds = _event_keys()
+    keys = kinds.get(pattern.event)
+    if keys is None:
+        yield _unknown(pattern.span, "event", pattern.event, kinds)
+        return
+    for key, _ in pattern.keys:
+        if key not in keys:
+            what = f"key of `{pattern.event}`"
+            yield _unknown(pattern.span, what, key, keys)
+
+
+def _event_keys() -> dict[str, tuple[str, ...]]:
+    """The keys of each kind of event, by the event's name."""
+    found: dict[str, tuple[str, ...]] = {}
+    stack: list[type[events.Event]] = [events.Event]
+    while stack:
+        kind = stack.pop()
+        below = kind.__subclasses__()
+        stack.extend(below)
+        if not below:
+            found[str(kind.__struct_config__.tag)] = kind.__struct_encode_fields__
+    return found
