@@ -87,8 +87,7 @@ def _of(node: nodes.Node, vocabulary: Vocabulary) -> Iterator[Watch]:
     elif isinstance(node, nodes.SensorName):
         yield Watch(("know-sensor-name",))
     elif isinstance(node, nodes.Count):
-        yield Watch(("location",))
-        yield Watch(("class",))
+        yield from (Watch((word,)) for word in ("location", "class", "external"))
     elif isinstance(node, nodes.Believe) and isinstance(node.age, nodes.Var):
         yield Watch(age=node.age.name)
 
@@ -96,21 +95,30 @@ def _of(node: nodes.Node, vocabulary: Vocabulary) -> Iterator[Watch]:
 def _pattern(node: nodes.Pattern, relation: Relation) -> Iterator[Watch]:
     if relation.default_function is not None and relation.is_property:
         yield Watch(ANYTHING)
-    args = tuple(enumerate(relation.full(node.args), 1))
-    if node.name == "location" and relation.is_property:
+    args = dict(enumerate(relation.full(node.args), 1))
+    if node.name == "location" and relation.is_property and _may_be_external(args[2]):
         yield Watch(("external",))
-        args = tuple(a for a in args if a[0] != 2 or not _names_external(a[1]))
+        del args[2]
+    elif relation.is_property and _may_be_default(relation, args[len(args)]):
+        del args[len(args)]
     known = tuple(
         (at, arg)
-        for at, arg in args
+        for at, arg in args.items()
         if isinstance(arg, nodes.Const)
         or (isinstance(arg, nodes.Var) and not arg.anonymous)
     )
     yield Watch((node.name,), known)
 
 
-def _names_external(place: nodes.Term) -> bool:
+def _may_be_external(place: nodes.Term) -> bool:
     return not isinstance(place, nodes.Const) or place.value == "external"
+
+
+def _may_be_default(relation: Relation, value: nodes.Term) -> bool:
+    """Whether a property's default may answer: then any first value may change that."""
+    if relation.default_function is not None or not isinstance(value, nodes.Const):
+        return True
+    return value.value == relation.default
 
 
 def _function(name: str, vocabulary: Vocabulary) -> Iterator[Watch]:

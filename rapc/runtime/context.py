@@ -11,7 +11,7 @@ from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.task import Task
 from rapc.runtime.world import Time
-from rapc.terms import Fact, Number
+from rapc.terms import Fact, Number, number
 
 
 class QueryContext:
@@ -54,7 +54,7 @@ class QueryContext:
 
     def age(self, fact: Fact) -> Number:
         """Time units since a fact was last asserted."""
-        return self._recorder.time - self.stamps[fact]
+        return number(self._recorder.time - self.stamps[fact])
 
     def is_here(self, fact: Fact | None, place: object) -> bool:
         """Whether `place` is `external` and a location fact says it of an item."""

@@ -15,7 +15,7 @@ from rapc.runtime.memory.facts import FactStore
 from rapc.runtime.memory.items import Items
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact, Text, format_list
+from rapc.terms import Atom, Fact, Text, format_list, number
 
 EXTERNAL = "external"
 """The place outside the robot, wherever it is."""
@@ -74,7 +74,7 @@ class Memory:
             FactError: if the declarations do not allow it.
         """
         relation = self._relation(fact)
-        fact = self.vocabulary.short_fact(fact)
+        fact = self.vocabulary.short_fact(tuple([_in_one_form(part) for part in fact]))
         if relation.arity is not None and len(fact) - 1 != relation.arity:
             raise FactError(
                 f"`{relation.name}` takes {relation.arity} arguments, "
@@ -181,3 +181,13 @@ class Memory:
         if there:
             found.sort(key=self.facts.serials.__getitem__)
         return iter(found)
+
+
+def _in_one_form(part: Atom) -> Atom:
+    """A value as it is kept: a whole float as an integer. Raises FactError."""
+    if type(part) is not float:
+        return part
+    try:
+        return number(part)
+    except ValueError:
+        raise FactError(f"`{part}` is not a number of the language") from None
