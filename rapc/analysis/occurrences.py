@@ -86,18 +86,21 @@ _CHILDREN: Mapping[type, tuple[str, ...]] = {
     nodes.EventRule: ("args", "rules"),
     nodes.Require: (),
 }
-"""For each type of node, the fields that hold nodes, in the order of the text."""
+"""For each type of node, the fields that hold nodes, in the order of the text.
+
+What is not listed (tests of a library) has a checker of its own, or none.
+"""
 
 
 class Occurrences:
     """The nodes of a library by type; constants are left out."""
 
     def __init__(self) -> None:
-        self._by_type: dict[type, list[Use[nodes.Node]]] = {k: [] for k in _CHILDREN}
+        self._by_type: dict[type, list[Use[nodes.Node]]] = {}
 
     def of(self, kind: type[N]) -> Sequence[Use[N]]:
         """All uses of one type of node, in the order of the text."""
-        return cast(Sequence[Use[N]], self._by_type[kind])
+        return cast(Sequence[Use[N]], self._by_type.get(kind, ()))
 
     def add(self, owner: nodes.TopForm) -> None:
         """Gather the nodes of one form."""
@@ -108,8 +111,8 @@ class Occurrences:
             kind = type(node)
             if kind is nodes.Const:
                 continue
-            by_type[kind].append(Use(node, parent, owner))
-            for field in reversed(_CHILDREN[kind]):
+            by_type.setdefault(kind, []).append(Use(node, parent, owner))
+            for field in reversed(_CHILDREN.get(kind, ())):
                 value = getattr(node, field)
                 if type(value) is tuple:
                     waiting += [(child, node) for child in reversed(value)]

@@ -46,11 +46,12 @@ class Unknown:
         for name, spans in self._uses.items():
             first, *further = spans
             left = len(further) - _SHOWN
+            places = "one more place" if left == 1 else f"{left} more places"
             yield Diagnostic(
                 rule=self._rule.name,
                 message=self._message.format(name),
                 span=first,
                 labels=tuple(Label(s, "also used here") for s in further[:_SHOWN]),
-                notes=(f"it is used in {left} more places",) if left > 0 else (),
+                notes=(f"it is used in {places}",) if left > 0 else (),
                 help=self._names.did_you_mean(name, self._advice.format(name)),
             )

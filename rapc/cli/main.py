@@ -22,6 +22,7 @@ COMMANDS = {
     "check": "Check RAP libraries.",
     "rule": "Explain a rule of the checker.",
     "run": "Run tasks of a library against a world.",
+    "test": "Run the tests of RAP libraries.",
     "worlds": "List worlds, or say what one offers.",
 }
 """The commands with what the help says of them; `rapc.cli.NAME` holds each."""

@@ -50,7 +50,8 @@ def rule(name: str | None, everything: bool, output_format: str) -> None:
             severity = f"{one.severity.word:7}"
             click.echo(f"{one.code}  {one.name:{width}}  {severity}  {one.summary}")
     else:
-        click.echo("\n".join(_page(one) for one in chosen), nl=False)
+        title = "# The rules of rapc check\n\n" if everything else ""
+        click.echo(title + "\n".join(_page(one) for one in chosen), nl=False)
 
 
 def _find(word: str) -> Rule:

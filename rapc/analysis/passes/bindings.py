@@ -179,20 +179,39 @@ def _task_net(
 ) -> None:
     net = walk.nets[id(body)]
     if net.order is None:
+        _without_order(walk, method, body, base)
         return
     handed = _Handed(base, net)
     for at in net.order:
-        step = body.steps[at]
         before = handed.before(at)
         bound = Bound(before)
-        _windows(walk, step, bound)
-        _formulas(walk, net, at, bound)
-        bound.names.update(_signals(step))
-        walk.walker.values(step.goal.args, bound)
-        walk.walker.match(step.goal.outputs, bound)
-        _resource_effects(walk, step, bound)
+        _step(walk, body.steps[at], bound, net, at)
         walk.note("step", method, at)
         handed.after(at, before, () if at in net.early else bound.names)
+
+
+def _without_order(
+    walk: _Walk, method: nodes.Method, body: nodes.TaskNet, base: Bound
+) -> None:
+    """Steps in a circle: each may use what any of them binds, to find the rest."""
+    net = walk.nets[id(body)]
+    everything = Bound(base)
+    quiet = _Walk(Walker(walk.walker.functions, Findings()), walk.nets)
+    for at, step in enumerate(body.steps):
+        _step(quiet, step, everything, net, at)
+    for at, step in enumerate(body.steps):
+        _step(walk, step, Bound(everything), net, at)
+        walk.note("step", method, at)
+
+
+def _step(walk: _Walk, step: nodes.Step, bound: Bound, net: Net, at: int) -> None:
+    """Walk all that a step says; what it surely binds is bound afterwards."""
+    _windows(walk, step, bound)
+    _formulas(walk, net, at, bound)
+    bound.names.update(_signals(step))
+    walk.walker.values(step.goal.args, bound)
+    walk.walker.match(step.goal.outputs, bound)
+    _resource_effects(walk, step, bound)
 
 
 def _windows(walk: _Walk, step: nodes.Step, bound: Bound) -> None:

@@ -18,6 +18,7 @@ from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
+from rapc.spell import nearest
 
 WRONG_KIND = Rule(
     code="RAP064",
@@ -191,11 +192,16 @@ def _no_resource(demand: Demand, given: nodes.Term | None = None) -> Diagnostic:
     labels: tuple[Label, ...] = ()
     if given is not None:
         labels = (Label(demand.term.span, f"used as a {demand.kind} here"),)
-    what = f"`{term.name}`" if isinstance(term, nodes.Var) else "this"
+    what, near = "this", None
+    if isinstance(term, nodes.Var):
+        what = f"`{term.name}`"
+        near = nearest(term.name, (r.variable.name for r in demand.rap.resources))
     return Diagnostic(
         rule=NOT_A_RESOURCE.name,
         message=f"{what} is no {demand.kind}",
         span=term.span,
         labels=labels,
-        help=f"declare one: `(resources ({demand.kind} ?name))`",
+        help=f"did you mean `{near}`?"
+        if near
+        else f"declare one: `(resources ({demand.kind} ?name))`",
     )

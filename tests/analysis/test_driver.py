@@ -1,0 +1,151 @@
+"""The driver: order and validation of passes, what becomes of findings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rapc
+from rapc.analysis import suite
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.driver import (
+    UnknownRuleError,
+    check_library,
+    enabled_rules,
+    ordered,
+    passes,
+)
+from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.loader import load_text
+from rapc.source import NOWHERE
+
+RULE = Rule("RAP900", "some-fault", Severity.ERROR, "s", "why", "example", "better")
+
+
+def _nothing(run: Pass) -> None:
+    assert run.library.raps == {}
+
+
+def _pass(name: str, *needs: Analyzer[Any], rule: Rule | None = None) -> Analyzer[None]:
+    return Analyzer(name, "A page.", _nothing, needs, (rule,) if rule else ())
+
+
+def test_passes_follow_what_they_need() -> None:
+    first = _pass("z-first")
+    second = _pass("m-second", first)
+    third = _pass("a-third", second, first)
+    assert ordered([third, second, first]) == (first, second, third)
+
+
+def test_order_does_not_depend_on_the_list() -> None:
+    assert ordered(suite.ANALYZERS[::-1]) == passes()
+
+
+def test_undocumented_pass_is_refused() -> None:
+    with pytest.raises(ValueError, match="pass `mute` is not documented"):
+        ordered([Analyzer("mute", "", _nothing)])
+
+
+def test_undocumented_rule_is_refused() -> None:
+    rule = Rule("RAP900", "some-fault", Severity.ERROR, "s", "", "e", "b")
+    with pytest.raises(ValueError, match="rule `some-fault` is not documented"):
+        ordered([_pass("one", rule=rule)])
+
+
+def test_rule_of_two_passes_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"`some-fault` .* exists already"):
+        ordered([_pass("one", rule=RULE), _pass("two", rule=RULE)])
+
+
+def test_two_passes_of_one_name_are_refused() -> None:
+    with pytest.raises(ValueError, match="two passes have one name"):
+        ordered([_pass("one"), _pass("one")])
+
+
+def test_need_that_is_not_listed_is_refused() -> None:
+    with pytest.raises(ValueError, match="needs `one`, not in the suite"):
+        ordered([_pass("two", _pass("one"))])
+
+
+def test_circle_of_needs_is_named() -> None:
+    one = _pass("one")
+    two = _pass("two", one)
+    object.__setattr__(one, "needs", (two,))
+    with pytest.raises(ValueError, match=r"in a circle: (one -> two|two -> one)"):
+        ordered([one, two])
+
+
+def test_pass_reports_its_own_rules_only() -> None:
+    run = Pass(_pass("one", rule=RULE), load_text("").library, {}, complete=True)
+    run.report(Diagnostic("some-fault", "message", NOWHERE))
+    assert len(run.found) == 1
+    with pytest.raises(ValueError, match="does not own rule `other-fault`"):
+        run.report(Diagnostic("other-fault", "message", NOWHERE))
+
+
+def test_pass_gets_results_of_its_needs_only() -> None:
+    one = _pass("one")
+    run = Pass(_pass("two"), load_text("").library, {"one": None}, complete=True)
+    with pytest.raises(ValueError, match="does not need `one`"):
+        run.result(one)
+
+
+def _found(text: str) -> list[str]:
+    return [f.rule.name for f in check_library(load_text(text)).findings]
+
+
+def test_findings_come_in_the_order_of_the_text() -> None:
+    text = "(define-rap (a) (succeed (b)) (method (task-net (t1 (c)))))"
+    assert _found(text) == ["undeclared-predicate", "unknown-rap"]
+    turned = "(define-rap (a) (method (task-net (t1 (c)))) (succeed (b)))"
+    assert _found(turned) == ["unknown-rap", "undeclared-predicate"]
+
+
+def test_nothing_is_missed_in_forms_that_were_not_read_whole() -> None:
+    broken = "(define-rap (a) (contxt (x)) (method (task-net (t1 (b ?c)))))"
+    assert _found(broken) == ["unknown-clause"]
+    other = "(define-rap (d) (method (task-net (t1 (e ?f)))))"
+    assert _found(f"{broken}\n{other}") == [
+        "unknown-clause",
+        "unknown-rap",
+        "unbound-variable",
+    ]
+
+
+def test_selection_by_names_and_codes() -> None:
+    everything = set(suite.rules())
+    assert enabled_rules(None, (), ()) == everything
+    assert enabled_rules(["RAP012", "unknown-rap"], (), ["rap012"]) == {"unknown-rap"}
+    assert enabled_rules(["RAP012"], ["RAP013"], ()) == {
+        "unbound-variable",
+        "unknown-rap",
+    }
+    with pytest.raises(UnknownRuleError, match="`unknown-rup`") as caught:
+        enabled_rules(None, (), ["unknown-rup"])
+    assert caught.value.near == "unknown-rap"
+
+
+def test_suppressions_of_rules_that_do_not_run_are_not_called_unused() -> None:
+    text = "; rapc: ignore[unknown-rap]\n(define-rap (a))"
+    loaded = load_text(text)
+    assert check_library(loaded).findings
+    enabled = frozenset({"unused-suppression"})
+    assert not check_library(loaded, enabled).findings
+
+
+def test_report_knows_its_worst_and_its_size() -> None:
+    assert check_library(load_text("")).worst() is None
+    report = check_library(load_text("(define-rap (a) (succeed (b)))"))
+    assert report.worst() is Severity.ERROR
+    assert report.raps == 1
+    assert list(report.files) == ["<text>"]
+
+
+def test_checking_is_offered_to_programs(tmp_path: Path) -> None:
+    path = tmp_path / "a.rap"
+    path.write_text("(define-rap (a) (succeed (b)))")
+    (finding,) = rapc.check(path).findings
+    assert finding.rule.name == "undeclared-predicate"
+    assert rapc.load([path]).library.raps.keys() == {"a"}

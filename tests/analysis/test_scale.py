@@ -1,0 +1,69 @@
+"""Large and odd programs: work stays linear, nothing runs into a limit."""
+
+from __future__ import annotations
+
+from rapc.analysis.driver import check_library
+from rapc.analysis.occurrences import _CHILDREN
+from rapc.ir import nodes
+from rapc.loader import load_text
+
+
+def _found(text: str) -> list[str]:
+    return [f.rule.name for f in check_library(load_text(text)).findings]
+
+
+def test_long_chain_of_steps_that_hand_on_variables() -> None:
+    count = 5000
+    steps = "\n".join(
+        f"(t{n} (x ?v{n} => ?v{n + 1}) (for t{n + 1}))" for n in range(count)
+    )
+    text = f"(define-rap (x ?a => ?b))\n(define-rap (y ?v0) (method (task-net {steps}"
+    assert _found(f"{text} (t{count} (x ?v{count} => ?)))))") == []
+    assert _found(f"{text} (t{count} (x ?w{count} => ?)))))") == ["unbound-variable"]
+
+
+def test_long_circle_is_one_finding() -> None:
+    count = 3000
+    steps = "\n".join(f"(t{n} (x) (for t{(n + 1) % count}))" for n in range(count))
+    text = f"(define-rap (x))\n(define-rap (y) (method (task-net {steps})))"
+    (finding,) = check_library(load_text(text)).findings
+    assert finding.diagnostic.message.startswith(f"{count} steps wait for each other")
+    assert len(finding.diagnostic.labels) < 10
+
+
+def test_formula_nested_as_deeply_as_can_be() -> None:
+    depth = 90
+    text = "(and (p ?x) (not " * (depth // 2) + "(p ?x)" + "))" * (depth // 2)
+    program = f"(declare-memory-proposition p (?x))\n(define-rap (y) (succeed {text}))"
+    assert _found(program) == []
+
+
+def test_many_unknown_names_are_still_all_found() -> None:
+    steps = "\n".join(f"(t{n} (unknown-{n}))" for n in range(2000))
+    text = f"(define-rap (x))\n(define-rap (y) (method (task-net {steps})))"
+    assert _found(text) == ["unknown-rap"] * 2000
+
+
+def test_one_name_unknown_in_many_places_is_one_finding() -> None:
+    steps = "\n".join(f"(t{n} (unknown))" for n in range(100))
+    text = f"(define-rap (y) (method (task-net {steps})))"
+    (finding,) = check_library(load_text(text)).findings
+    assert len(finding.diagnostic.labels) == 2
+    assert finding.diagnostic.notes == ("it is used in 97 more places",)
+
+
+def test_occurrences_know_the_children_of_every_node() -> None:
+    kinds = {
+        kind
+        for kind in vars(nodes).values()
+        if isinstance(kind, type) and issubclass(kind, nodes.Node)
+    }
+    assert {nodes.Node, nodes.Const, *_CHILDREN} == kinds
+    scalars = ("str", "int", "bool", "Atom", "Span", "Literal", "tuple[str", "float")
+    for kind, children in _CHILDREN.items():
+        holding = {
+            name
+            for name, said in kind.__annotations__.items()
+            if not said.startswith(scalars)
+        }
+        assert set(children) == holding, kind

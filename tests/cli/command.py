@@ -1,0 +1,31 @@
+"""Runs the real command in a process of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+COMMAND = Path(sys.executable).with_name("rapc")
+
+
+def rapc(
+    *args: str, cwd: Path | None = None, stdin: str = "", **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """Run `rapc` with some arguments, and nothing of the caller's environment.
+
+    No run may show a traceback, whatever it is given.
+    """
+    done = subprocess.run(
+        [COMMAND, *args],
+        cwd=cwd,
+        input=stdin,
+        env={"PATH": "", "LANG": "C.UTF-8", **environment},
+        capture_output=True,
+        encoding="utf-8",
+        timeout=120,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr
+    assert "rapc itself is at fault" not in done.stderr
+    return done

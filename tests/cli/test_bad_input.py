@@ -1,0 +1,107 @@
+"""Whatever `rapc check` is given ends in findings or one line, and writes nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from .command import rapc
+
+
+def _files(folder: Path) -> dict[str, bytes]:
+    return {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
+
+
+@pytest.mark.parametrize(
+    ("data", "rule"),
+    [
+        (b"(" * 100_000, "nested-too-deeply"),
+        (b")" * 100_000, "surplus-parenthesis"),
+        (b"(a " * 100_000 + b")" * 100_000, "nested-too-deeply"),
+        (b"a" * 10_000_000, "too-long"),
+        (b'"' + b"a" * 1_000_000, ""),
+        (b"#|" * 50_000, ""),
+        (b"'()[]{}`,@\\ \x1b[31m", ""),
+        (b"(define-rap (wait) (contexts nil))", "unknown-clause"),
+        (b"(define-rap (wait) (succeed (= 1 2 3)) (method 7 8 9))", ""),
+        (b"; rapc: ignore[\n(define-rap)", ""),
+        ("(define-rup (n\u0303\u202e ?\u65e5))".encode(), "unknown-form"),
+    ],
+    ids=range(11),
+)
+def test_bad_text_is_found_fault_with(data: bytes, rule: str, tmp_path: Path) -> None:
+    (tmp_path / "bad.rap").write_bytes(data)
+    before = _files(tmp_path)
+    for output_format in ("full", "concise", "json"):
+        done = rapc("check", "bad.rap", "--output-format", output_format, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (1, "")
+        assert "bad.rap" in done.stdout
+        assert rule in done.stdout
+        assert "\x1b" not in done.stdout
+        assert len(done.stdout) < 100_000
+    assert _files(tmp_path) == before
+
+
+def test_empty_file_is_clean(tmp_path: Path) -> None:
+    (tmp_path / "empty.rap").touch()
+    done = rapc("check", "empty.rap", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "checked 1 file, 0 RAPs: no findings\n"
+
+
+def test_folder_without_programs_is_clean(tmp_path: Path) -> None:
+    done = rapc("check", ".", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (
+        0,
+        "checked 0 files, 0 RAPs: no findings\n",
+    )
+
+
+def _binary(folder: Path) -> None:
+    (folder / "bad.rap").write_bytes(b"\x7fELF\x02\x01\x00\x00(define-rap (a))")
+
+
+def _not_utf8(folder: Path) -> None:
+    (folder / "bad.rap").write_bytes(b"; fine\n; not: \xe4\n(define-rap (a))")
+
+
+def _loop(folder: Path) -> None:
+    (folder / "bad.rap").mkdir()
+    (folder / "bad.rap" / "back").symlink_to("..", target_is_directory=True)
+
+
+def _link_to_itself(folder: Path) -> None:
+    (folder / "bad.rap").symlink_to("bad.rap")
+
+
+def _nothing(folder: Path) -> None:
+    assert not any(folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (_binary, "is a binary file"),
+        (_not_utf8, "is not UTF-8: byte 0xe4 in line 2"),
+        (_loop, "is a link back to a folder that it lies in"),
+        (_link_to_itself, "cannot read `bad.rap`"),
+        (_nothing, "does not exist"),
+    ],
+)
+def test_what_cannot_be_read_is_one_line(
+    make: object, words: str, tmp_path: Path
+) -> None:
+    assert callable(make)
+    make(tmp_path)
+    done = rapc("check", "bad.rap", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: ")
+    assert words in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_nothing_to_check_is_a_usage_error() -> None:
+    done = rapc("check")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "error: missing argument 'PATH...'\n"

@@ -1,0 +1,142 @@
+"""The command as a whole: help, slips of the pen, faults, interrupts, closed pipes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rapc.cli import main
+
+from .command import COMMAND, rapc
+
+HEAVY = ("lark", "networkx", "rich", "rapc.parser", "rapc.analysis", "rapc.runtime")
+
+
+def test_help_lists_the_commands_with_examples() -> None:
+    done = rapc("--help")
+    assert done.returncode == 0
+    assert rapc("-h").stdout == done.stdout
+    for command in ("check", "rule", "run", "worlds"):
+        assert f"\n  {command} " in done.stdout
+    assert "Examples:\n    rapc check" in done.stdout
+
+
+@pytest.mark.parametrize("command", ["check", "rule"])
+def test_each_command_has_help_with_examples(command: str) -> None:
+    done = rapc(command, "-h")
+    assert done.returncode == 0
+    assert f"Examples:\n    rapc {command}" in done.stdout
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys; from rapc.cli.main import main\n"
+        "try: main(['--help'])\n"
+        f"finally: print([m for m in {HEAVY} if m in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert done.stderr == "[]\n"
+
+
+def test_version_is_told() -> None:
+    done = rapc("--version")
+    assert done.returncode == 0
+    assert done.stdout.startswith("rapc 0.")
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("chek",), "there is no command `chek`; did you mean `check`?"),
+        (("frobnicate",), "there is no command `frobnicate`"),
+        (
+            ("check", "--selct", "x", "."),
+            "there is no option `--selct`; did you mean `--select`?",
+        ),
+        (
+            ("--colour", "always"),
+            "there is no option `--colour`; did you mean `--color`?",
+        ),
+        (("check", "--fail-level", "fatal", "."), "invalid value for '--fail-level'"),
+    ],
+)
+def test_slips_get_one_line_and_one_suggestion(
+    args: tuple[str, ...], said: str
+) -> None:
+    done = rapc(*args)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"error: {said}")
+    assert done.stderr.count("\n") == 1
+
+
+def _fault(*_: object) -> None:
+    raise RuntimeError("two\nlines")
+
+
+def test_internal_fault_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr("rapc.analysis.driver.check_library", _fault)
+    monkeypatch.delenv("RAPC_DEBUG", raising=False)
+    with pytest.raises(SystemExit) as ended:
+        main.main(["check", str(tmp_path)])
+    said = capsys.readouterr()
+    assert ended.value.code == 2
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert "RuntimeError: two lines" in said.err
+    assert "report" in said.err
+
+
+def test_debug_shows_the_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr("rapc.analysis.driver.check_library", _fault)
+    monkeypatch.setenv("RAPC_DEBUG", "1")
+    with pytest.raises(SystemExit) as ended:
+        main.main(["check", str(tmp_path)])
+    assert ended.value.code == 2
+    assert "Traceback" in capsys.readouterr().err
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+def test_interrupt_ends_without_a_word(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr("rapc.analysis.driver.check_library", _interrupt)
+    with pytest.raises(SystemExit) as ended:
+        main.main(["check", str(tmp_path)])
+    assert ended.value.code == 130
+    assert capsys.readouterr().err.strip() == ""
+
+
+def test_closed_pipe_is_no_fault(tmp_path: Path) -> None:
+    raps = [f"(define-rap (go-{n}) (succeed (x{n})))" for n in range(3000)]
+    (tmp_path / "much.rap").write_text("\n".join(raps))
+    with subprocess.Popen(
+        [COMMAND, "check", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.readline().startswith("error[")
+        process.stdout.close()
+        assert process.stderr.read() == ""
+
+
+def test_odd_file_names_can_be_printed(tmp_path: Path) -> None:
+    (tmp_path / "a\udcff\x1b.rap").write_text("(define-rup (a))")
+    for output_format in ("full", "concise", "json"):
+        done = rapc("check", ".", "--output-format", output_format, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (1, "")
+        assert "\x1b" not in done.stdout

@@ -1,0 +1,55 @@
+"""`rapc rule`: pages, the list, JSON, and the manual made of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rapc.analysis.suite import rules
+
+from .command import rapc
+
+MANUAL = Path(__file__).parents[2] / "docs" / "rules.md"
+
+
+@pytest.mark.parametrize("name", ["unbound-variable", "RAP012", "rap012"])
+def test_page_is_found_by_name_and_code(name: str) -> None:
+    done = rapc("rule", name)
+    rule = rules()["unbound-variable"]
+    assert done.returncode == 0
+    assert done.stdout.startswith("## unbound-variable\n\nRAP012, error: ")
+    assert rule.why in done.stdout
+    assert rule.example in done.stdout
+    assert rule.better in done.stdout
+
+
+def test_list_has_a_line_for_each_rule() -> None:
+    lines = rapc("rule").stdout.splitlines()
+    assert [line.split()[:2] for line in lines] == [
+        [rule.code, rule.name] for rule in rules().values()
+    ]
+
+
+def test_json_is_one_rule_or_all() -> None:
+    one = json.loads(rapc("rule", "unknown-rap", "--format", "json").stdout)
+    everything = json.loads(rapc("rule", "--all", "--format", "json").stdout)
+    assert one["code"] == "RAP013"
+    assert one["severity"] == "error"
+    assert one in everything
+    assert [page["name"] for page in everything] == list(rules())
+
+
+def test_unknown_rule_is_a_usage_error() -> None:
+    done = rapc("rule", "unknown-rup")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "error: no rule is called `unknown-rup`; did you mean `unknown-rap`?\n"
+    )
+    assert rapc("rule", "unknown-rap", "--all").returncode == 2
+
+
+def test_manual_is_what_the_command_prints() -> None:
+    """If this fails: `rapc rule --all > docs/rules.md`."""
+    assert MANUAL.read_text(encoding="utf-8") == rapc("rule", "--all").stdout
