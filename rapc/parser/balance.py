@@ -1,22 +1,21 @@
-"""Parentheses that do not match: what is missing or too much, and where most likely.
+"""Parentheses that do not match: which are missing or too many, and where most likely.
 
 The fewest repairs are those that close what is open at the end and drop what closes
 nothing. Indentation tells where the author meant them: a line that begins at or left
 of a list still open was meant to stand behind that list, and one that begins right of
-a list just closed was meant to stand inside. Where nothing is indented, lines that
-begin a clause tell how deep they are. Either is believed if it needs no more repairs
-than the fewest.
+a list just closed was meant to stand inside. Words tell it, too: how deep a line
+stands that begins a clause, and that a form or clause begins with one parenthesis.
+What they tell is believed if it needs no more repairs than the fewest.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import msgspec
 
-from rapc.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
-from rapc.parser.lexicon import CLOSE, MAX_DEPTH, OPEN, Token
-from rapc.parser.names import METHOD_CLAUSES, RAP_CLAUSES
+from rapc.parser.lexicon import ATOM, CLOSE, MAX_DEPTH, OPEN, Token
+from rapc.parser.names import FORMS, METHOD_CLAUSES, RAP_CLAUSES
 from rapc.source import SourceFile
 
 
@@ -24,21 +23,24 @@ class Repair(msgspec.Struct, frozen=True):
     """What makes some tokens balance; all numbers are positions among them.
 
     `closes` holds where a `)` belongs (before that token) and which list it closes;
-    `drops` which `)` goes, and the list it would close too early, if any.
+    `drops` which `)` goes, and the list it would close too early, if any; `opens`
+    before which tokens a `(` belongs; `extra` which `(` goes.
     """
 
     closes: tuple[tuple[int, int], ...] = ()
     drops: tuple[tuple[int, int | None], ...] = ()
+    opens: tuple[int, ...] = ()
+    extra: tuple[int, ...] = ()
 
     @property
     def edits(self) -> int:
         """How many parentheses are put in or taken out."""
-        return len(self.closes) + len(self.drops)
+        return sum(map(len, (self.closes, self.drops, self.opens, self.extra)))
 
 
 def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
     """The likeliest way to make tokens balance."""
-    fewest = _plain(tokens)
+    fewest = plain(tokens)
     if not fewest.edits:
         return fewest
     guided = _Guided(source, tokens)
@@ -48,7 +50,8 @@ def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
     return meant
 
 
-def _plain(tokens: Sequence[Token]) -> Repair:
+def plain(tokens: Sequence[Token]) -> Repair:
+    """The repair that looks at nothing but the parentheses."""
     stack: list[int] = []
     drops: list[tuple[int, int | None]] = []
     for index, (kind, _, _) in enumerate(tokens):
@@ -63,12 +66,12 @@ def _plain(tokens: Sequence[Token]) -> Repair:
 
 
 class _Guided:
-    """The repair that indentation suggests.
+    """The repair that indentation and words suggest.
 
-    `open` holds the lists open, `closed` those closed since the last line began, each
-    with its closing parenthesis; `places` the row and column of every token. `strays`
-    is true once a clause would stand outside of its form: putting it back costs two
-    more repairs.
+    `open` holds the lists open (a list without its parenthesis by its first token),
+    `closed` those closed since the last line began, each with its closing parenthesis;
+    `places` the row and column of every token. `strays` is true once a clause would
+    stand outside of its form: putting it back would cost two more repairs.
     """
 
     def __init__(self, source: SourceFile, tokens: Sequence[Token]) -> None:
@@ -79,6 +82,8 @@ class _Guided:
         self.closed: list[tuple[int, int]] = []
         self.closes: list[tuple[int, int]] = []
         self.drops: list[tuple[int, int | None]] = []
+        self.opens: list[int] = []
+        self.extra: list[int] = []
         self.strays = False
         firsts = [i for i in range(len(tokens)) if self._begins_line(i)]
         left = [i for i in firsts if self.places[i].column == 1]
@@ -88,142 +93,76 @@ class _Guided:
         """The repair; None if it nests too deeply."""
         for index, (kind, _, _) in enumerate(self.tokens):
             if kind != CLOSE and self._begins_line(index):
-                self._reopen(index)
-                self._close(index)
-                self.closed.clear()
-            if kind == OPEN:
+                self._line(index, kind)
+            if kind == OPEN and self._doubled(index):
+                self.extra.append(index)
+            elif kind == OPEN:
                 self.open.append(index)
-                if len(self.open) > MAX_DEPTH:
-                    return None
             elif kind == CLOSE and self.open:
                 self.closed.append((self.open.pop(), index))
             elif kind == CLOSE:
                 self.drops.append((index, None))
+            if len(self.open) > MAX_DEPTH:
+                return None
         self.closes += [(len(self.tokens), opener) for opener in reversed(self.open)]
-        return Repair(tuple(self.closes), tuple(self.drops))
+        return Repair(
+            tuple(self.closes),
+            tuple(self.drops),
+            tuple(self.opens),
+            tuple(self.extra),
+        )
 
     def _begins_line(self, index: int) -> bool:
         return index == 0 or self.places[index - 1].row < self.places[index].row
 
-    def _reopen(self, index: int) -> None:
+    def _line(self, index: int, kind: int) -> None:
+        """Bring what is open into line with where a line begins."""
+        depth = self._depth(index)
+        self.strays = self.strays or len(self.open) < (depth or 0)
+        self._reopen(index, depth)
+        self._close(index, depth)
+        self.closed.clear()
+        if kind == ATOM and depth == len(self.open):
+            self.opens.append(index)
+            self.open.append(index)
+
+    def _reopen(self, index: int, depth: int | None) -> None:
         """Take back what the line before has closed but this line stands inside of."""
         column = self.places[index].column
-        self.strays = self.strays or len(self.open) < self._depth(index)
         while self.closed:
             opener, closer = self.closed[-1]
             inside = self.places[opener].column < column and self._begins_line(opener)
-            if not (self.indented and inside) and len(self.open) >= self._depth(index):
+            if not (self.indented and inside) and len(self.open) >= (depth or 0):
                 return
             self.closed.pop()
             self.drops.append((closer, opener))
             self.open.append(opener)
 
-    def _close(self, index: int) -> None:
+    def _close(self, index: int, depth: int | None) -> None:
         """Close what this line does not stand inside of, the whole form excepted."""
         column = self.places[index].column
-        depth = self._depth(index)
         while len(self.open) > 1:
             behind = self.places[self.open[-1]].column >= column
-            if not (behind if self.indented else 0 < depth < len(self.open)):
+            outside = bool(depth) and len(self.open) > (depth or 0)
+            if not (behind if self.indented else outside):
                 return
             self.closes.append((index, self.open.pop()))
 
-    def _depth(self, index: int) -> int:
-        """In how many lists a line stands that begins a clause; 0 if it begins none."""
-        if self.tokens[index][0] != OPEN or index + 1 == len(self.tokens):
-            return 0
-        _, start, end = self.tokens[index + 1]
+    def _depth(self, index: int) -> int | None:
+        """In how many lists a form or clause stands that a line begins with."""
+        kind, start, end = self.tokens[index]
+        if kind == OPEN and index + 1 < len(self.tokens):
+            _, start, end = self.tokens[index + 1]
         word = self.source.text[start:end].lower()
         if word in RAP_CLAUSES or word in ("facts", "script", "expect"):
             return 1
-        return 2 if word in METHOD_CLAUSES else 0
+        if word in METHOD_CLAUSES:
+            return 2
+        return 0 if word in FORMS and word != "require" else None
 
-
-def findings(
-    source: SourceFile, tokens: Sequence[Token], repair: Repair, end: int
-) -> Iterator[Diagnostic]:
-    """What is to be said of a repair; the next form begins at the offset `end`."""
-    if repair.closes:
-        yield _missing(source, tokens, repair, end)
-    if repair.drops:
-        yield _surplus(source, tokens, repair)
-
-
-def _missing(
-    source: SourceFile, tokens: Sequence[Token], repair: Repair, end: int
-) -> Diagnostic:
-    opener = repair.closes[0][1]
-    count = len(repair.closes)
-    start = tokens[opener][1]
-    named = _words(source, tokens, opener)
-    noticed = "the file ends here" if end >= len(source.text) else "noticed here"
-    labels = [Label(source.span(end, end + 1), noticed)]
-    edits = []
-    for place in sorted({place for place, _ in repair.closes}):
-        stop = tokens[place - 1][2]
-        missing = sum(1 for other, _ in repair.closes if other == place)
-        edits.append(Edit(source.span(stop, stop), ")" * missing))
-        text = f"`{')' * missing}` is most likely missing behind this"
-        labels.insert(0, Label(source.span(stop - 1, stop), text))
-    return Diagnostic(
-        "missing-parenthesis",
-        f"{named} is never closed"
-        if count == 1
-        else f"{count} closing parentheses are missing",
-        source.span(start, start + 1),
-        label="opened here",
-        labels=tuple(labels),
-        fix=Fix(Applicability.UNSAFE, "close it", tuple(edits)),
-    )
-
-
-def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Diagnostic:
-    at, opener = repair.drops[0]
-    count = len(repair.drops)
-    labels = []
-    before = _form_before(tokens, at) if opener is None else opener
-    if before is not None:
-        start = tokens[before][1]
-        closed = "is closed before it" if opener is None else "is closed too early"
-        text = f"{_words(source, tokens, before)} {closed}"
-        labels.append(Label(source.span(start, start + 1), text))
-    plain = _plain(tokens).drops
-    if plain and plain[0][0] != at:
-        _, start, stop = tokens[plain[0][0]]
-        labels.append(Label(source.span(start, stop), "noticed here"))
-    spans = [source.span(tokens[i][1], tokens[i][2]) for i, _ in repair.drops]
-    labels += [Label(span, "and this one") for span in spans[1:]]
-    return Diagnostic(
-        "surplus-parenthesis",
-        "there is a `)` too many"
-        if count == 1
-        else f"there are {count} closing parentheses too many",
-        spans[0],
-        label="this one most likely" if opener is not None else "it closes nothing",
-        labels=tuple(labels),
-        fix=Fix(
-            Applicability.UNSAFE,
-            "take it out",
-            tuple(Edit(span, "") for span in sorted(spans, key=lambda s: s.start)),
-        ),
-    )
-
-
-def _form_before(tokens: Sequence[Token], at: int) -> int | None:
-    """The last list at the top level that begins before a token."""
-    depth, found = 0, None
-    for index, (kind, _, _) in enumerate(tokens[:at]):
-        if kind == OPEN:
-            found = found if depth else index
-            depth += 1
-        elif kind == CLOSE:
-            depth = max(0, depth - 1)
-    return found
-
-
-def _words(source: SourceFile, tokens: Sequence[Token], opener: int) -> str:
-    """A list by its first word."""
-    if opener + 1 < len(tokens) and tokens[opener + 1][0] not in (OPEN, CLOSE):
-        _, start, end = tokens[opener + 1]
-        return f"the list of `{source.text[start : min(end, start + 40)]}`"
-    return "a list"
+    def _doubled(self, index: int) -> bool:
+        """Whether a parenthesis stands before the one that begins a form or clause."""
+        following = self.tokens[index + 1 : index + 2]
+        if not following or following[0][0] != OPEN:
+            return False
+        return self._depth(index + 1) == len(self.open)

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
-from rapc.parser.balance import Repair, balance, findings
+from rapc.parser.balance import Repair, balance
 from rapc.parser.data import Datum, List, String
 from rapc.parser.lexicon import (
     ATOM,
@@ -28,12 +28,13 @@ from rapc.parser.lexicon import (
     Notes,
     Token,
 )
+from rapc.parser.parentheses import findings
 
 CUT = STRING + 100
 """The kind of a string that does not close: it ends with its line."""
 
 _FORM = re.compile(
-    r"\((?:define-|declare-|require[\s\"]"
+    r"\({1,2}(?:define-|declare-|require[\s\"]"
     r"|(?:def|dec)[a-z]{0,6}-(?:rap|test|mem|event|class|indi|prim|sens|skill))",
     re.I,
 )
@@ -49,8 +50,8 @@ class Segment(msgspec.Struct):
     """The tokens of a stretch of text up to where the next form begins (`end`).
 
     `deep` is the place of a list nested too deeply, `string` of a string that does not
-    close, `comment` of such a comment, `bare` of a form without its first parenthesis.
-    Where one of these is at fault, parentheses are put right without a word.
+    close, `comment` of such a comment. Where text is lost in one of these ways,
+    parentheses are put right without a word.
     """
 
     start: int
@@ -59,7 +60,6 @@ class Segment(msgspec.Struct):
     deep: int | None = None
     string: Token | None = None
     comment: int | None = None
-    bare: Token | None = None
 
 
 def recover(notes: Notes) -> list[Datum]:
@@ -132,28 +132,19 @@ class _Cutter:
             elif kind == BLOCK:
                 at = self._comment(start)
             elif self.depth <= MAX_DEPTH or kind == COMMENT:
-                if kind == ATOM and self._begins_bare(start):
-                    self.segment.bare = (kind, start, at)
-                    self._parenthesis(OPEN, start)
                 self.segment.tokens.append((kind, start, at))
         return self.segment
 
     def _begins_form(self, kind: int, at: int) -> bool:
         """Whether the next segment begins here."""
-        if at == self.segment.start:
+        if at == self.segment.start or self.text[at - 1] != "\n":
             return False
         if kind == ATOM:
-            return self._begins_bare(at)
-        if kind != OPEN or self.text[at - 1] != "\n":
+            return not self.depth and _BARE_FORM.match(self.text, at) is not None
+        if kind != OPEN:
             return False
         found = _FORM.match(self.text, at)
         return found is not None and not (self.in_test and "require" in found[0])
-
-    def _begins_bare(self, at: int) -> bool:
-        """Whether a form begins here whose first parenthesis is missing."""
-        if self.depth or (at and self.text[at - 1] != "\n"):
-            return False
-        return _BARE_FORM.match(self.text, at) is not None
 
     def _parenthesis(self, kind: int, at: int) -> None:
         if kind == OPEN:
@@ -170,8 +161,7 @@ class _Cutter:
             self.surplus += 1
             if self.surplus > MAX_DEPTH:
                 return
-        width = 1 if self.text[at] in "()" else 0
-        self.segment.tokens.append((kind, at, at + width))
+        self.segment.tokens.append((kind, at, at + 1))
 
     def _string(self, start: int) -> int:
         found = self.string.match(self.text, start)
@@ -219,16 +209,7 @@ def _lost_text(notes: Notes, segment: Segment) -> Iterator[Diagnostic]:
     source = notes.source
     here = source.span(segment.end, segment.end + 1)
     noticed = Label(here, "noticed here" if here.end <= len(source.text) else "the end")
-    if segment.bare is not None:
-        _, start, end = segment.bare
-        edit = Edit(source.span(start, start), "(")
-        yield Diagnostic(
-            "missing-parenthesis",
-            f"a `(` is missing before `{source.text[start:end]}`",
-            source.span(start, end),
-            fix=Fix(Applicability.UNSAFE, "insert `(`", (edit,)),
-        )
-    elif segment.deep is not None:
+    if segment.deep is not None:
         yield Diagnostic(
             "nested-too-deeply",
             f"lists are nested more than {MAX_DEPTH} deep here",
@@ -267,7 +248,8 @@ def _lost_text(notes: Notes, segment: Segment) -> Iterator[Diagnostic]:
 def _build(notes: Notes, tokens: Sequence[Token], repair: Repair) -> list[Datum]:
     """The data of repaired tokens."""
     closes = Counter(at for at, _ in repair.closes)
-    drops = {at for at, _ in repair.drops}
+    opens = frozenset(repair.opens)
+    drops = {*repair.extra, *(at for at, _ in repair.drops)}
     items: list[Datum] = []
     stack: list[tuple[list[Datum], int]] = []
     for index in range(len(tokens) + 1):
@@ -278,6 +260,9 @@ def _build(notes: Notes, tokens: Sequence[Token], repair: Repair) -> list[Datum]
         if index == len(tokens) or index in drops:
             continue
         kind, start, end = tokens[index]
+        if index in opens:
+            stack.append((items, start))
+            items = []
         if kind == OPEN:
             stack.append((items, start))
             items = []

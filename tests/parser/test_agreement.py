@@ -1,0 +1,157 @@
+"""Our reader and lark's parse of the same grammar find the same data in every text.
+
+A text that lark refuses has findings; one that lark reads has none, but for what the
+grammar does not limit: depth, length, and what merely looks like a number.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.lark import from_lark
+from lark import Lark, Token, Tree
+from lark.exceptions import UnexpectedInput
+
+from rapc.parser import reader, recovery
+from rapc.parser.lexicon import Notes
+from rapc.source import SourceFile
+from tests.parser.reading import FILE, Plain, plain, reading
+
+CHECKOUT = Path(__file__).parents[2]
+GRAMMAR = CHECKOUT / "rapc" / "parser" / "rap.lark"
+PROGRAMS = sorted(
+    path
+    for folder in ("stdlib", "examples", "tests")
+    for path in (CHECKOUT / folder).rglob("*.rap")
+)
+UNLIMITED = {"malformed-number", "too-long", "nested-too-deeply"}
+"""What is said of texts that the grammar allows."""
+
+MARKS = [
+    "(",
+    ")",
+    "(",
+    ")",
+    " ",
+    "\n",
+    '"',
+    '\\"',
+    "\\",
+    ";",
+    "#|",
+    "|#",
+    "#",
+    "|",
+    "'",
+]
+WORDS = [
+    "#'",
+    ":",
+    "?",
+    "?x",
+    ":kw",
+    "a",
+    "B1",
+    "12",
+    "-3.5",
+    "1e5",
+    "5.",
+    "=",
+    "\u00a0",
+]
+LINES = ["(define-rap", "\n(define-rap", "\n(require", "\ndeclare-x"]
+PIECES = st.one_of(st.sampled_from([*MARKS, *WORDS, *LINES]), st.text(max_size=3))
+TEXTS = st.lists(PIECES, max_size=40).map("".join)
+
+
+@cache
+def reference() -> Lark:
+    """Lark's own parser of our grammar."""
+    return Lark.open(str(GRAMMAR), parser="lalr", propagate_positions=True)
+
+
+def _by_lark(tree: Tree[Token]) -> tuple[Plain, ...]:
+    items: list[Plain] = []
+    for child in tree.children:
+        if isinstance(child, Tree):
+            meta = child.meta
+            items.append(("List", _by_lark(child), meta.start_pos, meta.end_pos))
+        elif not child.type.startswith("BLOCK"):
+            assert child.start_pos is not None
+            assert child.end_pos is not None
+            text = str(child)
+            if child.type == "STRING":
+                text = text[1:-1]
+            elif child.type == "NUMBER":
+                text = str(float(text))
+            else:
+                text = text.lower()
+            kind = "Numeral" if child.type == "NUMBER" else child.type.capitalize()
+            items.append((kind, text, child.start_pos, child.end_pos))
+    return tuple(items)
+
+
+def _by_us(items: tuple[Plain, ...]) -> tuple[Plain, ...]:
+    made: list[Plain] = []
+    for kind, value, start, end in items:
+        if kind == "List":
+            assert isinstance(value, tuple)
+            made.append((kind, _by_us(value), start, end))
+        elif kind == "Numeral":
+            assert isinstance(value, int | float)
+            made.append((kind, str(float(value)), start, end))
+        else:
+            made.append((kind, value, start, end))
+    return tuple(made)
+
+
+def check(text: str) -> None:
+    """Hold our reading of a text against lark's."""
+    found = reading(text)
+    said = {d.rule for d in found.diagnostics}
+    try:
+        tree = reference().parse(text)
+    except UnexpectedInput:
+        assert said - UNLIMITED or text.startswith("\ufeff")
+        return
+    assert said <= UNLIMITED
+    if not said and "\\" not in text:
+        data = tuple(plain(top.datum) for top in found.forms)
+        assert _by_us(data) == _by_lark(tree)
+        assert not any(top.damaged for top in found.forms)
+
+
+def test_there_are_programs() -> None:
+    assert len(PROGRAMS) > 10
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda p: str(p.relative_to(CHECKOUT)))
+def test_files_of_the_repository(path: Path) -> None:
+    check(path.read_text(encoding="utf-8"))
+
+
+@settings(max_examples=1000)
+@given(TEXTS)
+def test_texts_made_of_pieces(text: str) -> None:
+    check(text)
+
+
+@settings(max_examples=500)
+@given(from_lark(Lark(GRAMMAR.read_text(encoding="utf-8"), parser="lalr")))
+def test_texts_made_by_the_grammar(text: str) -> None:
+    check(text)
+
+
+@settings(max_examples=1000)
+@given(TEXTS)
+def test_recovery_reads_sound_texts_like_the_fast_reader(text: str) -> None:
+    """The slow reader is for broken texts, but must not break others."""
+    found = reading(text)
+    if any(top.damaged for top in found.forms):
+        return
+    notes = Notes(SourceFile(FILE, text), reader.lexicon())
+    assert notes.finish(recovery.recover(notes)).forms == found.forms
