@@ -11,8 +11,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterator
 
-from common import Figure, compiled, seconds
-
+from bench.common import Figure, compiled, seconds
 from rapc import loader
 from rapc.compiler.plans import CompiledLibrary
 from rapc.runtime.interpreter import Interpreter

@@ -10,10 +10,10 @@ import statistics
 import subprocess
 import sys
 import time
+from collections import deque
 from collections.abc import Iterator
 
-from common import Figure, compiled
-
+from bench.common import Figure, compiled
 from rapc import loader
 from rapc.compiler.plans import CompiledLibrary
 from rapc.runtime.events import Event
@@ -30,19 +30,23 @@ COMMAND = (
 
 
 def _fill(library: CompiledLibrary, seed: int) -> tuple[float, float, Event]:
-    """Wall and CPU seconds of one run, and its last event."""
+    """Wall and CPU seconds of one run, and its last event; raises if it fails."""
     world = registry.build_world(registry.find_world("truck"), seed, {})
     interpreter = Interpreter(library, world, seed)
-    last: list[Event] = []
-    interpreter.listen(lambda event: last.__setitem__(slice(None), [event]))
+    last: deque[Event] = deque(maxlen=1)
+    interpreter.listen(last.append)
     wall, cpu = time.perf_counter(), time.process_time()
     interpreter.submit(Submission(GOAL))
     interpreter.run()
-    return time.perf_counter() - wall, time.process_time() - cpu, last[0]
+    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    [result] = interpreter.results()
+    if result.outcome != "succeeded":
+        raise ValueError(result)
+    return wall, cpu, last[0]
 
 
 def _command() -> tuple[float, float]:
-    """Seconds till the first line of `rapc run`, and till its end."""
+    """Seconds till `rapc run` prints a line, and till its end; raises if it fails."""
     start = time.perf_counter()
     with subprocess.Popen(
         [sys.executable, *COMMAND],
@@ -57,6 +61,8 @@ def _command() -> tuple[float, float]:
         process.stdout.readline()
         first = time.perf_counter() - start
         process.stdout.read()
+    if process.returncode != 0:
+        raise ValueError(f"the main job ended with status {process.returncode}")
     return first, time.perf_counter() - start
 
 
@@ -65,7 +71,7 @@ def figures(quick: bool = False) -> Iterator[Figure]:
     library = compiled(loader.load_text(LIBRARY))
     seeds = range(1 if quick else 20)
     runs = [_fill(library, seed) for seed in seeds]
-    size = f"{len(runs)} seeds"
+    size = f"{len(runs)} seeds, median"
     walls, cpus, ends = zip(*runs, strict=True)
     wall, cpu = statistics.median(walls), statistics.median(cpus)
     cycles = statistics.median(end.cycle for end in ends)
@@ -77,5 +83,5 @@ def figures(quick: bool = False) -> Iterator[Figure]:
     yield Figure("order", "cycles a second", size, cycles / wall, "cycles/s")
     commands = [_command() for _ in range(1 if quick else 5)]
     first, whole = (statistics.median(times) for times in zip(*commands, strict=True))
-    yield Figure("order", "`rapc run`: first line", "1 seed", first, "s")
-    yield Figure("order", "`rapc run`: all of it", "1 seed", whole, "s")
+    yield Figure("order", "`rapc run`: first line", "seed 0", first, "s")
+    yield Figure("order", "`rapc run`: all of it", "seed 0", whole, "s")

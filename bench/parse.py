@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from common import Figure, seconds
-
+from bench.common import Figure, seconds
 from rapc import loader
 from rapc.analysis import driver
 from rapc.parser.parse import parse

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from common import Figure, compiled, seconds
-
+from bench.common import Figure, compiled, seconds
 from rapc import loader
 from rapc.compiler.query import Query
 from rapc.runtime.context import QueryContext

@@ -1,6 +1,6 @@
 """Run all benchmarks, or those named, and print their figures as a table.
 
-python bench/run.py [--quick] [parse|queries|agenda|order]...
+python -m bench.run [--quick] [parse|queries|agenda|order]...
 """
 
 from __future__ import annotations
@@ -10,11 +10,8 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-import agenda
-import order
-import parse
-import queries
-from common import Figure, table
+from bench import agenda, order, parse, queries
+from bench.common import Figure, table
 
 BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
     "parse": parse.figures,

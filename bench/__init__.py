@@ -1,0 +1,1 @@
+"""The benchmarks of rapc: `python -m bench.run`, from the checkout."""

@@ -1,0 +1,34 @@
+"""The benchmarks run; what they measure is in docs/performance.md."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+CHECKOUT = Path(__file__).parents[1]
+PAGE = (CHECKOUT / "docs" / "performance.md").read_text(encoding="utf-8")
+
+
+def _rows(text: str) -> list[tuple[str, str, str]]:
+    """Bench, what and unit of each row of a table of figures, sizes left out."""
+    rows = re.findall(r"^\| (\w+) \| (.*) \| .* \| [\d.,]+ \| (.*) \|$", text, re.M)
+    return [
+        (bench, re.sub(r"[\d.]+ answers", "answers", what), unit)
+        for bench, what, unit in rows
+    ]
+
+
+def test_benchmarks_run_and_the_page_has_their_figures() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "bench.run", "--quick"],
+        cwd=CHECKOUT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    rows = _rows(done.stdout)
+    assert {bench for bench, _, _ in rows} == {"parse", "queries", "agenda", "order"}
+    assert set(rows) == set(_rows(PAGE))
