@@ -1,0 +1,233 @@
+"""Texts that do not close: one finding each, in the likeliest place, the rest intact.
+
+Each case is a text, the rule, and what stands at the finding, at its labels and in the
+text once the fix is applied.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import pytest
+
+from tests.parser.reading import fixed, only, parsed, rules, shown
+
+BEFORE = "(define-rap (before) (succeed true))\n"
+AFTER = "\n(define-rap (after) (succeed true))\n"
+
+
+class Case(NamedTuple):
+    """A broken form, where it is broken, and the same form in order."""
+
+    name: str
+    broken: str
+    rule: str
+    row: int
+    column: int
+    labels: tuple[int, ...]
+    sound: str
+
+
+CASES = [
+    Case(
+        "closing parenthesis missing within",
+        "(define-rap\n  (index (foo ?x)\n  (succeed (p ?x))\n  (method (task-net)))",
+        "missing-parenthesis",
+        *(2, 3, (2, 5)),
+        "(define-rap\n  (index (foo ?x))\n  (succeed (p ?x))\n  (method (task-net)))",
+    ),
+    Case(
+        "closing parenthesis missing at the end",
+        "(define-rap\n  (index (foo))\n  (method\n    (task-net\n      (t1 (bar)))",
+        "missing-parenthesis",
+        *(3, 3, (5, 6)),
+        "(define-rap\n  (index (foo))\n  (method\n    (task-net\n      (t1 (bar)))))",
+    ),
+    Case(
+        "closing parenthesis missing, nothing indented",
+        "(define-rap\n(index (foo ?x)\n(succeed (p ?x))\n(method\n(task-net)))",
+        "missing-parenthesis",
+        *(2, 1, (2, 6)),
+        "(define-rap\n(index (foo ?x))\n(succeed (p ?x))\n(method\n(task-net)))",
+    ),
+    Case(
+        "closing parenthesis too many at the end",
+        "(define-rap\n  (index (foo))\n  (succeed (p))))",
+        "surplus-parenthesis",
+        *(3, 17, (1,)),
+        "(define-rap\n  (index (foo))\n  (succeed (p)))",
+    ),
+    Case(
+        "closing parenthesis too many within a method",
+        "(define-rap\n  (index (foo))\n  (method\n    (context (p)))\n"
+        "    (task-net (t1 (bar)))))",
+        "surplus-parenthesis",
+        *(4, 18, (3, 5)),
+        "(define-rap\n  (index (foo))\n  (method\n    (context (p))\n"
+        "    (task-net (t1 (bar)))))",
+    ),
+    Case(
+        "clauses outside of their form",
+        "(define-rap\n  (index (foo)))\n(succeed (p))\n(method (task-net))",
+        "surplus-parenthesis",
+        *(2, 16, (1, 3)),
+        "(define-rap\n  (index (foo))\n(succeed (p))\n(method (task-net)))",
+    ),
+    Case(
+        "opening parenthesis of a clause missing",
+        "(define-rap\n  (index (foo))\n  succeed (p))\n  (method (task-net)))",
+        "missing-parenthesis",
+        *(3, 3, ()),
+        "(define-rap\n  (index (foo))\n  (succeed (p))\n  (method (task-net)))",
+    ),
+    Case(
+        "opening parenthesis of a form missing",
+        "define-rap (foo)\n  (succeed (p)))",
+        "missing-parenthesis",
+        *(1, 1, ()),
+        "(define-rap (foo)\n  (succeed (p)))",
+    ),
+    Case(
+        "opening parenthesis too many",
+        "(define-rap\n  (index (foo))\n  ((method (task-net)))",
+        "surplus-parenthesis",
+        *(3, 3, ()),
+        "(define-rap\n  (index (foo))\n  (method (task-net)))",
+    ),
+    Case(
+        "string not closed",
+        '(declare-memory-proposition foo (?x) "what it says)',
+        "unterminated-string",
+        *(1, 38, (1, 2)),
+        '(declare-memory-proposition foo (?x) "what it says")',
+    ),
+    Case(
+        "string not closed, others behind it",
+        '(define-test foo\n  "what it shows\n  (require "truck")\n  (facts (a "b")))',
+        "unterminated-string",
+        *(2, 3, (2, 5)),
+        '(define-test foo\n  "what it shows"\n  (require "truck")\n  (facts (a "b")))',
+    ),
+    Case(
+        "comment not closed",
+        "(define-rap (foo)) #| and nothing\nmore than this",
+        "unterminated-comment",
+        *(1, 20, (2,)),
+        "(define-rap (foo)) #| and nothing\nmore than this |#",
+    ),
+]
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+def test_one_finding_and_the_rest_intact(case: Case) -> None:
+    text = BEFORE + case.broken + AFTER
+    found = only(text)
+    assert found.rule == case.rule
+    lines = [0, *(i + 1 for i, c in enumerate(text) if c == "\n")]
+    assert found.span.start == lines[case.row] + case.column - 1
+    rows = [text.count("\n", 0, label.span.start) for label in found.labels]
+    assert sorted(rows) == list(case.labels)
+    names = [getattr(form, "name", "") for form in parsed(text).forms]
+    assert names[:1] + names[-1:] == ["before", "after"]
+    assert "foo" in names or case.name.startswith("string not closed,")
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+def test_fix_puts_it_right(case: Case) -> None:
+    text = BEFORE + case.broken + AFTER
+    assert fixed(text) == BEFORE + case.sound + AFTER
+    assert rules(fixed(text)) == []
+
+
+def test_opener_place_and_notice_are_shown() -> None:
+    text = "(define-rap\n  (index (foo ?x)\n  (succeed (p ?x)))\n(define-rap (two))\n"
+    found = only(text)
+    assert found.message == "the list of `index` is never closed"
+    assert shown(text, found.span) == "("
+    assert found.label == "opened here"
+    first, last = found.labels
+    assert text[: first.span.end].endswith("(index (foo ?x)")
+    assert first.message == "`)` is most likely missing behind this"
+    assert text[last.span.start :] == "(define-rap (two))\n"
+    assert last.message == "noticed here"
+
+
+def test_two_faults_that_make_up_for_each_other_are_told_apart() -> None:
+    text = "(define-rap\n  (index (one))\n(define-rap\n  (index (two))))\n"
+    assert rules(text) == ["missing-parenthesis", "surplus-parenthesis"]
+    assert fixed(text) == text.replace("(one))", "(one)))").replace("))))", ")))")
+
+
+def test_findings_of_other_forms_are_not_hidden() -> None:
+    text = "(define-rap (one)\n(define-rap (two) (success true))\n"
+    assert rules(text) == ["missing-parenthesis", "unknown-clause"]
+
+
+def test_findings_within_the_broken_form_are_withheld() -> None:
+    assert rules("(define-rap (one) (success true)\n") == ["missing-parenthesis"]
+    text = "(define-rap (one) (success true)\n"
+    assert [span.start for span in parsed(text).partial] == [0]
+
+
+def test_clause_in_column_one_begins_no_form() -> None:
+    text = "(define-rap\n(index (one))\n(method (task-net)))\n"
+    assert rules(text) == []
+
+
+def test_required_file_within_a_test_begins_no_form() -> None:
+    text = '(define-test one\n(require "truck")\n(facts (a b)\n(expect))\n'
+    found = only(text)
+    assert found.rule == "missing-parenthesis"
+    assert fixed(text) == text.replace("(a b)", "(a b))")
+
+
+def test_form_in_a_comment_or_string_begins_no_form() -> None:
+    for text in (
+        "(define-rap (one) #|\n(define-rap (two))\n|# (succeed true))\n",
+        '(declare-event :a () "\n(define-rap (two))\n")\n',
+    ):
+        assert rules(text) == []
+
+
+SAMPLE = """\
+(define-rap (fetch ?thing => ?place)
+  (succeed (and (have ?thing)
+                (location ?thing ?place)))
+  (repeat-while (or (location ?thing ?spot)
+                    (not (have ?thing))))
+  (method walk
+    (context (and (location ?thing ?spot)
+                  (> (distance ?spot) 3)))
+    (task-net
+      (t1 (go-to ?spot)
+          ((at ?spot) for t2)
+          (until-end t2))
+      (t2 1 (pick-up ?thing => ?place))))
+  (method 2
+    (context (know-sensor-name ?thing))
+    (primitive (grasp ?thing))))
+"""
+PLACES = [at for at, mark in enumerate(SAMPLE) if mark in "()"]
+
+
+def _context(mutant: str, at: int) -> str:
+    return repr(mutant[max(0, at - 12) : at + 12])
+
+
+@pytest.mark.parametrize("at", PLACES)
+def test_any_one_parenthesis_lost_or_doubled_is_one_finding(at: int) -> None:
+    lost = SAMPLE[:at] + SAMPLE[at + 1 :]
+    doubled = SAMPLE[:at] + SAMPLE[at] + SAMPLE[at:]
+    for mutant in (lost, doubled):
+        text = BEFORE + mutant + AFTER
+        (name,) = rules(text)
+        assert name in ("missing-parenthesis", "surplus-parenthesis")
+        names = [getattr(form, "name", "") for form in parsed(text).forms]
+        assert (names[0], names[-1]) == ("before", "after")
+        assert not any("parenthesis" in rule for rule in rules(fixed(text)))
+
+
+def test_nearly_all_lost_closing_parentheses_come_back_where_they_were() -> None:
+    closing = [at for at in PLACES if SAMPLE[at] == ")"]
+    back = [at for at in closing if fixed(SAMPLE[:at] + SAMPLE[at + 1 :]) == SAMPLE]
+    assert len(back) >= 0.9 * len(closing)
