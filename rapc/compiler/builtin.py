@@ -10,11 +10,15 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 
 from rapc.resources import Counter, SetResource
-from rapc.terms import Number, number
+from rapc.terms import Number, format_atom, number
 
 
 class Fault(Exception):
     """A value of the wrong kind met in a computation; the text says which."""
+
+
+class Missing(Fault):
+    """A variable without a value met in a computation."""
 
 
 class Unbound:
@@ -30,7 +34,7 @@ UNBOUND = Unbound()
 def _numbers(args: Sequence[object]) -> list[Number]:
     for arg in args:
         if type(arg) is not int and type(arg) is not float:
-            raise Fault(f"`{arg}` is not a number")
+            raise Fault(f"`{format_atom(arg)}` is not a number")
     return list(args)  # type: ignore[arg-type]  # the loop has seen to it
 
 
@@ -91,14 +95,14 @@ def value_of(args: Sequence[object]) -> Number:
     """`(value ?counter)`. Raises Fault on anything but a counter."""
     counter = args[0]
     if not isinstance(counter, Counter):
-        raise Fault(f"`{counter}` is not a counter")
+        raise Fault(f"`{format_atom(counter)}` is not a counter")
     return counter.value
 
 
 def set_members(value: object) -> Mapping[object, None]:
     """The members of a set resource. Raises Fault on anything else."""
     if not isinstance(value, SetResource):
-        raise Fault(f"`{value}` is not a set")
+        raise Fault(f"`{format_atom(value)}` is not a set")
     return value.members  # type: ignore[return-value]  # keys are looked up only
 
 

@@ -122,6 +122,21 @@ class Query:
         found = next(plan.start(ctx, *[env[n] for n in plan.inputs]), None)
         return found is not None
 
+    def extended(self, ctx: Context, values: Sequence[Any]) -> Iterator[list[Any]]:
+        """The values of all variables for each solution, given those known so far.
+
+        `values` are in the order of `variables`, UNBOUND where one is not known.
+        """
+        pairs = zip(self.variables, values, strict=True)
+        env = {name: value for name, value in pairs if value is not builtin.UNBOUND}
+        plan = self._plan(env)
+        for solution in plan.start(ctx, *[env[n] for n in plan.inputs]):
+            found = {**env, **dict(zip(plan.outputs, solution, strict=True))}
+            yield [found.get(name, builtin.UNBOUND) for name in self.variables]
+
+    def _later(self, part: nodes.Formula) -> Query:
+        return Query(part, self._vocabulary, self.where)
+
     def _plan(self, env: Bindings) -> _Plan:
         key = tuple([name in env for name in self.variables])
         plan = self._plans.get(key)
@@ -133,9 +148,8 @@ class Query:
         inputs = [n for n, bound in zip(self.variables, key, strict=True) if bound]
         emitter = Emitter()
         scope = Scope(emitter, "query", inputs)
-        formulas.write(
-            Clause(emitter, self._vocabulary, self.where), scope, self.formula
-        )
+        clause = Clause(emitter, self._vocabulary, self.where, self._later)
+        formulas.write(clause, scope, self.formula)
         outputs = [
             n
             for n in self.variables
@@ -185,31 +199,46 @@ class TermValue:
         """
         try:
             return self._compute(ctx, env)
+        except builtin.Missing:
+            return None
+        except builtin.Fault as fault:
+            ctx.fault(self.where, str(fault))
+            return None
+
+    def needed(self, ctx: Context, env: Bindings) -> Value | None:
+        """As `value`, where a variable that is unbound is a fault as well."""
+        try:
+            return self._compute(ctx, env)
         except builtin.Fault as fault:
             ctx.fault(self.where, str(fault))
             return None
 
 
-def _compile_term(
-    term: nodes.Term,
-) -> Callable[[Context, Bindings], Value | None]:
+def _compile_term(term: nodes.Term) -> Callable[[Context, Bindings], Value]:
     if isinstance(term, nodes.Const):
         constant = term.value
         return lambda ctx, env: constant
     if isinstance(term, nodes.Var):
-        name = term.name
-        return lambda ctx, env: env.get(name)
+        return _compile_variable(term.name)
     parts = [_compile_term(arg) for arg in term.args]
     builtin_function = builtin.FUNCTIONS.get(term.function)
     name = term.function
 
-    def compute(ctx: Context, env: Bindings) -> Value | None:
+    def compute(ctx: Context, env: Bindings) -> Value:
         args = [part(ctx, env) for part in parts]
-        if None in args:
-            return None
         if builtin_function is not None:
             return builtin_function(args)
         result: Value = ctx.functions[name](ctx.view, *args)
         return result
 
     return compute
+
+
+def _compile_variable(name: str) -> Callable[[Context, Bindings], Value]:
+    def look_up(ctx: Context, env: Bindings) -> Value:
+        value = env.get(name)
+        if value is None:
+            raise builtin.Missing(f"{name} is not bound")
+        return value
+
+    return look_up

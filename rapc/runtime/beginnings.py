@@ -7,11 +7,13 @@ selected in `rapc.runtime.cycle` (semantics 3 and 4).
 from __future__ import annotations
 
 from rapc.compiler.plans import WindowPlan
-from rapc.resources import Counter, SetResource, Value, frozen
+from rapc.compiler.query import TermValue
+from rapc.resources import Counter, SetResource, frozen
+from rapc.runtime.context import QueryContext
 from rapc.runtime.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.monitors import time_of
-from rapc.runtime.task import MethodRun, State, Task
+from rapc.runtime.task import Env, MethodRun, State, Task
 
 
 def create(machine: Machine, task: Task) -> None:
@@ -39,32 +41,32 @@ def _prepare(machine: Machine, task: Task) -> None:
     plan = task.plan
     machine.context.task = task
     for resource, initial in plan.resources:
-        value = None if initial is None else initial.value(machine.context, task.env)
-        made = _make(resource.kind, initial is not None, value)
+        made = _make(machine.context, resource.kind, initial, task.env)
         if made is None:
-            where = "resources" if initial is None else initial.where
-            machine.context.fault(where, f"`{value}` is no {resource.kind}")
             task.spoilt = True
         else:
             task.env[resource.variable.name] = made
     if plan.duration is not None:
-        duration = time_of(plan.duration.value(machine.context, task.env))
-        if duration is None:
-            machine.context.fault(plan.duration.where, "the duration is not a number")
-        task.duration = duration or 0
+        task.duration = time_of(machine.context, plan.duration, task.env) or 0
     machine.monitors.arm(task, task.made)
 
 
-def _make(kind: str, given: bool, value: Value | None) -> Counter | SetResource | None:
-    if kind == "counter":
-        if isinstance(value, Counter):
-            return Counter(value.value)
-        if not given:
-            return Counter()
-        return Counter(value) if isinstance(value, int | float) else None
-    if isinstance(value, SetResource):
+def _make(
+    context: QueryContext, kind: str, initial: TermValue | None, env: Env
+) -> Counter | SetResource | None:
+    """A new resource; None, with a fault traced, if its first value is unfit."""
+    if initial is None:
+        return Counter() if kind == "counter" else SetResource()
+    value = initial.needed(context, env)
+    if kind == "counter" and isinstance(value, Counter):
+        return Counter(value.value)
+    if kind == "counter" and isinstance(value, int | float):
+        return Counter(value)
+    if kind == "set" and isinstance(value, SetResource):
         return SetResource(value.members)
-    return None if given else SetResource()
+    if value is not None:
+        context.unfit(initial.where, value, f"a {kind}")
+    return None
 
 
 def fix_inputs(task: Task) -> bool:
@@ -151,10 +153,9 @@ def window_times(
     if base is None:
         return None
     machine.context.task = run.task
-    start = time_of(window.start.value(machine.context, run.env))
-    stop = time_of(window.stop.value(machine.context, run.env))
+    start = time_of(machine.context, window.start, run.env)
+    stop = None if start is None else time_of(machine.context, window.stop, run.env)
     if start is None or stop is None:
-        machine.context.fault(window.start.where, "a time is not a number")
         task.spoilt = True
         return None
     return base + start, base + stop

@@ -11,7 +11,7 @@ from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.task import Task
 from rapc.runtime.world import Time
-from rapc.terms import Fact, Number, number
+from rapc.terms import Fact, Number, format_atom, number
 
 
 class QueryContext:
@@ -42,6 +42,10 @@ class QueryContext:
         if self._recorder.on:
             number = self.task.number if self.task is not None else None
             self._recorder.emit(QueryFaulted, task=number, what=f"{where}: {what}")
+
+    def unfit(self, where: str, value: object, wanted: str) -> None:
+        """Trace that a value is not what a clause needs: `a number`, say."""
+        self.fault(where, f"`{format_atom(value)}` is not {wanted}")
 
     def young(self, fact: Fact, limit: Number) -> bool:
         """Whether a fact was asserted less than `limit` time units ago."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.compiler.plans import ReceiverPlan, StepPlan
+from rapc.compiler.plans import EffectPlan, ReceiverPlan, StepPlan
 from rapc.resources import Counter, SetResource, Value
 from rapc.runtime.beginnings import (
     fill_inputs,
@@ -17,6 +17,7 @@ from rapc.runtime.beginnings import (
     repeats_ancestor,
     state_windows,
 )
+from rapc.runtime.context import QueryContext
 from rapc.runtime.events import (
     MethodEnded,
     ResourceChanged,
@@ -107,20 +108,29 @@ def _effects(
     env = {**run.env, **bound} if step.effects else run.env
     machine.context.task = run.task
     for effect in step.effects:
-        resource = effect.resource.value(machine.context, env)
-        amount = effect.amount.value(machine.context, env)
-        kind = Counter if effect.node.op.startswith("counter") else SetResource
-        fits = isinstance(resource, kind) and amount is not None
-        if kind is Counter:
-            fits = fits and is_number(amount)
-        elif isinstance(amount, Counter | SetResource):
-            fits = False
-        if not fits or amount is None:
-            machine.context.fault(effect.amount.where, "the effect cannot be done")
+        change = _change(machine.context, effect, env)
+        if change is None:
             return None
-        assert isinstance(resource, Counter | SetResource)
-        changes.append((effect.node.op, resource, amount))
+        changes.append(change)
     return changes
+
+
+def _change(context: QueryContext, effect: EffectPlan, env: Env) -> _Change | None:
+    resource = effect.resource.needed(context, env)
+    amount = None if resource is None else effect.amount.needed(context, env)
+    if resource is None or amount is None:
+        return None
+    op, where = effect.node.op, effect.amount.where
+    kind = Counter if op.startswith("counter") else SetResource
+    if not isinstance(resource, kind):
+        context.unfit(where, resource, "a counter" if kind is Counter else "a set")
+    elif kind is Counter and not is_number(amount):
+        context.unfit(where, amount, "a number")
+    elif isinstance(amount, Counter | SetResource):
+        context.unfit(where, amount, "a symbol, number or string")
+    else:
+        return op, resource, amount
+    return None
 
 
 def _apply(

@@ -11,6 +11,7 @@ import heapq
 import math
 
 from rapc.compiler.dependencies import ANYTHING, WatchKey
+from rapc.compiler.query import TermValue
 from rapc.parser.printer import format_formula
 from rapc.resources import Resource
 from rapc.runtime.agenda import Agenda
@@ -19,7 +20,7 @@ from rapc.runtime.events import DeadlineMissed, TaskBlocked, TaskWoken
 from rapc.runtime.memory.facts import keys_of
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.recorder import Recorder
-from rapc.runtime.task import State, Task
+from rapc.runtime.task import Env, State, Task
 from rapc.runtime.world import Time
 from rapc.terms import Fact, Number, format_atom, number
 
@@ -167,10 +168,9 @@ class Monitors:
             return
         self._context.task = task
         base = since if plan.reference == "now" else 0
-        start = time_of(plan.start.value(self._context, task.env))
-        stop = time_of(plan.stop.value(self._context, task.env))
+        start = time_of(self._context, plan.start, task.env)
+        stop = None if start is None else time_of(self._context, plan.stop, task.env)
         if start is None or stop is None:
-            self._context.fault(plan.start.where, "a time is not a number")
             task.spoilt = True
             return
         task.ready_at = number(base + start)
@@ -269,6 +269,10 @@ class Monitors:
         return format_formula(plan.formula, bindings)
 
 
-def time_of(value: object) -> Number | None:
-    """A value as a time, or None if it is no number."""
-    return value if type(value) in (int, float) else None  # type: ignore[return-value]
+def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:
+    """A term as a time; None, with a fault traced, if it is unbound or no number."""
+    value = term.needed(context, env)
+    if value is None or isinstance(value, int | float):
+        return value
+    context.unfit(term.where, value, "a number")
+    return None

@@ -28,8 +28,11 @@ def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
     machine.context.task = run.task
     parts: list[Atom] = [plan.name]
     for arg in plan.args:
-        value = arg.value(machine.context, run.env)
-        if value is None or isinstance(value, Counter | SetResource):
+        value = arg.needed(machine.context, run.env)
+        if isinstance(value, Counter | SetResource):
+            machine.context.unfit(plan.where, value, "a symbol, number or string")
+            return None
+        if value is None:
             return None
         parts.append(value)
     return tuple(parts)
