@@ -39,6 +39,16 @@ def read_value(text: str) -> Value:
     return whole[0] if len(stack) == 1 and len(whole) == 1 else Text(text)
 
 
+def end_of_list(text: str) -> int:
+    """The offset behind the first list of a text; the whole length if none ends."""
+    depth = 0
+    for word in _WORD.finditer(text):
+        depth += {"(": 1, ")": -1}.get(word[0], 0)
+        if depth <= 0:
+            return word.end()
+    return len(text)
+
+
 def _atom(word: str) -> Atom:
     if word.startswith('"'):
         return Text(_ESCAPE.sub(r"\1", word[1:-1]))

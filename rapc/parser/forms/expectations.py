@@ -9,8 +9,16 @@ from rapc.ir import nodes, tests
 from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol, Variable
 from rapc.parser.forms.clauses import lone_formula
 from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.script import made, number, options, whole
-from rapc.parser.forms.terms import goal, pattern, patterns, term, terms
+from rapc.parser.forms.script import (
+    asked_goal,
+    made,
+    number,
+    options,
+    request,
+    requests,
+    whole,
+)
+from rapc.parser.forms.terms import term, terms
 
 
 class _Kind(NamedTuple):
@@ -53,25 +61,17 @@ def _wrong(ctx: Context, datum: List) -> None:
     ctx.report("malformed-clause", message, datum)
 
 
-def _goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
-    """A goal without outputs."""
-    asked = goal(ctx, datum)
-    if asked is not None and asked.outputs:
-        message = "the goal of an expectation has no outputs"
-        help = "they stand behind it: `(succeeds (find box) kitchen)`"
-        ctx.report("malformed-goal", message, datum, help=help)
-        return None
-    return asked
-
-
 def _succeeds(ctx: Context, datum: List) -> tests.Succeeds | None:
-    asked = _goal(ctx, datum.items[1])
+    asked = asked_goal(ctx, datum.items[1])
     outputs = terms(ctx, datum.items[2:])
+    if any(isinstance(one, nodes.Call) for one in outputs):
+        _wrong(ctx, datum)
+        return None
     return tests.Succeeds(asked, outputs, ctx.span(datum)) if asked else None
 
 
 def _fails(ctx: Context, datum: List) -> tests.Fails | None:
-    asked = _goal(ctx, datum.items[1])
+    asked = asked_goal(ctx, datum.items[1])
     result = None
     if len(datum.items) == 3:
         word = datum.items[2]
@@ -83,21 +83,21 @@ def _fails(ctx: Context, datum: List) -> tests.Fails | None:
 
 
 def _active(ctx: Context, datum: List) -> tests.Active | None:
-    asked = _goal(ctx, datum.items[1])
+    asked = asked_goal(ctx, datum.items[1])
     return tests.Active(asked, ctx.span(datum)) if asked else None
 
 
 def _primitives(ctx: Context, datum: List) -> tests.Primitives:
-    return tests.Primitives(patterns(ctx, datum.items[1:]), ctx.span(datum))
+    return tests.Primitives(requests(ctx, datum.items[1:]), ctx.span(datum))
 
 
 def _include(ctx: Context, datum: List) -> tests.PrimitivesInclude:
-    return tests.PrimitivesInclude(patterns(ctx, datum.items[1:]), ctx.span(datum))
+    return tests.PrimitivesInclude(requests(ctx, datum.items[1:]), ctx.span(datum))
 
 
 def _never(ctx: Context, datum: List) -> tests.Never | None:
-    request = pattern(ctx, datum.items[1])
-    return tests.Never(request, ctx.span(datum)) if request else None
+    unwanted = request(ctx, datum.items[1])
+    return tests.Never(unwanted, ctx.span(datum)) if unwanted else None
 
 
 def _memory(ctx: Context, datum: List) -> tests.MemoryHolds | None:
@@ -126,7 +126,7 @@ _TIMES = ("times", "time")
 
 
 def _selected_before(ctx: Context, datum: List) -> tests.SelectedBefore | None:
-    first, second = _goal(ctx, datum.items[1]), _goal(ctx, datum.items[2])
+    first, second = asked_goal(ctx, datum.items[1]), asked_goal(ctx, datum.items[2])
     if first is None or second is None:
         return None
     return tests.SelectedBefore(first, second, ctx.span(datum))
@@ -134,7 +134,7 @@ def _selected_before(ctx: Context, datum: List) -> tests.SelectedBefore | None:
 
 def _ends_by(ctx: Context, datum: List) -> tests.EndsBy | None:
     time = number(ctx, datum.items[1], "a time")
-    asked = _goal(ctx, datum.items[2])
+    asked = asked_goal(ctx, datum.items[2])
     if time is None or asked is None:
         return None
     return tests.EndsBy(time, asked, ctx.span(datum))

@@ -8,7 +8,7 @@ from typing import TypeVar
 from rapc.ir import nodes, tests
 from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.terms import pattern, patterns, signal
+from rapc.parser.forms.terms import goal, pattern, signal
 from rapc.terms import Number
 
 _OPTIONS = {
@@ -38,25 +38,25 @@ def row(ctx: Context, datum: Datum) -> tests.ScriptRow | None:
         ctx.report("malformed-clause", message, datum, help=help)
         return None
     first, *rest = datum.items
-    kind, request = _request(ctx, first)
+    kind, asked = _request(ctx, first)
     result = None
     if rest and isinstance(rest[0], Symbol):
         result, rest = rest[0].name, rest[1:]
     given = options(ctx, rest, "a row", _OPTIONS)
-    if request is None:
+    if asked is None:
         return None
     times, takes, after = (given.get(f":{n}") for n in ("times", "takes", "after"))
     taken = None if takes is None else number(ctx, takes, "a duration")
     return tests.ScriptRow(
         kind=kind,
-        request=request,
+        request=asked,
         result=result,
         times=None if times is None else whole(ctx, times, "a number", least=1),
         takes=taken or 0,
         after=None if after is None else number(ctx, after, "a duration"),
-        asserts=patterns(ctx, _listed(ctx, given, ":asserts")),
-        erases=patterns(ctx, _listed(ctx, given, ":erases")),
-        data=patterns(ctx, _listed(ctx, given, ":data")),
+        asserts=requests(ctx, _listed(ctx, given, ":asserts")),
+        erases=requests(ctx, _listed(ctx, given, ":erases")),
+        data=requests(ctx, _listed(ctx, given, ":data")),
         signals=signals(ctx, _listed(ctx, given, ":signals")),
         refused=":refused" in given,
         span=ctx.span(datum),
@@ -68,10 +68,10 @@ def _request(ctx: Context, datum: Datum) -> tuple[tests.RowKind, nodes.Pattern |
     name = head_of(datum)
     inner = datum.items[1] if isinstance(datum, List) and len(datum.items) == 2 else 0
     if name == "enable" and isinstance(inner, List):
-        return "enable", signal(ctx, inner)
+        return "enable", _plain(ctx, signal(ctx, inner))
     if name == "disable" and isinstance(inner, List):
-        return "disable", signal(ctx, inner)
-    return "request", pattern(ctx, datum)
+        return "disable", _plain(ctx, signal(ctx, inner))
+    return "request", request(ctx, datum)
 
 
 def _listed(ctx: Context, given: Mapping[str, Datum], name: str) -> Sequence[Datum]:
@@ -89,27 +89,66 @@ def _listed(ctx: Context, given: Mapping[str, Datum], name: str) -> Sequence[Dat
 # --- shared by the clauses of a test -------------------------------------------------
 
 
+def request(ctx: Context, datum: Datum) -> nodes.Pattern | None:
+    """A proposition of constants and variables, as requests and facts are."""
+    return _plain(ctx, pattern(ctx, datum))
+
+
+def asked_goal(
+    ctx: Context, datum: Datum, *, ground: bool = False
+) -> nodes.Goal | None:
+    """A goal without outputs, of constants and, unless `ground`, variables."""
+    found = goal(ctx, datum)
+    if found is not None and found.outputs:
+        help = "in `succeeds` they stand behind it: `(succeeds (find box) kitchen)`"
+        ctx.report("malformed-goal", "no outputs can stand here", datum, help=help)
+        return None
+    return _ground(ctx, found) if ground else _plain(ctx, found)
+
+
+def requests(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:
+    """Such propositions in a row."""
+    return made(request(ctx, datum) for datum in data)
+
+
 def facts(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:
     """Propositions without variables."""
-    return made(_ground(ctx, pattern(ctx, datum), datum) for datum in data)
+    return made(_ground(ctx, pattern(ctx, datum)) for datum in data)
 
 
 def signals(
     ctx: Context, data: Sequence[Datum], *, ground: bool = False
 ) -> tuple[nodes.Pattern, ...]:
     """Signals, where need be without variables."""
-    found = [(signal(ctx, datum), datum) for datum in data]
-    return made(_ground(ctx, one, at) if ground else one for one, at in found)
+    check = _ground if ground else _plain
+    return made(check(ctx, signal(ctx, datum)) for datum in data)
 
 
-def _ground(
-    ctx: Context, node: nodes.Pattern | None, datum: Datum
-) -> nodes.Pattern | None:
-    if node is None or all(isinstance(arg, nodes.Const) for arg in node.args):
-        return node
-    message = "only symbols, numbers and strings can stand in it"
-    ctx.report("malformed-proposition", message, datum)
-    return None
+P = TypeVar("P", nodes.Pattern, nodes.Goal)
+
+
+def _plain(ctx: Context, node: P | None) -> P | None:
+    """What holds no computed terms: a pattern is compared with values."""
+    for arg in node.args if node is not None else ():
+        if isinstance(arg, nodes.Call):
+            _no_place(ctx, arg, "a computed term")
+            return None
+    return node
+
+
+def _ground(ctx: Context, node: P | None) -> P | None:
+    """What holds neither computed terms nor variables."""
+    for arg in node.args if node is not None else ():
+        if not isinstance(arg, nodes.Const):
+            is_variable = isinstance(arg, nodes.Var)
+            _no_place(ctx, arg, "a variable" if is_variable else "a computed term")
+            return None
+    return node
+
+
+def _no_place(ctx: Context, arg: nodes.Term, what: str) -> None:
+    place = Symbol("", arg.span.start, arg.span.end)
+    ctx.report("malformed-proposition", f"{what} cannot stand here", place)
 
 
 def number(ctx: Context, datum: Datum, what: str) -> Number | None:

@@ -15,6 +15,7 @@ from rapc.parser.forms.context import Context
 from rapc.parser.forms.expectations import expectations
 from rapc.parser.forms.require import require
 from rapc.parser.forms.script import (
+    asked_goal,
     facts,
     made,
     number,
@@ -23,7 +24,6 @@ from rapc.parser.forms.script import (
     signals,
     whole,
 )
-from rapc.parser.forms.terms import goal
 from rapc.parser.names import TEST_CLAUSES
 
 _MANY = ("require", "facts", "script", "at", "task", "expect")
@@ -112,7 +112,10 @@ def _until(ctx: Context, kept: Mapping[str, Sequence[List]]) -> tests.Until | No
 
 def _task(ctx: Context, clause: List) -> tests.GivenTask | None:
     """`(task goal [:priority n] [:deadline t] [:background true])`."""
-    asked = _ground_goal(ctx, clause, clause.items[1:2])
+    if len(clause.items) == 1:
+        ctx.report("malformed-clause", "`task` lacks its goal", clause)
+        return None
+    asked = asked_goal(ctx, clause.items[1], ground=True)
     given = options(ctx, clause.items[2:], "task", _TASK_OPTIONS)
     if asked is None:
         return None
@@ -134,25 +137,9 @@ def _task(ctx: Context, clause: List) -> tests.GivenTask | None:
 _TRUTHS = ("true", "false")
 
 
-def _ground_goal(
-    ctx: Context, clause: List, data: Sequence[Datum]
-) -> nodes.Goal | None:
-    if not data:
-        ctx.report("malformed-clause", "`task` lacks its goal", clause)
-        return None
-    asked = goal(ctx, data[0])
-    if asked is None:
-        return None
-    if asked.outputs or not all(isinstance(a, nodes.Const) for a in asked.args):
-        message = "the inputs of a task are symbols, numbers or strings"
-        ctx.report("malformed-goal", message, data[0])
-        return None
-    return asked
-
-
 def _cancel(ctx: Context, clause: List) -> tests.Cancel | None:
     operand = _lone(ctx, clause, "one goal")
-    asked = None if operand is None else goal(ctx, operand)
+    asked = None if operand is None else asked_goal(ctx, operand)
     return None if asked is None else tests.Cancel(asked, ctx.span(clause))
 
 

@@ -1,0 +1,132 @@
+"""`rapc test`: run the tests of RAP libraries."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import click
+
+from rapc.cli.common import USAGE, common_options, fail, print_findings, settings
+from rapc.loader import LoadError
+from rapc.parser.parse import TextError
+from rapc.render import visible
+from rapc.testing import discover, explain
+from rapc.testing.faults import read_fault
+from rapc.testing.run import Case, Outcome
+from rapc.testing.session import Session, exit_status, summary
+from rapc.worlds.faults import Fault
+
+EXAMPLES = """\b
+Examples:
+  rapc test my-library/
+  rapc test arms.test.rap --seeds 20
+  rapc test tests/ --fault '(arm-grasp ?arm ?x) arm-dropped p=0.3 until=200'
+"""
+
+_STYLES: dict[str, dict[str, Any]] = {
+    "passed": {"fg": "green"},
+    "failed": {"fg": "red", "bold": True},
+    "error": {"fg": "red", "bold": True},
+    "title": {"bold": True},
+    "mark": {"fg": "red"},
+    "trace": {"dim": True},
+}
+
+
+@click.command(
+    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.argument("paths", nargs=-1, required=True, metavar="PATH...")
+@click.option("--seed", type=int, default=0, show_default=True, help="First seed.")
+@click.option(
+    "--seeds",
+    type=click.IntRange(min=1),
+    default=1,
+    metavar="N",
+    help="Run each test under so many seeds: it must hold for all.",
+)
+@click.option(
+    "--fault",
+    "faults",
+    multiple=True,
+    metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
+    help="Let requests fail so; may be given several times.",
+)
+@common_options
+def test(paths: Sequence[str], seed: int, seeds: int, faults: Sequence[str]) -> None:
+    """Run the tests in files, and in all *.test.rap files below folders.
+
+    Exit status: 0 if all passed, 1 if one failed, 2 if one could not be run.
+    """
+    running = Session(range(seed, seed + seeds), _faults(faults))
+    cases = _find(paths)
+    useless = list(running.useless(cases))
+    if useless:
+        fail("--fault: " + useless[0], *useless[1:])
+    outcomes = _run(running, cases)
+    _explain(outcomes)
+    click.echo(summary(outcomes, seeds))
+    raise SystemExit(exit_status(outcomes))
+
+
+def _faults(texts: Iterable[str]) -> tuple[Fault, ...]:
+    try:
+        return tuple([read_fault(text) for text in texts])
+    except TextError as error:
+        fail(f"--fault: {error}")
+
+
+def _find(paths: Sequence[str]) -> tuple[Case, ...]:
+    try:
+        found = discover.find(paths)
+    except LoadError as error:
+        fail(str(error))
+    for report in found.reports:
+        print_findings(report, "full")
+    if found.reports:
+        raise SystemExit(USAGE)
+    if not found.cases:
+        fail("there are no tests in " + ", ".join(f"`{path}`" for path in paths))
+    return found.cases
+
+
+def _run(running: Session, cases: Iterable[Case]) -> list[Outcome]:
+    """Run the tests, a line for each, below the name of its file."""
+
+    outcomes = []
+    file = None
+    for outcome in running.run(cases):
+        outcomes.append(outcome)
+        status = outcome.status.value
+        if settings().quiet and status == "passed":
+            continue
+        if file != outcome.case.test.span.file:
+            file = outcome.case.test.span.file
+            _say("title", file)
+        _say(status, f"  {status:<6}  {explain.title(outcome)}")
+    return outcomes
+
+
+def _explain(outcomes: Iterable[Outcome]) -> None:
+    for outcome in outcomes:
+        if outcome.failures:
+            click.echo()
+            test = outcome.case.test
+            doc = f": {test.doc}" if test.doc else ""
+            _say(outcome.status.value, f"{explain.title(outcome)}{doc}")
+            for line in explain.lines(outcome):
+                _say(line.kind, line.text)
+    click.echo()
+
+
+def _say(kind: str, text: str) -> None:
+    """A line in the style of its kind, cut at the edge of a terminal."""
+
+    text = visible(text)
+    if sys.stdout.isatty():
+        width = shutil.get_terminal_size().columns
+        text = text if len(text) <= width else text[: width - 1] + "…"
+    click.echo(click.style(text, **_STYLES.get(kind, {})), color=settings().colored())

@@ -1,0 +1,87 @@
+"""A failed test told to a person: what was expected where, what happened, the trace.
+
+The same lines go to a terminal (`rapc.cli.test`), to pytest and into JUnit files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal
+
+import msgspec
+
+from rapc.source import SourceFile, Span
+from rapc.testing.run import Failure, Outcome, Status
+
+_MOST_ROWS = 8
+
+Kind = Literal["title", "place", "source", "mark", "text", "trace"]
+
+
+class Line(msgspec.Struct, frozen=True):
+    """A line of text and what it is, for who wants to colour it."""
+
+    kind: Kind
+    text: str
+
+
+def place(outcome: Outcome, span: Span) -> str:
+    """A place as `file:row:column`."""
+    source = _source(outcome, span)
+    if source is None:
+        return span.file
+    at = source.position(span.start)
+    return f"{span.file}:{at.row}:{at.column}"
+
+
+def title(outcome: Outcome) -> str:
+    """The test's name, with its seed unless that is 0."""
+    seed = f" (seed {outcome.seed})" if outcome.seed else ""
+    return f"{outcome.case.test.name}{seed}"
+
+
+def lines(outcome: Outcome) -> Iterator[Line]:
+    """All there is to say about a test that did not pass."""
+    wrong = outcome.status is Status.ERROR
+    for failure in outcome.failures:
+        yield Line("place", place(outcome, failure.span))
+        yield from _excerpt(outcome, failure.span)
+        yield from _happened(failure, wrong)
+    if outcome.trace:
+        yield Line("text", "  the last cycles:")
+        for text in outcome.trace:
+            yield Line("trace", "  " + text)
+
+
+def _happened(failure: Failure, wrong: bool) -> Iterator[Line]:
+    head = "wrong with the test:" if wrong else "what happened:"
+    if len(failure.happened) == 1:
+        yield Line("text", f"  {head} {failure.happened[0]}")
+        return
+    yield Line("text", f"  {head}")
+    for text in failure.happened:
+        yield Line("text", f"    {text}")
+
+
+def _excerpt(outcome: Outcome, span: Span) -> Iterator[Line]:
+    """The source of a place; marked if it stands in one row."""
+    source = _source(outcome, span)
+    if source is None:
+        return
+    first, last = source.position(span.start), source.position(span.end)
+    rows = range(first.row, min(last.row, first.row + _MOST_ROWS - 1) + 1)
+    margin = len(str(rows[-1]))
+    for row in rows:
+        yield Line("source", f"  {row:>{margin}} | {source.line(row)}".rstrip())
+    if first.row == last.row:
+        before = "".join(c if c == "\t" else " " for c in source.line(first.row))
+        indent = before[: first.column - 1]
+        yield Line(
+            "mark", f"  {'':>{margin}} | {indent}{'^' * (last.column - first.column)}"
+        )
+    elif last.row > rows[-1]:
+        yield Line("source", f"  {'':>{margin}} | ...")
+
+
+def _source(outcome: Outcome, span: Span) -> SourceFile | None:
+    return outcome.case.library.library.files.get(span.file)

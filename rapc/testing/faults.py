@@ -1,0 +1,56 @@
+"""Faults as they are written on the command line: `--fault`.
+
+What they do to a world is in `rapc.worlds.faults`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rapc.ir import nodes
+from rapc.parser.parse import TextError, parse_pattern
+from rapc.spell import nearest
+from rapc.terms import Number, number
+from rapc.testing.patterns import end_of_list, flat
+from rapc.worlds.faults import Fault
+
+_OPTIONS = {"p": "p", "from": "start", "until": "stop"}
+
+
+def read_fault(text: str) -> Fault:
+    """A fault from `(request) result p=0.3 from=100 until=200`.
+
+    Raises:
+        TextError: with one line that says what is wrong.
+    """
+    end = end_of_list(text)
+    request = parse_pattern(text[:end])
+    if any(isinstance(arg, nodes.Call) for arg in request.args):
+        raise TextError(f"a request holds no computed terms: {text[:end].strip()}")
+    result, *options = text[end:].split() or [""]
+    if not result or "=" in result:
+        raise TextError(f"the result is missing behind {text[:end].strip()}")
+    given: dict[str, Any] = {}
+    for option in options:
+        name, equals, value = option.partition("=")
+        if name not in _OPTIONS or not equals:
+            near = nearest(name, _OPTIONS)
+            hint = (
+                f"; did you mean `{near}=`?" if near else "; known are p, from, until"
+            )
+            raise TextError(f"`{option}` is no option of a fault{hint}")
+        given[_OPTIONS[name]] = _number(name, value)
+    if not 0 <= given.get("p", 1) <= 1:
+        raise TextError("`p` is a chance, from 0 to 1")
+    return Fault(flat(request), result.lower(), **given)
+
+
+def _number(name: str, text: str) -> Number:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value >= 0):
+        raise TextError(f"`{name}` takes a number, not `{text}`")
+    return number(value)

@@ -1,0 +1,71 @@
+"""Many tests under many seeds, with faults and coverage: what a command runs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+
+import msgspec
+
+from rapc.runtime.world import World
+from rapc.terms import format_list
+from rapc.testing.run import Case, Outcome, Status, run_case
+from rapc.worlds.faults import Fault, FaultyWorld, problem
+from rapc.worlds.script import offer_of
+
+
+class Session(msgspec.Struct, frozen=True):
+    """How tests are to be run: each under all seeds, with faults that apply to it."""
+
+    seeds: range = range(1)
+    faults: tuple[Fault, ...] = ()
+
+    def run(self, cases: Iterable[Case]) -> Iterator[Outcome]:
+        """The outcome of each test: of its last seed, or the first that failed."""
+        for case in cases:
+            yield self.run_one(case)
+
+    def run_one(self, case: Case) -> Outcome:
+        """Run a test under all seeds, up to the first under which it fails."""
+        faults = [fault for fault in self.faults if self._problem(fault, case) is None]
+
+        def wrap(world: World, seed: int) -> World:
+            return FaultyWorld(world, faults, seed) if faults else world
+
+        for seed in self.seeds:
+            outcome = run_case(case, seed, wrap)
+            if outcome.status is not Status.PASSED:
+                break
+        return outcome
+
+    def useless(self, cases: Sequence[Case]) -> Iterator[str]:
+        """Faults that can hit nothing in any of the tests, with the reason."""
+        for fault in self.faults:
+            reasons = [self._problem(fault, case) for case in cases]
+            if reasons and None not in reasons:
+                yield f"{format_list(fault.request)}: {reasons[0]}"
+
+    def _problem(self, fault: Fault, case: Case) -> str | None:
+        return problem(fault, offer_of(case.library.library))
+
+
+def summary(outcomes: Sequence[Outcome], seeds: int) -> str:
+    """The one line at the end: how many passed, failed, could not be run."""
+    counts = Counter(outcome.status for outcome in outcomes)
+    words = {
+        Status.PASSED: "passed",
+        Status.FAILED: "failed",
+        Status.ERROR: "in error",
+    }
+    told = [f"{counts[status]} {words[status]}" for status in Status if counts[status]]
+    tests = "1 test" if len(outcomes) == 1 else f"{len(outcomes)} tests"
+    under = f", each under {seeds} seeds" if seeds > 1 else ""
+    return f"{tests}{under}: {', '.join(told)}"
+
+
+def exit_status(outcomes: Sequence[Outcome]) -> int:
+    """0 if all passed, 2 if something is wrong with a test, else 1."""
+    found = {outcome.status for outcome in outcomes}
+    if Status.ERROR in found:
+        return 2
+    return 1 if Status.FAILED in found else 0
