@@ -56,6 +56,14 @@ _SEES = {
 }
 """What clauses see that bind nothing themselves."""
 
+_BIND = {
+    "step": "bind it in `context`, or in a step ordered before this one",
+    "notations": "bind it in `context`",
+    "primitive": "bind it in `context`",
+    "rule": "bind it in the query of the rule",
+}
+"""Where to bind what these clauses need."""
+
 
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
@@ -120,6 +128,8 @@ def _why_not(site: Site, missing: Missing, net: Net | None) -> str:
     """Why a place that binds the variable does not help where it is missing."""
     if site.negated:
         return "bound inside `not` only, which hands out nothing"
+    if site.method is not None and missing.method is None:
+        return f"bound here, in a method, which `{missing.clause}` does not see"
     if site.method is not None and site.method is not missing.method:
         return "bound here, in another method"
     return _out_of_order(site, missing, net) or _out_of_sight(site, missing)
@@ -133,6 +143,8 @@ def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
         return "bound here only when the method has begun"
     if site.step in net.early:
         return f"bound here, but {site.what} may be ended before that"
+    if net.is_before(missing.step, site.step):
+        return f"bound by {site.what}, which comes after this one"
     if site.step != missing.step and not net.is_before(site.step, missing.step):
         return f"bound by {site.what}, which nothing puts before this one"
     return None
@@ -141,27 +153,33 @@ def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
 def _out_of_sight(site: Site, missing: Missing) -> str:
     if site.branch:
         return "bound here in one branch of an `or` only"
-    if site.clause != missing.clause and missing.method is None:
+    if missing.method is None and site.clause not in (missing.clause, "resource"):
         return f"bound here, which `{missing.clause}` does not see"
-    if site.clause not in (missing.clause, "repeat-while", "context", "wait-for"):
+    if site.clause in ("monitor-state", "succeed", "preconditions", "constraints"):
         return f"bound here, but {site.what} keeps no bindings"
     return "bound here, but only after that"
 
 
 def _advice(elsewhere: Sequence[Site], missing: Missing, net: Net | None) -> str:
-    sees = _SEES.get(missing.clause)
-    if sees:
-        return f"`{missing.clause}` sees {sees} only"
+    clause, method = missing.clause, missing.method
+    if clause in _SEES:
+        return f"`{clause}` sees {_SEES[clause]} only"
     for site in elsewhere:
-        if site.step is None or missing.step is None or net is None:
-            continue
-        if site.method is missing.method and site.step not in net.early:
-            assert missing.method is not None
-            assert isinstance(missing.method.body, nodes.TaskNet)
-            tag = missing.method.body.steps[missing.step].tag
+        if site.method is method and site.branch and not site.negated:
+            return "bind it in every branch of the `or`"
+        if site.method is method and _may_precede(site, missing, net):
+            assert method is not None
+            assert isinstance(method.body, nodes.TaskNet)
+            tag = method.body.steps[missing.step or 0].tag
             return f"put the steps in order: `(for {tag})` on {site.what}"
-    if missing.clause == "step":
-        return "bind it in `context`, or in a step ordered before this one"
-    if missing.method is not None and missing.clause != "context":
-        return "bind it in `context`"
+    if clause in _BIND:
+        return _BIND[clause]
     return "bind it by a fact to the left of this, or make it an input"
+
+
+def _may_precede(site: Site, missing: Missing, net: Net | None) -> bool:
+    """Whether a step that binds the variable could be put before the one in need."""
+    one, other = site.step, missing.step
+    if one is None or other is None or net is None or one == other:
+        return False
+    return one not in net.early and not net.is_before(other, one)
