@@ -23,11 +23,10 @@ from rapc.ir import nodes
 
 def write(clause: Clause, scope: Scope, formula: nodes.Formula) -> None:
     """Append the code of a formula; what follows runs once for each solution."""
-    if scope.maybe and type(formula) not in _CONNECTIVES:
-        unsure = [name for name in variables(formula) if name in scope.maybe]
-        if unsure:
-            _in_either_case(clause, scope, formula, unsure[0])
-            return
+    unsure = scope.maybe and type(formula) not in _CONNECTIVES
+    if unsure and not scope.maybe.isdisjoint(variables(formula)):
+        _in_either_case(clause, scope, formula)
+        return
     _WRITERS[type(formula)](clause, scope, formula)
 
 
@@ -101,24 +100,27 @@ def _through(
     _loop(scope, scope.call(inner), exports, writers)
 
 
-def _in_either_case(
-    clause: Clause, scope: Scope, formula: nodes.Formula, name: str
-) -> None:
-    """Write a formula once with a variable bound, once without, and run what fits."""
-    needed = variables(formula)
-    bound = scope.child("bound", needed)
-    bound.maybe.discard(name)
-    bound.bound.add(name)
-    unbound = scope.child("unbound", [other for other in needed if other != name])
-    writers = [bound, unbound]
-    for writer in writers:
-        write(clause, writer, formula)
-    exports = _exports(scope, writers, needed)
-    for writer in writers:
-        _export(writer, exports)
-    test = f"{scope.local(name)} is not UNBOUND"
-    call = f"({scope.call(bound)} if {test} else {scope.call(unbound)})"
-    _loop(scope, call, exports, writers)
+def _in_either_case(clause: Clause, scope: Scope, formula: nodes.Formula) -> None:
+    """Leave a formula to a query of its own, compiled for what turns out to be bound.
+
+    Writing it here for each case would take two to the number of such variables.
+    """
+    names = variables(formula)
+    known = scope.bound | scope.maybe
+    values = [scope.local(name) if name in known else "UNBOUND" for name in names]
+    later = clause.emitter.constant(clause.later(formula))
+    listed = "".join(f"{value}, " for value in values)
+    unsure = [name for name in names if name not in scope.bound]
+    targets = dict.fromkeys(names, "_")
+    for name in unsure:
+        old = name in scope.maybe
+        targets[name] = scope.rename(name) if old else scope.local(name)
+    scope.loop(
+        f"for {''.join(f'{t}, ' for t in targets.values())} "
+        f"in {later}.extended(ctx, ({listed})):"
+    )
+    scope.bound.update(unsure)
+    scope.maybe.difference_update(unsure)
 
 
 def _exports(

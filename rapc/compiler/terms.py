@@ -6,7 +6,7 @@ wrong kind is traced as a fault and gives up the candidate (semantics 2).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from rapc.compiler import builtin
 from rapc.compiler.emitter import Emitter, Scope
@@ -15,11 +15,21 @@ from rapc.ir import nodes
 
 
 class Clause:
-    """What the writers of one formula share: vocabulary and the clause's name."""
+    """What the writers of one formula share: vocabulary and the clause's name.
 
-    def __init__(self, emitter: Emitter, vocabulary: Vocabulary, where: str) -> None:
+    `later` makes a query of a part of the formula, to be compiled when it is asked.
+    """
+
+    def __init__(
+        self,
+        emitter: Emitter,
+        vocabulary: Vocabulary,
+        where: str,
+        later: Callable[[nodes.Formula], object],
+    ) -> None:
         self.emitter = emitter
         self.vocabulary = vocabulary
+        self.later = later
         self.where = emitter.constant(where)
         emitter.namespace.update(
             UNBOUND=builtin.UNBOUND,

@@ -284,3 +284,14 @@ def test_a_bound_argument_keeps_a_query_from_scanning(text: str, most: int) -> N
     both.context.buckets = watched  # type: ignore[assignment]
     assert list(query(formula(text)).solutions(both.context, {})) or "not" in text
     assert watched.seen <= most
+
+
+def test_many_variables_that_may_be_bound_do_not_multiply() -> None:
+    """Code is made for the cases that occur; all together would be two to the 40."""
+    names = [f"?v{at}" for at in range(40)]
+    either = " ".join(f"(or (p {name}) true)" for name in names)
+    total = f"(= (+ {' '.join(names)}) 40)"
+    both = memories([])
+    both.memory.assert_fact(("p", 1), "test")
+    asked = query(formula(f"(and {either} {total})"))
+    assert asked.first(both.context, {}) == dict.fromkeys(names, 1)
