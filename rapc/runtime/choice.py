@@ -31,14 +31,12 @@ class Choice(msgspec.Struct, frozen=True):
 
 def choose(machine: Machine, task: Task) -> Choice | None:
     """The method to try, or None if there is none; asks a solver in that case."""
+    machine.context.task = task
+    repeat = task.plan.repeat_while
+    if repeat is not None and not repeat.holds(machine.context, task.env):
+        return None
     holding = _holding(machine, task)
-    if not holding:
-        repeat = task.plan.repeat_while
-        machine.context.task = task
-        if repeat is not None and not repeat.holds(machine.context, task.env):
-            return None
-        if not _ask_solver(machine, task):
-            return None
+    if not holding and _ask_solver(machine, task):
         holding = _holding(machine, task)
     if len(holding) > 1:
         holding = _least(holding, [_failures(task, c) for c in holding])

@@ -39,13 +39,15 @@ def run_cycle(machine: Machine, task: Task) -> None:
     machine.recorder.cycle += 1
     _tell_selected(machine, task)
     task.after_method = False
-    if not task.begun:
+    if not task.begun and not task.plan.monitored:
         _begin(machine, task)
     if not task.bound and _misses_inputs(machine, task):
         return
     if task.spoilt:
         fail(machine, task, INTERFERENCE)
         return
+    if not task.begun:
+        _begin(machine, task)
     machine.context.task = task
     found = task.plan.succeed.first(machine.context, task.env)
     if found is not None:
@@ -75,7 +77,7 @@ def _begin(machine: Machine, task: Task) -> None:
     if step is None or run is None or not step.until:
         task.begun = True
         return
-    if task.plan.monitored and task.bound and not machine.monitors.holds(task):
+    if task.plan.monitored and not machine.monitors.holds(task):
         return
     task.begun = True
     for target, at_end in step.until:

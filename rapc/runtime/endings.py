@@ -56,11 +56,12 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         fail(machine, task, INTERFERENCE)
         return
     _leave(machine, task)
+    task.outputs = outputs
     if machine.recorder.on:
         machine.recorder.emit(
             TaskSucceeded,
             task=task.number,
-            goal=task.goal(outputs),
+            goal=task.goal(),
             outputs={name: format_atom(value) for name, value in outputs.items()},
         )
     if step is None or run is None:

@@ -205,7 +205,8 @@ class Monitors:
         while deadlines and deadlines[0][0] < self._recorder.time:
             deadline, tasknumber, task = heapq.heappop(deadlines)
             self._stated.discard((deadline, tasknumber))
-            if task.live and task.deadline == deadline:
+            if task.live and task.deadline == deadline != task.missed:
+                task.missed = deadline
                 missed[tasknumber] = task
         return missed
 

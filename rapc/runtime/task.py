@@ -35,7 +35,8 @@ class Task:
 
     `env` holds inputs and resources, once `bound`; `identity` the RAP with its input
     values, for the recursion test; `family` is the number of its top-level task.
-    `deadline` is its own, `limit` the nearest of its own and its ancestors'. `begun`
+    `deadline` is its own, `limit` the nearest of its own and its ancestors', `missed`
+    the one last told of as missed. `begun`
     is set once it was selected with its monitors holding, `after_method` while it is
     to come up whatever its monitors say, `held` while it waits for a signal.
     """
@@ -60,8 +61,10 @@ class Task:
         "last_result",
         "limit",
         "made",
+        "missed",
         "monitor_deadline",
         "number",
+        "outputs",
         "parent",
         "plan",
         "priority",
@@ -99,6 +102,7 @@ class Task:
         self.monitor_deadline: float = math.inf
         self.limit: float = math.inf if within is None else within.task.limit
         self.made: Time = 0
+        self.missed: float | None = None
         self.waiting = 0
         self.held = False
         self.state = State.WAITING
@@ -116,6 +120,7 @@ class Task:
         self.last_result: str | None = None
         self.world_failure: str | None = None
         self.success_env: Env | None = None
+        self.outputs: Env = {}
 
     @property
     def live(self) -> bool:
@@ -132,7 +137,7 @@ class Task:
         """The deadline that the task itself states: by window, monitor or host."""
         return min(self.given_deadline, self.monitor_deadline)
 
-    def goal(self, outputs: Env | None = None) -> str:
+    def goal(self) -> str:
         """The goal as the trace prints it: inputs by value, outputs once known."""
         words = [self.plan.name]
         terms = self.step.node.goal.args if self.step is not None else ()
@@ -147,7 +152,7 @@ class Task:
         if self.plan.outputs:
             words.append("=>")
             for name in self.plan.outputs:
-                known = (outputs or {}).get(name)
+                known = self.outputs.get(name)
                 words.append(name if known is None else format_atom(known))
         return f"({' '.join(words)})"
 
