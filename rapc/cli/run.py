@@ -21,14 +21,18 @@ from rapc.runtime.report import Report
 from rapc.runtime.requests import PortError
 from rapc.runtime.submission import Submission, read_submission
 from rapc.runtime.trace import JsonTrace, TextTrace
-from rapc.runtime.world import Time
+from rapc.runtime.world import Time, World
 from rapc.terms import Fact, number
+from rapc.testing.faults import read_fault
 from rapc.worlds import registry
+from rapc.worlds.faults import Fault, FaultyWorld, problem
 
 EXAMPLES = """\b
 Examples:
   rapc run rocks.rap --world truck --task '(fill-order red 4 factory-1)'
   rapc run rocks.rap --world truck --task '(wakeup)' --seed 7 -q --trace run.jsonl
+  rapc run rocks.rap --world truck --task '(wakeup)' \\
+      --fault '(arm-grasp ?arm ?thing) arm-dropped p=0.3 from=100 until=200'
   rapc run my.rap --world truck --set truck.fuel=20 --set rapc.futile-limit=3 \\
       --task '(patrol) :priority 4 :background true' --until 500
 """
@@ -63,6 +67,13 @@ Examples:
     metavar="OWNER.NAME=VALUE",
     help="Option of the world, or rapc.NAME for a setting of the interpreter.",
 )
+@click.option(
+    "--fault",
+    "faults",
+    multiple=True,
+    metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
+    help="Let requests fail so; may be given several times.",
+)
 @click.option("--trace", type=click.Path(dir_okay=False), help="File for the trace.")
 @click.option(
     "--trace-format",
@@ -80,6 +91,7 @@ def run(
     until: float | None,
     facts: Sequence[str],
     values: Sequence[str],
+    faults: Sequence[str],
     trace: str | None,
     trace_format: str,
 ) -> None:
@@ -94,11 +106,12 @@ def run(
     submissions = [_submission(text) for text in tasks]
     known = [_fact(text) for text in facts]
     end = _time(until)
-    interpreter, options = _build(library, world_name, seed, values)
+    failing = [_fault(text) for text in faults]
+    interpreter, options = _build(library, world_name, seed, values, failing)
     _refuse(interpreter, submissions, known)
     with ExitStack() as stack:
         report = _listeners(stack, interpreter, trace, trace_format)
-        interpreter.start(options, tasks)
+        interpreter.start(options, tasks, faults)
         for fact in known:
             interpreter.assert_fact(*fact)
         for submission in submissions:
@@ -144,8 +157,29 @@ def _fact(text: str) -> Fact:
         fail(f"--fact: {error}")
 
 
+def _fault(text: str) -> Fault:
+    try:
+        return read_fault(text)
+    except TextError as error:
+        fail(f"--fault: {error}")
+
+
+def _with_faults(world: World, faults: Sequence[Fault], seed: int) -> World:
+    """A world with faults, if any; ends the command for one that cannot be."""
+    offer = world.offer()
+    for fault in faults:
+        wrong = problem(fault, offer)
+        if wrong is not None:
+            fail(f"--fault: {wrong}")
+    return FaultyWorld(world, faults, seed) if faults else world
+
+
 def _build(
-    library: CompiledLibrary, world_name: str, seed: int, values: Sequence[str]
+    library: CompiledLibrary,
+    world_name: str,
+    seed: int,
+    values: Sequence[str],
+    faults: Sequence[Fault],
 ) -> tuple[Interpreter, Mapping[str, Any]]:
     """The interpreter for a library in a world; ends the command if it cannot be."""
     own: dict[str, str] = {}
@@ -159,6 +193,7 @@ def _build(
             (own if owner == "rapc" else texts)[name] = value
         options = registry.read_options(world_class, texts)
         world = registry.build_world(world_class, seed, options)
+        world = _with_faults(world, faults, seed)
     except registry.WorldError as error:
         fail(error.message, error.help)
     try:

@@ -34,6 +34,7 @@ class RunStarted(Event, frozen=True, kw_only=True):
     settings: Mapping[str, int | float]
     seed: int
     tasks: tuple[str, ...]
+    faults: tuple[str, ...]
 
 
 class TaskCreated(Event, frozen=True, kw_only=True):

@@ -239,12 +239,16 @@ class Interpreter:
         return False
 
     def start(
-        self, options: Mapping[str, Any] | None = None, tasks: Sequence[str] = ()
+        self,
+        options: Mapping[str, Any] | None = None,
+        tasks: Sequence[str] = (),
+        faults: Sequence[str] = (),
     ) -> None:
         """Begin the run: tell of it, and let the robot know what it knows at first.
 
-        `options` are the world's and `tasks` the ones to come, for the trace. The
-        first task or step begins a run that nobody has begun.
+        `options` are the world's, `tasks` the ones to come and `faults` those put
+        into the world, for the trace. The first task or step begins a run that nobody
+        has begun.
         """
         if self._started:
             return
@@ -264,6 +268,7 @@ class Interpreter:
                 },
                 seed=self.seed,
                 tasks=tuple(tasks),
+                faults=tuple(faults),
             )
         for fact in machine.world.facts():
             self.assert_fact(*fact)
