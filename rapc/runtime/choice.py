@@ -66,6 +66,8 @@ def _holding(machine: Machine, task: Task) -> list[Choice]:
         found: dict[str, Value] | None = {}
         if method.choice is not None:
             found = method.choice.first(context, task.env)
+            if machine.context_asked is not None and method.node.context is not None:
+                machine.context_asked(task.plan.name, method.name, found is not None)
         if found is not None:
             bound = tuple((name, frozen(value)) for name, value in found.items())
             choices.append(Choice(method, found, (method.index, held, bound)))

@@ -13,6 +13,7 @@ from typing import Any
 
 from rapc.compiler.plans import CompiledLibrary
 from rapc.ir.nodes import Formula
+from rapc.runtime import standing
 from rapc.runtime.beginnings import (
     create,
     fix_inputs,
@@ -22,14 +23,14 @@ from rapc.runtime.beginnings import (
 from rapc.runtime.cycle import run_cycle
 from rapc.runtime.endings import remove
 from rapc.runtime.events import RunEnded, RunStarted, TaskResult
-from rapc.runtime.machine import Machine, Settings
+from rapc.runtime.machine import ContextListener, Machine, Settings
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused, refusals, refuse_tasks
 from rapc.runtime.requests import take_in
 from rapc.runtime.signals import signal
 from rapc.runtime.submission import Submission
-from rapc.runtime.task import State, Task
+from rapc.runtime.task import Task
 from rapc.runtime.world import Time, World
 from rapc.terms import Atom, Fact, match
 
@@ -106,6 +107,10 @@ class Interpreter:
     def listen(self, listener: Listener) -> None:
         """Call `listener` with every event from now on."""
         self._machine.recorder.listen(listener)
+
+    def watch_contexts(self, listener: ContextListener) -> None:
+        """Tell `listener` whenever the context of a method is asked, and the answer."""
+        self._machine.context_asked = listener
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact on behalf of the user.
@@ -341,31 +346,16 @@ class Interpreter:
                 remove(machine, task, "run-over")
         if machine.recorder.on:
             machine.recorder.emit(
-                RunEnded, reason=reason, results=tuple(results), waiting=waiting
+                RunEnded, reason=reason, results=results, waiting=waiting
             )
 
-    def results(self) -> Sequence[TaskResult]:
+    def results(self) -> tuple[TaskResult, ...]:
         """What has become of each task given so far, in the order in which it came."""
-        found = []
-        for task in self._given:
-            outcome = "unfinished"
-            if not task.live and task.last_result is not None:
-                outcome = "succeeded" if task.succeeded else "failed"
-            found.append(
-                TaskResult(
-                    task=task.number,
-                    goal=task.goal(),
-                    outcome=outcome,
-                    result=task.last_result if outcome != "unfinished" else None,
-                    background=task.background,
-                )
-            )
-        return found
+        return standing.results(self._given)
 
     def goals(self) -> dict[int, str]:
         """The goals of all live tasks by number, with the inputs that are known."""
-        tasks = self._machine.tasks
-        return {number: task.goal() for number, task in tasks.items()}
+        return standing.goals(self._machine)
 
     def holds(self, formula: Formula) -> bool:
         """Whether a formula has a solution in memory now; no task asks it."""
@@ -376,21 +366,5 @@ class Interpreter:
         return holds
 
     def waiting(self) -> tuple[str, ...]:
-        """Each task that is not done, and what it waits for, for a person to read.
-
-        Tasks that wait for their own steps are left out.
-        """
-        return tuple(
-            f"{task.goal()} [{task.number}] {self._awaited(task)}"
-            for task in self._machine.tasks.values()
-            if task.run is None and (not task.waiting or task.held)
-        )
-
-    def _awaited(self, task: Task) -> str:
-        if task.held:
-            return f"waits for {task.blocked_on}"
-        if task.state is State.BLOCKED:
-            return f"waits for {self._machine.monitors.reason(task)}"
-        if task.state is State.ELIGIBLE:
-            return "could go on"
-        return "waits for its time"
+        """Each task that is not done, and what it waits for, for a person to read."""
+        return standing.waiting(self._machine)

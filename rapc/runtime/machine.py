@@ -25,6 +25,9 @@ from rapc.runtime.world import Time, World
 from rapc.spell import nearest
 from rapc.terms import number
 
+ContextListener = Callable[[str, str, bool], None]
+"""Told of a RAP's method whose context was asked, and whether it held."""
+
 _Count = Annotated[int, msgspec.Meta(ge=1)]
 _Cost = Annotated[int, msgspec.Meta(ge=0)] | Annotated[float, msgspec.Meta(ge=0)]
 
@@ -106,6 +109,7 @@ class Machine:
         self.until: Time | None = None
         self.late = False
         self.appointments: list[tuple[Time, int, Callable[[], None]]] = []
+        self.context_asked: ContextListener | None = None
         self.handlers = world.handlers()
         self._numbers = 0
         self._tickets = 0
