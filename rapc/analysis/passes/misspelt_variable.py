@@ -7,7 +7,7 @@ tell: a variable used once is a wildcard. Numbered and lettered names are left a
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.passes.bindings import BINDINGS
@@ -46,8 +46,11 @@ bare `?`, or a name of its own.""",
 _LEAST = 5
 """How long a name must be, its mark included, to be close to another."""
 
-_TELLS_APART = re.compile(r"(?:[0-9]+|-[a-z])$")
-"""The end of names that come in rows: `?arm1`, `?arm-b`."""
+_MOST = 60
+"""How long a name may be; nobody compares longer ones by eye."""
+
+_TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
+"""What tells names apart that come in rows: `?arm1`, `?arm-b`."""
 
 
 def _run(run: Pass) -> None:
@@ -59,11 +62,12 @@ def _run(run: Pass) -> None:
             names.setdefault(use.node.name, []).append(use.node)
     for owner, names in seen.items():
         unbound = {m.variable.name for m in missing.get(owner, ())}
-        for name, uses in names.items():
-            if len(uses) == 1 and name not in unbound:
-                close = _close(name, names)
-                if close is not None and _is_slip(uses[0], names[close]):
-                    run.report(_finding(uses[0], names[close][0]))
+        once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
+        close = _Close(names) if any(map(_is_long, once)) else None
+        for name in filter(_is_long, once):
+            other = close.to(name) if close else None
+            if other is not None and _is_slip(names[name][0], names[other]):
+                run.report(_finding(names[name][0], names[other][0]))
 
 
 ANALYZER = Analyzer(
@@ -75,16 +79,37 @@ ANALYZER = Analyzer(
 )
 
 
-def _close(name: str, names: Iterable[str]) -> str | None:
-    if len(name) < _LEAST:
+class _Close:
+    """Finds names one slip away, by what is left of names that lose a letter."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._names: dict[str, list[str]] = {}
+        for name in names:
+            for rest in _rests(name):
+                self._names.setdefault(rest, []).append(name)
+
+    def to(self, name: str) -> str | None:
+        """The first name close to another, if any."""
+        stem = _TELLS_APART.sub("", name)
+        for rest in _rests(name):
+            for other in self._names.get(rest, ()):
+                in_row = stem == _TELLS_APART.sub("", other)
+                if other != name and not in_row and is_one_slip(name, other):
+                    return other
         return None
-    stem = _TELLS_APART.sub("", name)
-    for other in names:
-        if abs(len(name) - len(other)) <= 1 and other != name:
-            rows = stem == _TELLS_APART.sub("", other)
-            if not rows and is_one_slip(name, other):
-                return other
-    return None
+
+
+def _rests(name: str) -> Iterator[str]:
+    """A name, and what is left of it without one of its letters."""
+    yield name
+    if _is_long(name):
+        for at in range(1, len(name)):
+            yield name[:at] + name[at + 1 :]
+
+
+def _is_long(name: str) -> bool:
+    """Whether a name is long enough for a slip to show, and not absurdly long."""
+    return _LEAST <= len(name) <= _MOST
 
 
 def _is_slip(one: nodes.Var, others: list[nodes.Var]) -> bool:

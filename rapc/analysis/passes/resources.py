@@ -83,11 +83,13 @@ class Demand(msgspec.Struct, frozen=True):
 def _run(run: Pass) -> None:
     occurrences = run.result(OCCURRENCES)
     missing = run.result(BINDINGS).missing
+    unbound = {(rap, m.variable.name) for rap, all_ in missing.items() for m in all_}
     by_input: dict[tuple[str, str], Demand] = {}
     for demand in _demands(occurrences):
         rap, term = demand.rap, demand.term
-        unbound = {m.variable.name for m in missing.get(id(rap), ())}
-        if isinstance(term, nodes.Var) and term.name in (*unbound, "?"):
+        if isinstance(term, nodes.Var) and (
+            term.anonymous or (id(rap), term.name) in unbound
+        ):
             continue
         declared = _resource(rap, term)
         if declared is not None:

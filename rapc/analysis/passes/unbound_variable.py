@@ -6,15 +6,15 @@ variable is bound and why that does not help, or which variable was probably mea
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.names import Names
 from rapc.analysis.passes.bindings import BINDINGS, Missing
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.analysis.sites import Site, sites
 from rapc.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
-from rapc.spell import nearest
 
 UNBOUND = Rule(
     code="RAP012",
@@ -69,12 +69,12 @@ def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
     nets = run.result(TASK_NETS)
     for form in run.library.forms:
-        for first, *further in _by_cause(missing.get(id(form), ())):
-            places: list[Site] = []
-            if isinstance(form, nodes.DefineRap):
-                places = list(sites(form, run.library.functions))
-            net = None if first.method is None else nets.get(id(first.method.body))
-            run.report(_explain(first, further, places, net))
+        lacking = missing.get(id(form))
+        if lacking:
+            places = _Places(form, run.library.functions)
+            for first, *further in _by_cause(lacking):
+                net = None if first.method is None else nets.get(id(first.method.body))
+                run.report(_explain(first, further, places, net))
 
 
 ANALYZER = Analyzer(
@@ -86,6 +86,17 @@ ANALYZER = Analyzer(
 )
 
 
+class _Places:
+    """Where the variables of a RAP or rule are bound, by name, and their names."""
+
+    def __init__(self, form: nodes.TopForm, functions: Container[str]) -> None:
+        self.by_name: dict[str, list[Site]] = {}
+        if isinstance(form, nodes.DefineRap):
+            for site in sites(form, functions):
+                self.by_name.setdefault(site.name, []).append(site)
+        self.names = Names(self.by_name)
+
+
 def _by_cause(missing: Iterable[Missing]) -> Iterator[list[Missing]]:
     """What is missing, by variable and method: one cause each, first use first."""
     causes: dict[tuple[str, int], list[Missing]] = {}
@@ -95,19 +106,18 @@ def _by_cause(missing: Iterable[Missing]) -> Iterator[list[Missing]]:
 
 
 def _explain(
-    first: Missing, further: Sequence[Missing], places: Sequence[Site], net: Net | None
+    first: Missing, further: Sequence[Missing], places: _Places, net: Net | None
 ) -> Diagnostic:
     name = first.variable.name
     used = {m.variable.span for m in (first, *further)}
-    elsewhere = [s for s in places if s.name == name and s.span not in used]
-    labels = [Label(s.span, _why_not(s, first, net)) for s in elsewhere[:_MOST]]
+    elsewhere = [s for s in places.by_name.get(name, ()) if s.span not in used][:_MOST]
+    labels = [Label(s.span, _why_not(s, first, net)) for s in elsewhere]
     help_ = _advice(elsewhere, first, net)
-    if not elsewhere:
-        near = nearest(name, (s.name for s in places))
-        if near is not None:
-            site = next(s for s in places if s.name == near)
-            labels = [Label(site.span, _close(site))]
-            help_ = f"did you mean `{near}`?"
+    near = None if elsewhere else places.names.near(name)
+    if near is not None:
+        site = places.by_name[near][0]
+        labels = [Label(site.span, _close(site))]
+        help_ = f"did you mean `{near}`?"
     labels += [Label(m.variable.span, "nor here") for m in further[:_MOST]]
     return Diagnostic(
         rule=UNBOUND.name,
