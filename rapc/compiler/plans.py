@@ -13,7 +13,6 @@ from rapc.compiler.query import Query, TermValue
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.library import Library
-from rapc.parser.printer import format_formula
 from rapc.source import Span
 
 _DONE = nodes.History("last-result", (nodes.Const("okay"),))
@@ -71,13 +70,13 @@ class ReceiverPlan:
 class WaitPlan:
     """A `wait-for` of a step: the signal, what it brings, and what it does."""
 
-    __slots__ = ("args", "mode", "signal", "text")
+    __slots__ = ("args", "mode", "pattern", "signal")
 
     def __init__(self, node: nodes.WaitFor, where: str) -> None:
         self.signal = node.signal
+        self.pattern = nodes.Pattern(node.signal, node.args)
         self.mode = node.mode
         self.args = tuple(ReceiverPlan(arg, where) for arg in node.args)
-        self.text = format_formula(nodes.Pattern(node.signal, node.args))
 
 
 class WindowPlan:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from rapc.compiler.plans import WindowPlan
 from rapc.compiler.query import TermValue
+from rapc.parser.printer import format_formula
 from rapc.resources import Counter, SetResource, frozen
 from rapc.runtime.context import QueryContext
 from rapc.runtime.events import TaskBlocked, TaskCreated
@@ -104,11 +105,12 @@ def let_go(machine: Machine, task: Task) -> None:
 
 def _listen(machine: Machine, task: Task) -> None:
     assert task.step is not None
+    assert task.within is not None
     for wait in task.step.waits:
         machine.listening.setdefault(wait.signal, {})[task.number] = task
         if wait.mode == "proceed" and not task.held:
             task.held = True
-            task.blocked_on = wait.text
+            task.blocked_on = format_formula(wait.pattern, task.within.env)
             if machine.recorder.on:
                 machine.recorder.emit(TaskBlocked, task=task.number, on=task.blocked_on)
 
