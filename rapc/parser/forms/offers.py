@@ -23,6 +23,8 @@ def primitive(ctx: Context, form: List) -> nodes.DeclarePrimitive | None:
 
 
 def _results(ctx: Context, found: Parts) -> tuple[str, ...]:
+    if not found.operands:
+        return ("okay",)
     if len(found.operands) < 2:
         ctx.report(
             "malformed-form",

@@ -87,19 +87,19 @@ def _sort(
         at += 1
         if isinstance(here, String):
             docs.append(here)
-        elif not isinstance(here, Keyword):
-            operands.append(here)
-        elif here.name in known:
-            taken = data[at : at + known[here.name]]
+        elif isinstance(here, Keyword):
+            word: str | None = here.name
+            if word not in known:
+                what = f"option of `{head_of(form)}`"
+                word = ctx.unknown("unknown-clause", what, here, known)
+            taken = data[at : at + known.get(word or "", 1)]
             at += len(taken)
-            if len(taken) < known[here.name]:
-                ctx.report("malformed-form", f"`{here.name}` lacks its value", here)
-            else:
+            if word and len(taken) < known[word]:
+                ctx.report("malformed-form", f"`{word}` lacks its value", here)
+            elif word:
                 found.append(Option(here, taken))
         else:
-            ctx.unknown("unknown-clause", f"option of `{head_of(form)}`", here, known)
-            if at < len(data) and not isinstance(data[at], Keyword | String):
-                at += 1
+            operands.append(here)
     return operands, docs, found
 
 

@@ -44,12 +44,12 @@ def define_rap(ctx: Context, datum: List) -> nodes.DefineRap | None:
 
 def _is_index(datum: Datum) -> bool:
     """Whether a first operand is the index itself (S 3), not a clause."""
-    if isinstance(datum, Symbol):
-        return True
     name = head_of(datum)
-    if name is None or name in RAP_CLAUSES or name in METHOD_CLAUSES:
+    if name is None or not isinstance(datum, List):
+        return isinstance(datum, Symbol | List)
+    if name in RAP_CLAUSES or name in METHOD_CLAUSES:
         return False
-    plain = not any(isinstance(item, List) for item in cast(List, datum).items)
+    plain = not any(isinstance(item, List) for item in datum.items)
     return plain or nearest(name, RAP_CLAUSES) is None
 
 
