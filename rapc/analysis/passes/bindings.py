@@ -4,7 +4,8 @@ Every clause is walked with what is bound where it stands (semantics 3,
 "Environments"): inputs and resources everywhere; besides, in a method, what
 `repeat-while` and its context surely bind; in a step, what steps ordered before it
 hand out, what `for` formulas pointing at it or at those bind, and the signals that
-they wait for. A step that an `until` may end early surely binds nothing for others.
+they wait for. A step that an `until` may end early surely hands nothing on, not even
+what steps before it did: they may be running still.
 How a formula binds is in `rapc.analysis.scope`; what is said about it is in the
 passes `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
 """
@@ -187,7 +188,8 @@ def _task_net(
         bound = Bound(before)
         _step(walk, body.steps[at], bound, net, at)
         walk.note("step", method, at)
-        handed.after(at, before, () if at in net.early else bound.names)
+        if at not in net.early:
+            handed.after(at, before, bound.names)
 
 
 def _without_order(
@@ -267,10 +269,10 @@ class _Handed:
         """The names surely bound by the steps that are ordered before one."""
         here = 0
         for before in {edge.before for edge in self._edges[at]}:
-            here |= self._sets[before]
+            here |= self._sets.get(before, 0)
             self._left[before] -= 1
             if not self._left[before]:
-                del self._sets[before]
+                self._sets.pop(before, None)
         return _Names(self._base, self._bits, here)
 
     def after(self, at: int, before: _Names, sure: Iterable[str]) -> None:

@@ -6,7 +6,7 @@ nothing (semantics 4). Which variables that order binds is for `bindings` to say
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 
@@ -126,16 +126,31 @@ class Net(msgspec.Struct, frozen=True):
 
     def is_before(self, one: int, other: int) -> bool:
         """Whether a step is ordered before another, directly or not."""
-        seen: set[int] = set()
-        waiting = [other]
-        while waiting:
-            for edge in self.edges[waiting.pop()]:
-                if edge.before == one:
-                    return True
-                if edge.before not in seen:
-                    seen.add(edge.before)
-                    waiting.append(edge.before)
-        return False
+        return _is_before(self.edges, one, other, frozenset())
+
+    def has_ended(self, one: int, other: int) -> bool:
+        """Whether a step has surely ended when another begins.
+
+        A step between them that is ended early says nothing of those before it.
+        """
+        return _is_before(self.edges, one, other, self.early)
+
+
+Edges = Sequence[Sequence[Edge]]
+
+
+def _is_before(edges: Edges, one: int, other: int, avoid: Container[int]) -> bool:
+    """Whether a path of order leads from one step to another, not through some."""
+    seen: set[int] = set()
+    waiting = [other]
+    while waiting:
+        for edge in edges[waiting.pop()]:
+            if edge.before == one:
+                return True
+            if edge.before not in seen and edge.before not in avoid:
+                seen.add(edge.before)
+                waiting.append(edge.before)
+    return False
 
 
 Nets = Mapping[int, Net]
@@ -176,22 +191,33 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
                 edges[tags[tag]].append(Edge(at, tags[tag], annotation))
             elif isinstance(annotation, nodes.Window):
                 edges[at].append(Edge(tags[tag], at, annotation))
-    order = _order(run, net, edges)
-    bare = Net(order, tuple(map(tuple, edges)), frozenset())
-    early = {at for at, step in enumerate(net.steps) if _early(bare, tags, at, step)}
-    return Net(bare.order, bare.edges, frozenset(early)) if early else bare
+    return Net(
+        _order(run, net, edges), tuple(map(tuple, edges)), _early(net, tags, edges)
+    )
 
 
-def _early(net: Net, tags: Mapping[str, int], at: int, step: nodes.Step) -> bool:
-    """Whether something may end a step early; what comes after it never does."""
+def _early(net: nodes.TaskNet, tags: Mapping[str, int], edges: Edges) -> frozenset[int]:
+    """The steps that may be ended early.
+
+    An `until` cannot end a step that has ended when the step it speaks of begins.
+    """
+    marked = {at for at, step in enumerate(net.steps) if any(_ends(step))}
+    early = set()
+    for at in marked:
+        for tag in _ends(net.steps[at]):
+            by = tags.get(tag) if tag else at
+            if by is not None and not _is_before(edges, at, by, marked):
+                early.add(at)
+    return frozenset(early)
+
+
+def _ends(step: nodes.Step) -> Iterator[str | None]:
+    """What may end a step: the tag of another, or None for a signal."""
     for annotation in step.annotations:
-        if isinstance(annotation, nodes.WaitFor) and annotation.mode == "succeed":
-            return True
         if isinstance(annotation, nodes.UntilStart | nodes.UntilEnd):
-            by = tags.get(annotation.tag)
-            if by is not None and not net.is_before(at, by):
-                return True
-    return False
+            yield annotation.tag
+        elif isinstance(annotation, nodes.WaitFor) and annotation.mode == "succeed":
+            yield None
 
 
 def _tags(run: Pass, net: nodes.TaskNet) -> dict[str, int]:
@@ -234,9 +260,7 @@ def _unknown_tag(annotation: nodes.Annotation, tag: str, names: Names) -> Diagno
     )
 
 
-def _order(
-    run: Pass, net: nodes.TaskNet, edges: Sequence[Sequence[Edge]]
-) -> tuple[int, ...] | None:
+def _order(run: Pass, net: nodes.TaskNet, edges: Edges) -> tuple[int, ...] | None:
     graph = {at: [edge.before for edge in into] for at, into in enumerate(edges)}
     try:
         return tuple(TopologicalSorter(graph).static_order())
@@ -246,9 +270,7 @@ def _order(
         return None
 
 
-def _cycle(
-    net: nodes.TaskNet, edges: Sequence[Sequence[Edge]], circle: Sequence[int]
-) -> Diagnostic:
+def _cycle(net: nodes.TaskNet, edges: Edges, circle: Sequence[int]) -> Diagnostic:
     links = sorted(_links(edges, circle), key=lambda edge: edge.annotation.span.start)
     tags = [f"`{net.steps[edge.before].tag}`" for edge in links]
     if len(tags) == 1:
@@ -269,7 +291,7 @@ def _cycle(
     )
 
 
-def _links(edges: Sequence[Sequence[Edge]], circle: Sequence[int]) -> Iterator[Edge]:
+def _links(edges: Edges, circle: Sequence[int]) -> Iterator[Edge]:
     for before, after in pairwise(circle):
         yield next(edge for edge in edges[after] if edge.before == before)
 

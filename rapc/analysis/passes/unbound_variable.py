@@ -147,17 +147,25 @@ def _why_not(site: Site, missing: Missing, net: Net | None) -> str:
 
 def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
     """What a step's place in the order has to do with it, if anything."""
-    if site.step is None:
+    one, other = site.step, missing.step
+    if one is None:
         return None
-    if missing.step is None or net is None:
+    if other is None or net is None:
         return "bound here only when the method has begun"
-    if site.step in net.early:
-        return f"bound here, but {site.what} may be ended before that"
-    if net.is_before(missing.step, site.step):
-        return f"bound by {site.what}, which comes after this one"
-    if site.step != missing.step and not net.is_before(site.step, missing.step):
-        return f"bound by {site.what}, which nothing puts before this one"
-    return None
+    if one == other or (one not in net.early and net.has_ended(one, other)):
+        return None
+    return f"bound by {site.what}, {_order_in_words(one, other, net)}"
+
+
+def _order_in_words(one: int, other: int, net: Net) -> str:
+    """Why a step has not surely done its work when another begins."""
+    if one in net.early:
+        return "which may be ended before that"
+    if net.is_before(other, one):
+        return "which comes after this one"
+    if net.is_before(one, other):
+        return "but what lies between may be ended before that"
+    return "which nothing puts before this one"
 
 
 def _out_of_sight(site: Site, missing: Missing) -> str:
