@@ -23,7 +23,7 @@ class Use(NamedTuple, Generic[N]):
     owner: nodes.TopForm
 
 
-_CHILDREN: Mapping[type, tuple[str, ...]] = {
+CHILDREN: Mapping[type, tuple[str, ...]] = {
     nodes.Var: (),
     nodes.Call: ("args",),
     nodes.Truth: (),
@@ -112,7 +112,7 @@ class Occurrences:
             if kind is nodes.Const:
                 continue
             by_type.setdefault(kind, []).append(Use(node, parent, owner))
-            for field in reversed(_CHILDREN.get(kind, ())):
+            for field in reversed(CHILDREN.get(kind, ())):
                 value = getattr(node, field)
                 if type(value) is tuple:
                     waiting += [(child, node) for child in reversed(value)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.analysis.driver import check_library
-from rapc.analysis.occurrences import _CHILDREN
+from rapc.analysis.occurrences import CHILDREN
 from rapc.ir import nodes
 from rapc.loader import load_text
 
@@ -58,9 +58,9 @@ def test_occurrences_know_the_children_of_every_node() -> None:
         for kind in vars(nodes).values()
         if isinstance(kind, type) and issubclass(kind, nodes.Node)
     }
-    assert {nodes.Node, nodes.Const, *_CHILDREN} == kinds
+    assert {nodes.Node, nodes.Const, *CHILDREN} == kinds
     scalars = ("str", "int", "bool", "Atom", "Span", "Literal", "tuple[str", "float")
-    for kind, children in _CHILDREN.items():
+    for kind, children in CHILDREN.items():
         holding = {
             name
             for name, said in kind.__annotations__.items()
