@@ -1,0 +1,176 @@
+"""Slips that have been printed: each says what was meant and, if certain, mends it."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc.diagnostics import Applicability
+from rapc.parser.rules import RULES
+from tests.parser.reading import fixed, only, parsed, rules
+
+SAFE, UNSAFE = Applicability.SAFE, Applicability.UNSAFE
+
+SLIPS = [
+    (
+        "(define-rap (a) (SUCCESS (p)))",
+        "the clause of `define-rap` is called `succeed`, not `success`",
+        SAFE,
+        "(define-rap (a) (succeed (p)))",
+    ),
+    (
+        "(define-rap (a) (CONSTRAINT (p)))",
+        "the clause of `define-rap` is called `constraints`, not `constraint`",
+        SAFE,
+        "(define-rap (a) (constraints (p)))",
+    ),
+    (
+        "(define-rap (a ?n) (method (task-net (t1 (b) (COUNTER-DEL ?n 1)))))",
+        "the annotation is called `counter-sub`, not `counter-del`",
+        SAFE,
+        "(define-rap (a ?n) (method (task-net (t1 (b) (counter-sub ?n 1)))))",
+    ),
+    (
+        "(define-rap (a) (monitor-time (now 10 15)))",
+        "the times of `monitor-time` stand without parentheses of their own",
+        SAFE,
+        "(define-rap (a) (monitor-time now 10 15))",
+    ),
+    (
+        "(define-rap (a) (method (task-net (t1 (b) ((f) (for t2))) (t2 (c)))))",
+        "`for` behind a formula stands without parentheses of its own",
+        SAFE,
+        "(define-rap (a) (method (task-net (t1 (b) ((f) for t2)) (t2 (c)))))",
+    ),
+    (
+        "(define-rap (a) (method (task-net (t1 (b) FOR t2) (t2 (c)))))",
+        "`for` stands in parentheses with its tag",
+        SAFE,
+        "(define-rap (a) (method (task-net (t1 (b) (FOR t2)) (t2 (c)))))",
+    ),
+    (
+        "(define-rap (a) (method (task-net (t1 (b) (f) for t2) (t2 (c)))))",
+        "`for` stands in parentheses with its tag",
+        SAFE,
+        "(define-rap (a) (method (task-net (t1 (b) ((f) for t2)) (t2 (c)))))",
+    ),
+    (
+        "(define-rap (a) (succeed (not (p) (q))))",
+        "`not` denies one formula, not 2",
+        UNSAFE,
+        "(define-rap (a) (succeed (not (and (p) (q)))))",
+    ),
+    (
+        "(define-rap (a) (succeed (believe (p))))",
+        "`believe` does not say how fresh the belief has to be",
+        UNSAFE,
+        "(define-rap (a) (succeed (believe (p) ?age)))",
+    ),
+    (
+        "(define-event-rule (:e) (rule (q) (mem-add (p)) (mem-del (r))))",
+        "the query and the actions of a rule stand in parentheses together",
+        SAFE,
+        "(define-event-rule (:e) (rule ((q) (mem-add (p)) (mem-del (r)))))",
+    ),
+    (
+        "(define-rap (a) (succeed (p 'x)))",
+        "`'` means nothing here",
+        SAFE,
+        "(define-rap (a) (succeed (p x)))",
+    ),
+    (
+        "(declare-class-comparator rock #'by-size)",
+        "`#'` means nothing here",
+        SAFE,
+        "(declare-class-comparator rock by-size)",
+    ),
+    (
+        "(define-rap (a) (succeed [p x]))",
+        "`[` means nothing here",
+        UNSAFE,
+        "(define-rap (a) (succeed (p x)))",
+    ),
+    (
+        "(define-rap\u00a0(a))",
+        "the character U+00A0 means nothing here",
+        SAFE,
+        "(define-rap (a))",
+    ),
+    (
+        "(require \u201ctruck\u201d)",
+        "`\u201c` means nothing here",
+        UNSAFE,
+        '(require "truck")',
+    ),
+    (
+        "(define-rap (index a ?x => ?y))",
+        "the index stands in parentheses of its own",
+        SAFE,
+        "(define-rap (index (a ?x => ?y)))",
+    ),
+    (
+        "(require truck)",
+        "`require` takes a string",
+        SAFE,
+        '(require "truck")',
+    ),
+]
+NAMES = [slip[0] for slip in SLIPS]
+
+
+@pytest.mark.parametrize(("text", "message", "sure", "meant"), SLIPS, ids=NAMES)
+def test_slip_says_what_was_meant_and_mends_it(
+    text: str, message: str, sure: Applicability, meant: str
+) -> None:
+    first = parsed(text).diagnostics[0]
+    assert (first.message, first.fix and first.fix.applicability) == (message, sure)
+    assert fixed(text) == meant
+    assert rules(meant) == []
+
+
+def test_two_methods_of_one_name() -> None:
+    found = only("(define-rap (a) (method 2 (task-net)) (method 2 (task-net)))")
+    assert found.message == "two methods are named `2`"
+    assert [label.message for label in found.labels] == ["the first is here"]
+
+
+@pytest.mark.parametrize("rule", RULES, ids=[rule.name for rule in RULES])
+def test_safe_fix_of_an_example_leaves_nothing_to_find(rule: object) -> None:
+    (example,) = (one.example for one in RULES if one is rule)
+    fix = only(example).fix
+    if fix is not None and fix.applicability is SAFE:
+        assert rules(fixed(example)) == []
+
+
+def test_slip_whose_meaning_is_clear_leaves_nothing_out() -> None:
+    slip = parsed("(define-rap (a) (success (p)))")
+    sound = parsed("(define-rap (a) (succeed (p)))")
+    assert slip.partial == ()
+    assert slip.forms == sound.forms
+
+
+def test_what_is_left_out_is_told() -> None:
+    lost = parsed("(define-rap (a) (succeed p))")
+    assert [form.span for form in lost.forms] == list(lost.partial)
+
+
+SUGGESTIONS = [
+    ("(define-rapp (a))", "did you mean `define-rap`?"),
+    ("(define-rap (a) (sucess (p)))", "did you mean `succeed`?"),
+    ("(define-rap (a) (preconditoins (p)))", "did you mean `preconditions`?"),
+    ("(define-rap (a) (method (contxt (p)) (task-net)))", "did you mean `context`?"),
+    (
+        "(define-rap (a) (method (task-net (t1 (b) (until-ended t1)))))",
+        "did you mean `until-end`?",
+    ),
+    ("(declare-memory-function f () :read (p))", "did you mean `:reads`?"),
+]
+
+
+@pytest.mark.parametrize(("text", "help"), SUGGESTIONS)
+def test_unknown_word_gets_a_suggestion(text: str, help: str) -> None:
+    assert only(text).help == help
+
+
+def test_clause_swallowed_by_another_is_told() -> None:
+    found = only("(define-rap (a) (succeed (p) (method (task-net))))")
+    assert found.help == "a `)` may be missing before `(method`"

@@ -1,0 +1,84 @@
+"""Facts, patterns and goals as they stand on a command line."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc.ir import nodes
+from rapc.parser.parse import (
+    TextError,
+    parse_fact,
+    parse_goal_options,
+    parse_pattern,
+)
+from rapc.terms import Text
+
+
+def test_fact() -> None:
+    assert parse_fact('(Size box-1 2.0 -0.5 "Big")') == (
+        *("size", "box-1", 2, -0.5),
+        Text("Big"),
+    )
+
+
+def test_pattern() -> None:
+    made = parse_pattern(" (size ?x (+ 1 2)) ; of something ")
+    call = nodes.Call("+", (nodes.Const(1), nodes.Const(2)))
+    assert made == nodes.Pattern("size", (nodes.Var("?x"), call))
+
+
+def test_goal_with_options() -> None:
+    made, options = parse_goal_options(
+        "(fetch box => ?p) :priority 4 :deadline 290.5 :AT 120 :background true"
+    )
+    assert made == nodes.Goal("fetch", (nodes.Const("box"),), (nodes.Var("?p"),))
+    assert options == {
+        "priority": 4,
+        "deadline": 290.5,
+        "at": 120,
+        "background": "true",
+    }
+
+
+def test_goal_alone() -> None:
+    assert parse_goal_options("(wait)") == (nodes.Goal("wait", (), ()), {})
+
+
+BAD_FACTS = [
+    ("", "the text is empty"),
+    ("; nothing", "the text is empty"),
+    ("box", "a proposition is wanted here, not a symbol: box"),
+    ("()", "a proposition is wanted here, not an empty list: ()"),
+    ("(p ?x)", "a fact holds values only, not a variable: (p ?x)"),
+    ("(p (+ 1 2))", "a fact holds values only, not a computed term: (p (+ 1 2))"),
+    ("(not (p))", "`not` heads no proposition: (not (p))"),
+    ("(p) (q)", "one proposition is wanted, not more: (p) (q)"),
+    ("(p", "the list of `p` is never closed: (p"),
+    ("(p 'x)", "`'` means nothing here: (p 'x)"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_FACTS)
+def test_bad_fact_is_refused_in_one_line(text: str, message: str) -> None:
+    with pytest.raises(TextError) as caught:
+        parse_fact(text)
+    assert str(caught.value) == message
+
+
+BAD_GOALS = [
+    ("fetch", "a goal is wanted here, not a symbol: fetch"),
+    ("(fetch) 4", "an option begins with a colon: 4"),
+    ("(fetch) :priorty 4", "unknown option :priorty; did you mean :priority?"),
+    ("(fetch) :priority", ":priority takes a number"),
+    ("(fetch) :priority high", ":priority takes a number"),
+    ("(fetch) :priority 0.5", ":priority takes an integer"),
+    ("(fetch) :at 1 :at 2", ":at is given twice"),
+    ("(fetch) :background yes", ":background takes true or false"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_GOALS)
+def test_bad_goal_is_refused_in_one_line(text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=r"^.*$") as caught:
+        parse_goal_options(text)
+    assert str(caught.value) == message
