@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -13,8 +14,10 @@ from rapc.cli.common import USAGE, common_options, fail, print_findings, setting
 from rapc.loader import LoadError
 from rapc.parser.parse import TextError
 from rapc.render import visible
-from rapc.testing import discover, explain
+from rapc.testing import coverage_table, discover, explain
+from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
+from rapc.testing.junit import as_junit
 from rapc.testing.run import Case, Outcome
 from rapc.testing.session import Session, exit_status, summary
 from rapc.worlds.faults import Fault
@@ -39,7 +42,7 @@ _STYLES: dict[str, dict[str, Any]] = {
 @click.command(
     epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
 )
-@click.argument("paths", nargs=-1, required=True, metavar="PATH...")
+@click.argument("paths", nargs=-1, metavar="PATH...")
 @click.option("--seed", type=int, default=0, show_default=True, help="First seed.")
 @click.option(
     "--seeds",
@@ -55,21 +58,66 @@ _STYLES: dict[str, dict[str, Any]] = {
     metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
     help="Let requests fail so; may be given several times.",
 )
+@click.option(
+    "--junit",
+    type=click.Path(dir_okay=False),
+    metavar="FILE",
+    help="Write the outcomes as JUnit XML.",
+)
+@click.option(
+    "--coverage",
+    is_flag=False,
+    flag_value="",
+    metavar="[FILE.json]",
+    help="Say what the tests exercise of the library; write it as JSON, too.",
+)
 @common_options
-def test(paths: Sequence[str], seed: int, seeds: int, faults: Sequence[str]) -> None:
+def test(
+    paths: Sequence[str],
+    seed: int,
+    seeds: int,
+    faults: Sequence[str],
+    junit: str | None,
+    coverage: str | None,
+) -> None:
     """Run the tests in files, and in all *.test.rap files below folders.
 
     Exit status: 0 if all passed, 1 if one failed, 2 if one could not be run.
     """
-    running = Session(range(seed, seed + seeds), _faults(faults))
+    if coverage and not coverage.endswith(".json"):
+        paths, coverage = (coverage, *paths), ""
+    if not paths:
+        raise click.UsageError("a file or folder with tests is missing")
+    gathered = None if coverage is None else Coverage()
+    running = Session(range(seed, seed + seeds), _faults(faults), gathered)
     cases = _find(paths)
     useless = list(running.useless(cases))
     if useless:
         fail("--fault: " + useless[0], *useless[1:])
     outcomes = _run(running, cases)
     _explain(outcomes)
+    if gathered is not None:
+        _cover(gathered, coverage)
+    if junit is not None:
+        _write(junit, as_junit(outcomes))
     click.echo(summary(outcomes, seeds))
     raise SystemExit(exit_status(outcomes))
+
+
+def _cover(gathered: Coverage, file: str | None) -> None:
+    files = gathered.files()
+    for line in coverage_table.table(files):
+        click.echo(line)
+    click.echo()
+    if file:
+        _write(file, coverage_table.as_json(files))
+
+
+def _write(file: str, data: bytes) -> None:
+    try:
+        Path(file).write_bytes(data)
+    except OSError as error:
+        fail(f"cannot write `{file}`: {(error.strerror or str(error)).lower()}")
 
 
 def _faults(texts: Iterable[str]) -> tuple[Fault, ...]:

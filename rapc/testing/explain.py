@@ -10,6 +10,7 @@ from typing import Literal
 
 import msgspec
 
+from rapc.analysis.driver import Report
 from rapc.source import SourceFile, Span
 from rapc.testing.run import Failure, Outcome, Status
 
@@ -28,10 +29,7 @@ class Line(msgspec.Struct, frozen=True):
 def place(outcome: Outcome, span: Span) -> str:
     """A place as `file:row:column`."""
     source = _source(outcome, span)
-    if source is None:
-        return span.file
-    at = source.position(span.start)
-    return f"{span.file}:{at.row}:{at.column}"
+    return span.file + ("" if source is None else _position(source, span))
 
 
 def title(outcome: Outcome) -> str:
@@ -51,6 +49,21 @@ def lines(outcome: Outcome) -> Iterator[Line]:
         yield Line("text", "  the last cycles:")
         for text in outcome.trace:
             yield Line("trace", "  " + text)
+
+
+def findings(report: Report) -> Iterator[str]:
+    """What is wrong with a library, one line each."""
+    for finding in report.findings:
+        span = finding.diagnostic.span
+        source = report.library.files.get(span.file)
+        at = "" if source is None else _position(source, span)
+        rule = f"{finding.rule.code} {finding.rule.name}"
+        yield f"{span.file}{at}: error[{rule}]: {finding.diagnostic.message}"
+
+
+def _position(source: SourceFile, span: Span) -> str:
+    at = source.position(span.start)
+    return f":{at.row}:{at.column}"
 
 
 def _happened(failure: Failure, wrong: bool) -> Iterator[Line]:

@@ -15,12 +15,12 @@ from rapc.compiler.plans import CompiledLibrary
 from rapc.ir import tests
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.memory import FactError
-from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission
 from rapc.runtime.world import World
 from rapc.source import Span
 from rapc.terms import format_atom, format_list
+from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Scene, judge
 from rapc.testing.patterns import flat
 from rapc.testing.record import Record
@@ -76,7 +76,7 @@ def run_case(
     case: Case,
     seed: int = 0,
     wrap: Wrap | None = None,
-    listener: Listener | None = None,
+    coverage: Coverage | None = None,
 ) -> Outcome:
     """Run a test once.
 
@@ -84,7 +84,7 @@ def run_case(
         case: the test and its library.
         seed: the seed of interpreter and faults.
         wrap: what to put around the world: faults.
-        listener: is told of every event, besides the test itself.
+        coverage: is told what the run exercises.
     """
     place = case.test.name_span
     try:
@@ -102,8 +102,10 @@ def run_case(
         return _error(case, seed, [Problem(place, str(error))])
     except Refused as error:
         return _error(case, seed, [Problem(place, line) for line in error.reasons])
-    if listener is not None:
-        running.interpreter.listen(listener)
+    if coverage is not None:
+        coverage.begin(case.library.library)
+        running.interpreter.listen(coverage)
+        running.interpreter.watch_contexts(coverage.context)
     running.run()
     return running.outcome()
 

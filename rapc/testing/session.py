@@ -9,6 +9,7 @@ import msgspec
 
 from rapc.runtime.world import World
 from rapc.terms import format_list
+from rapc.testing.coverage import Coverage
 from rapc.testing.run import Case, Outcome, Status, run_case
 from rapc.worlds.faults import Fault, FaultyWorld, problem
 from rapc.worlds.script import offer_of
@@ -19,6 +20,7 @@ class Session(msgspec.Struct, frozen=True):
 
     seeds: range = range(1)
     faults: tuple[Fault, ...] = ()
+    coverage: Coverage | None = None
 
     def run(self, cases: Iterable[Case]) -> Iterator[Outcome]:
         """The outcome of each test: of its last seed, or the first that failed."""
@@ -33,7 +35,7 @@ class Session(msgspec.Struct, frozen=True):
             return FaultyWorld(world, faults, seed) if faults else world
 
         for seed in self.seeds:
-            outcome = run_case(case, seed, wrap)
+            outcome = run_case(case, seed, wrap, self.coverage)
             if outcome.status is not Status.PASSED:
                 break
         return outcome

@@ -188,7 +188,10 @@ class _Validator:
         if rap is None:
             yield _unknown(node.span, "RAP", node.rap, self._library.raps)
             return
-        names = [str(m.name or f"#{m.position}") for m in rap.methods]
+        names = [
+            f"#{method.position}" if method.name is None else str(method.name)
+            for method in rap.methods
+        ]
         if node.method not in names and node.rap not in self._solved:
             what = f"method of `{node.rap}`"
             yield _unknown(node.span, what, node.method, names)

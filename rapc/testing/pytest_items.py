@@ -1,0 +1,70 @@
+"""What pytest collects and runs: files of tests, and each `define-test` in them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rapc.loader import LoadError
+from rapc.testing import discover, explain
+from rapc.testing.run import Case, Outcome, Status, run_case
+
+
+class RapFile(pytest.File):
+    """A `*.test.rap` file."""
+
+    def collect(self) -> Iterator[RapTest]:
+        """Its tests; an error if it, or a library it runs, has errors.
+
+        Raises:
+            CollectError: with the errors, one line each.
+        """
+        try:
+            found = discover.find_in(Path(os.path.relpath(self.path)))
+        except LoadError as error:
+            raise self.CollectError(str(error)) from None
+        if found.reports:
+            lines = [line for r in found.reports for line in explain.findings(r)]
+            raise self.CollectError("\n".join(lines))
+        for case in found.cases:
+            yield RapTest.from_parent(self, name=case.test.name, case=case)
+
+
+class RapTestFailure(Exception):
+    """A test that did not pass, with its outcome."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__(outcome.case.test.name)
+        self.outcome = outcome
+
+
+class RapTest(pytest.Item):
+    """One `define-test`, run under seed 0."""
+
+    def __init__(self, *, case: Case, **more: Any) -> None:
+        super().__init__(**more)
+        self.case = case
+
+    def runtest(self) -> None:
+        """Run it. Raises RapTestFailure if it does not pass."""
+        outcome = run_case(self.case)
+        if outcome.status is not Status.PASSED:
+            raise RapTestFailure(outcome)
+
+    def repr_failure(
+        self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None
+    ) -> Any:
+        """What `rapc test` would say of it."""
+        if not isinstance(excinfo.value, RapTestFailure):
+            return super().repr_failure(excinfo, style)
+        return "\n".join(line.text for line in explain.lines(excinfo.value.outcome))
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """The file, the row of the test from 0, and its name."""
+        span = self.case.test.span
+        source = self.case.library.library.files[span.file]
+        return self.path, source.position(span.start).row - 1, self.name
