@@ -1,0 +1,1 @@
+"""Tests of the language in the language itself, and what they need from Python."""
