@@ -173,7 +173,8 @@ class Notes:
 
     def finish(self, forms: Iterable[Datum]) -> Reading:
         """The reading of a file with these data at its top level."""
-        self.diagnostics.extend(self._illegal_text(s, e) for s, e in self._illegal)
+        for start, end in self._illegal:
+            self._report_illegal(start, end)
         found = sorted(self.diagnostics, key=lambda d: d.span.start)
         damage = sorted(self.damage)
         top = tuple(TopLevel(form, _hit(form, damage)) for form in forms)
@@ -215,7 +216,7 @@ class Notes:
             )
         )
 
-    def _illegal_text(self, start: int, end: int) -> Diagnostic:
+    def _report_illegal(self, start: int, end: int) -> None:
         text = self.source.text[start:end]
         harmless = text.isspace() or _QUOTES.issuperset(text) or text == "|#"
         if not harmless:
@@ -224,18 +225,20 @@ class Notes:
         span = self.source.span(start, end)
         doing = f"write `{content}` for it" if content.strip() else "take it out"
         sure = Applicability.SAFE if harmless else Applicability.UNSAFE
-        return Diagnostic(
-            "illegal-character",
-            f"{_shown(text)} means nothing here",
-            span,
-            help=_advice(text),
-            fix=Fix(sure, doing, (Edit(span, content),)),
+        self.diagnostics.append(
+            Diagnostic(
+                "illegal-character",
+                f"{_shown(text)} means nothing here",
+                span,
+                help=_advice(text),
+                fix=Fix(sure, doing, (Edit(span, content),)),
+            )
         )
 
 
 def _hit(form: Datum, damage: list[int]) -> bool:
     at = bisect_left(damage, form.start)
-    return at < len(damage) and damage[at] <= form.end
+    return at < len(damage) and damage[at] < form.end
 
 
 def _shown(text: str) -> str:

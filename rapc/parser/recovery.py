@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import msgspec
 
@@ -29,6 +29,7 @@ from rapc.parser.lexicon import (
     Token,
 )
 from rapc.parser.parentheses import findings
+from rapc.source import SourceFile, Span
 
 CUT = STRING + 100
 """The kind of a string that does not close: it ends with its line."""
@@ -188,61 +189,70 @@ class _Cutter:
 
 def _data(notes: Notes, segment: Segment) -> list[Datum]:
     """The data of a segment; all of them count as damaged if anything was amiss."""
-    lost = list(_lost_text(notes, segment))
+    lost = _lost_text(notes.source, segment)
     code = [t for t in segment.tokens if t[0] not in (COMMENT, BLOCK)]
     repair = balance(notes.source, code)
-    if not notes.full:
-        told = lost or findings(notes.source, code, repair, segment.end)
-        for found in told:
+    if lost is not None:
+        notes.report(lost)
+    elif not notes.full:
+        for found in findings(notes.source, code, repair, segment.end):
             notes.report(found)
     for kind, start, end in segment.tokens:
         if kind in (COMMENT, BLOCK):
             notes.comment(start, end)
     forms = _build(notes, code, repair)
-    if lost or repair.edits:
+    if lost is not None or repair.edits:
         notes.damage.extend(form.start for form in forms)
     return forms
 
 
-def _lost_text(notes: Notes, segment: Segment) -> Iterator[Diagnostic]:
+def _lost_text(source: SourceFile, segment: Segment) -> Diagnostic | None:
     """What is to be said of nesting, strings and comments: the first cause only."""
-    source = notes.source
-    here = source.span(segment.end, segment.end + 1)
-    noticed = Label(here, "noticed here" if here.end <= len(source.text) else "the end")
     if segment.deep is not None:
-        yield Diagnostic(
+        return Diagnostic(
             "nested-too-deeply",
             f"lists are nested more than {MAX_DEPTH} deep here",
             source.span(segment.deep, segment.deep + 1),
             help="are closing parentheses missing before?",
         )
-    elif segment.string is not None:
+    if segment.string is not None:
         _, start, end = segment.string
-        edit = Edit(source.span(end, end), '"')
-        yield Diagnostic(
-            "unterminated-string",
-            "this string is not closed",
-            source.span(start, start + 1),
-            labels=(
-                Label(source.span(end - 1, end), 'a `"` is most likely missing here'),
-                noticed,
-            ),
-            fix=Fix(Applicability.UNSAFE, 'insert `"`', (edit,)),
-        )
-    elif segment.comment is not None:
+        opener = source.span(start, start + 1)
+        return _unclosed("unterminated-string", source, opener, end, '"', segment.end)
+    if segment.comment is not None:
         start = segment.comment
         stop = next(e for k, s, e in segment.tokens if k == BLOCK and s == start)
         end = start + len(source.text[start:stop].rstrip())
-        edit = Edit(source.span(end, end), " |#")
-        yield Diagnostic(
-            "unterminated-comment",
-            "this comment is not closed",
-            source.span(start, start + 2),
-            labels=(
-                Label(source.span(end - 1, end), "a `|#` is most likely missing here"),
-            ),
-            fix=Fix(Applicability.UNSAFE, "insert `|#`", (edit,)),
-        )
+        opener = source.span(start, start + 2)
+        return _unclosed("unterminated-comment", source, opener, end, " |#", stop)
+    return None
+
+
+def _unclosed(
+    rule: str,
+    source: SourceFile,
+    opener: Span,
+    end: int,
+    closer: str,
+    noticed: int,
+) -> Diagnostic:
+    """A string or comment that should end at `end` and was missed at `noticed`."""
+    mark = closer.strip()
+    last = "noticed here" if noticed < len(source.text) else "the file ends here"
+    return Diagnostic(
+        rule,
+        f"this {rule.removeprefix('unterminated-')} is never closed",
+        opener,
+        labels=(
+            Label(source.span(end - 1, end), f"`{mark}` is most likely missing here"),
+            Label(source.span(noticed, noticed + 1), last),
+        ),
+        fix=Fix(
+            Applicability.UNSAFE,
+            f"insert `{mark}`",
+            (Edit(source.span(end, end), closer),),
+        ),
+    )
 
 
 def _build(notes: Notes, tokens: Sequence[Token], repair: Repair) -> list[Datum]:
@@ -252,30 +262,39 @@ def _build(notes: Notes, tokens: Sequence[Token], repair: Repair) -> list[Datum]
     drops = {*repair.extra, *(at for at, _ in repair.drops)}
     items: list[Datum] = []
     stack: list[tuple[list[Datum], int]] = []
-    for index in range(len(tokens) + 1):
+    for index, token in enumerate(tokens):
+        kind, start, end = token
         for _ in range(closes[index]):
-            outer, opened = stack.pop()
-            outer.append(List(tuple(items), opened, tokens[index - 1][2]))
-            items = outer
-        if index == len(tokens) or index in drops:
-            continue
-        kind, start, end = tokens[index]
-        if index in opens:
+            items = _close(stack, items, tokens[index - 1][2])
+        if index in opens or (kind == OPEN and index not in drops):
             stack.append((items, start))
             items = []
-        if kind == OPEN:
-            stack.append((items, start))
-            items = []
-        elif kind == CLOSE:
-            outer, opened = stack.pop()
-            outer.append(List(tuple(items), opened, end))
-            items = outer
-        elif kind == ATOM:
-            items.append(notes.atom(notes.source.text[start:end], start, end))
-        elif kind == STRING:
-            items.append(notes.string(start, end))
-        elif kind == CUT:
-            items.append(String(notes.source.text[start + 1 : end], start, end))
-        else:
-            notes.illegal(start, end)
+        if kind == CLOSE and index not in drops:
+            items = _close(stack, items, end)
+        elif kind not in (OPEN, CLOSE):
+            _atom(notes, items, token)
+    while stack:
+        items = _close(stack, items, tokens[-1][2])
     return items
+
+
+def _close(
+    stack: list[tuple[list[Datum], int]], items: list[Datum], end: int
+) -> list[Datum]:
+    """Close the innermost list; the items of the list around it."""
+    outer, start = stack.pop()
+    outer.append(List(tuple(items), start, end))
+    return outer
+
+
+def _atom(notes: Notes, items: list[Datum], token: Token) -> None:
+    """Take up a token that is no parenthesis."""
+    kind, start, end = token
+    if kind == ATOM:
+        items.append(notes.atom(notes.source.text[start:end], start, end))
+    elif kind == STRING:
+        items.append(notes.string(start, end))
+    elif kind == CUT:
+        items.append(String(notes.source.text[start + 1 : end], start, end))
+    else:
+        notes.illegal(start, end)

@@ -33,6 +33,9 @@ TERMS: st.SearchStrategy[nodes.Term] = st.recursive(
 )
 ARGS = st.lists(TERMS, max_size=3).map(tuple)
 PATTERNS = st.builds(nodes.Pattern, NAMES, ARGS)
+KNOWN = st.one_of(
+    st.sampled_from(["true", "false"]).map(nodes.Const), st.just(nodes.Var("?y"))
+)
 OPS = st.sampled_from(["=", "n=", "<", ">", "<=", ">="])
 LEAVES = st.one_of(
     PATTERNS,
@@ -42,7 +45,7 @@ LEAVES = st.one_of(
     st.builds(nodes.SetTest, st.just("member"), st.tuples(TERMS, TERMS).map(tuple)),
     st.builds(nodes.SetTest, st.just("empty"), st.tuples(TERMS).map(tuple)),
     st.builds(nodes.History, st.just("last-result"), st.tuples(TERMS).map(tuple)),
-    st.builds(nodes.SensorName, TERMS, TERMS),
+    st.builds(nodes.SensorName, TERMS, KNOWN),
     st.builds(nodes.Count, TERMS, TERMS, TERMS),
 )
 FORMULAS: st.SearchStrategy[nodes.Formula] = st.recursive(

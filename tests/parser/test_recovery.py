@@ -112,7 +112,7 @@ CASES = [
         "comment not closed",
         "(define-rap (foo)) #| and nothing\nmore than this",
         "unterminated-comment",
-        *(1, 20, (2,)),
+        *(1, 20, (2, 3)),
         "(define-rap (foo)) #| and nothing\nmore than this |#",
     ),
 ]

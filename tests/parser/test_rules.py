@@ -11,7 +11,7 @@ from pathlib import Path
 from rapc.parser.rules import RULES
 
 PARSER = Path(__file__).parents[2] / "rapc" / "parser"
-REPORTERS = {"report", "slip", "unknown", "Diagnostic"}
+REPORTERS = {"report", "slip", "unknown", "Diagnostic", "_unclosed"}
 
 
 def _reported() -> set[str]:
@@ -22,8 +22,9 @@ def _reported() -> set[str]:
             if isinstance(node, ast.Call) and node.args:
                 called = getattr(node.func, "attr", getattr(node.func, "id", ""))
                 first = node.args[0]
-                if called in REPORTERS and isinstance(first, ast.Constant):
-                    names.add(str(first.value))
+                named = isinstance(first, ast.Constant) and isinstance(first.value, str)
+                if called in REPORTERS and named:
+                    names.add(ast.literal_eval(first))
     return names
 
 

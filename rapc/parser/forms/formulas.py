@@ -174,6 +174,10 @@ def _know_sensor_name(ctx: Context, datum: List) -> nodes.Formula | None:
         return None
     span = ctx.span(datum)
     value = args[1] if len(args) == 2 else nodes.Const("true", span)
+    if isinstance(value, nodes.Const) and value.value not in ("true", "false"):
+        message = "`know-sensor-name` is `true` or `false` of an item"
+        ctx.report("malformed-formula", message, datum.items[2])
+        return None
     return nodes.SensorName(args[0], value, span)
 
 
