@@ -14,11 +14,10 @@ from rapc.terms import Number, format_atom, number
 
 
 class Fault(Exception):
-    """A value of the wrong kind met in a computation; the text says which."""
+    """An unbound variable or a value of the wrong kind met in a computation.
 
-
-class Missing(Fault):
-    """A variable without a value met in a computation."""
+    The text says which.
+    """
 
 
 class Unbound:

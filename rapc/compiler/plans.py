@@ -12,6 +12,7 @@ from rapc.compiler.dependencies import Watch, watches
 from rapc.compiler.query import Query, TermValue
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
+from rapc.ir.walk import subterms
 from rapc.library import Library
 from rapc.source import Span
 
@@ -31,6 +32,7 @@ class StepPlan:
         "after",
         "args",
         "before",
+        "computes",
         "conditions",
         "effects",
         "node",
@@ -46,6 +48,7 @@ class StepPlan:
         self.position = position
         where = compiler.place(f"step `{node.tag}`", node.span)
         self.args = tuple(TermValue(arg, where) for arg in node.goal.args)
+        self.computes = any(isinstance(arg, nodes.Call) for arg in node.goal.args)
         self.outputs = tuple(ReceiverPlan(out, where) for out in node.goal.outputs)
         self.before = 0
         self.after: list[int] = []
@@ -161,6 +164,7 @@ class RapPlan:
         "node",
         "outputs",
         "preconditions",
+        "prepared_from",
         "repeat_while",
         "resources",
         "succeed",
@@ -194,6 +198,7 @@ class RapPlan:
             else (r, None)
             for r in node.resources
         )
+        self.prepared_from = _used(node)
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)
@@ -203,6 +208,16 @@ class RapPlan:
     def monitored(self) -> bool:
         """Whether the RAP has a monitor clause."""
         return self.monitor_state is not None or self.monitor_time is not None
+
+
+def _used(node: nodes.DefineRap) -> frozenset[str]:
+    """The variables that resources, duration and delay of a RAP use."""
+    used = [r.initial for r in node.resources if r.initial is not None]
+    used += [node.duration] if node.duration is not None else []
+    if node.monitor_time is not None:
+        used += [node.monitor_time.start, node.monitor_time.stop]
+    parts = (part for term in used for part in subterms(term))
+    return frozenset(part.name for part in parts if isinstance(part, nodes.Var))
 
 
 class Compiler:

@@ -193,20 +193,14 @@ class TermValue:
         self._compute = _compile_term(term)
 
     def value(self, ctx: Context, env: Bindings) -> Value | None:
-        """The value, or None while a variable in it is unbound.
-
-        A computation that fails is traced as a fault and is None too.
-        """
+        """The value, or None while a variable is unbound or of the wrong kind."""
         try:
             return self._compute(ctx, env)
-        except builtin.Missing:
-            return None
-        except builtin.Fault as fault:
-            ctx.fault(self.where, str(fault))
+        except builtin.Fault:
             return None
 
     def needed(self, ctx: Context, env: Bindings) -> Value | None:
-        """As `value`, where a variable that is unbound is a fault as well."""
+        """As `value`, but what is unbound or of the wrong kind is traced."""
         try:
             return self._compute(ctx, env)
         except builtin.Fault as fault:
@@ -238,7 +232,7 @@ def _compile_variable(name: str) -> Callable[[Context, Bindings], Value]:
     def look_up(ctx: Context, env: Bindings) -> Value:
         value = env.get(name)
         if value is None:
-            raise builtin.Missing(f"{name} is not bound")
+            raise builtin.Fault(f"{name} is not bound")
         return value
 
     return look_up

@@ -54,6 +54,9 @@ class Agenda:
     def __len__(self) -> int:
         return len(self._tasks)
 
+    def __contains__(self, task: Task) -> bool:
+        return task.number in self._tasks
+
     def add(self, task: Task) -> None:
         """A task has become eligible."""
         task.key = (-task.priority, task.limit - task.duration, task.failed)

@@ -18,7 +18,7 @@ from rapc.runtime.task import Env, MethodRun, State, Task
 
 
 def create(machine: Machine, task: Task) -> None:
-    """A task joins the run; one whose inputs are bound gets its resources now."""
+    """A task joins the run."""
     task.number = machine.next_number()
     task.made = machine.recorder.time
     task.family = task.family or task.number
@@ -33,13 +33,18 @@ def create(machine: Machine, task: Task) -> None:
             priority=task.priority,
             step=task.step.node.tag if task.step is not None else None,
         )
-    if task.bound:
-        _prepare(machine, task)
+    _prepare(machine, task)
 
 
 def _prepare(machine: Machine, task: Task) -> None:
-    """Make the resources of a task whose inputs are bound, and what uses them."""
+    """Make resources, duration and delay as soon as the inputs they use are bound."""
     plan = task.plan
+    if task.prepared or any(
+        value is None and name in plan.prepared_from
+        for name, value in zip(plan.inputs, task.goal_args, strict=True)
+    ):
+        return
+    task.prepared = True
     machine.context.task = task
     for resource, initial in plan.resources:
         made = _make(machine.context, resource.kind, initial, task.env)
@@ -70,19 +75,22 @@ def _make(
     return None
 
 
-def fix_inputs(task: Task) -> bool:
-    """Fix the inputs of a task, and who it is, if they are all bound."""
-    if None in task.goal_args:
-        return False
-    values = [value for value in task.goal_args if value is not None]
-    task.env = dict(zip(task.plan.inputs, values, strict=True))
-    task.identity = (task.plan.name, *(frozen(value) for value in values))
-    task.bound = True
-    return True
+def fix_inputs(task: Task) -> None:
+    """Keep the inputs of a task that are bound."""
+    given = zip(task.plan.inputs, task.goal_args, strict=True)
+    inputs = {name: value for name, value in given if value is not None}
+    names = [resource.variable.name for resource, _ in task.plan.resources]
+    task.env = {**inputs, **{n: task.env[n] for n in names if n in task.env}}
+    task.bound = None not in task.goal_args
 
 
 def repeats_ancestor(task: Task) -> bool:
-    """Whether a task asks for what an ancestor of it asks for (T 3.2.5)."""
+    """Whether a task asks for what an ancestor of it asks for (T 3.2.5).
+
+    Asked once, when its inputs are first all bound: this is who it is from now.
+    """
+    values = [frozen(value) for value in task.goal_args if value is not None]
+    task.identity = (task.plan.name, *values)
     above = task.parent
     while above is not None:
         if above.identity == task.identity:
@@ -125,7 +133,12 @@ def when_time_comes(machine: Machine, task: Task) -> None:
 
 
 def make_ready(machine: Machine, task: Task) -> None:
-    """Order and start times let a task run: test its monitors or make it eligible."""
+    """Order and start times let a task run: test its monitors or make it eligible.
+
+    What its step computes for it is what it comes to now.
+    """
+    if task.step is not None and task.step.computes:
+        fill_inputs(machine, task)
     if task.plan.monitored and task.bound and not task.spoilt:
         machine.monitors.first_test(task)
     else:
@@ -191,11 +204,12 @@ def state_windows(machine: Machine, task: Task, reference: int | None) -> None:
 
 
 def fill_inputs(machine: Machine, task: Task) -> None:
-    """Read a step's inputs from its method's environment; fix them if all are there."""
+    """Read a step's inputs from its method's environment, as far as they are there."""
     if task.step is None or task.within is None:
         return
     machine.context.task = task.within.task
     env = task.within.env
     task.goal_args = tuple([arg.value(machine.context, env) for arg in task.step.args])
-    if fix_inputs(task) and task.number:
+    fix_inputs(task)
+    if task.number:
         _prepare(machine, task)

@@ -41,7 +41,7 @@ def run_cycle(machine: Machine, task: Task) -> None:
     task.after_method = False
     if not task.begun and not task.plan.monitored:
         _begin(machine, task)
-    if not task.bound and _misses_inputs(machine, task):
+    if (not task.bound or task.identity is None) and _misses_inputs(machine, task):
         return
     if task.spoilt:
         fail(machine, task, INTERFERENCE)
@@ -98,6 +98,10 @@ def _misses_inputs(machine: Machine, task: Task) -> bool:
                 run.env.update(found)
         if late_recursion(machine, run):
             return True
+        machine.context.task = run.task
+        for arg, value in zip(step.args, task.goal_args, strict=True):
+            if value is None:
+                arg.needed(machine.context, run.env)
     if not task.bound:
         fail(machine, task, INTERFERENCE)
     return not task.live

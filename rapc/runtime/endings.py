@@ -14,6 +14,7 @@ from rapc.resources import Counter, SetResource, Value
 from rapc.runtime.beginnings import (
     fill_inputs,
     let_go,
+    make_ready,
     repeats_ancestor,
     state_windows,
 )
@@ -93,10 +94,10 @@ def receive(
     for receiver, value in arriving:
         if receiver.anonymous:
             continue
-        known = receiver.term.value(machine.context, {**run.env, **bound})
-        if known is None and receiver.variable is not None:
+        env = {**run.env, **bound}
+        if receiver.variable is not None and receiver.variable not in env:
             bound[receiver.variable] = value
-        elif known != value:
+        elif receiver.term.needed(machine.context, env) != value:
             return None
     return bound
 
@@ -195,12 +196,17 @@ def late_recursion(machine: Machine, run: MethodRun) -> bool:
     Then the method has ended badly and its task has failed, `futile-loop`.
     """
     for task in run.steps:
-        if task.live and not task.bound:
+        if not task.live or (task.bound and task.identity is not None):
+            continue
+        if not task.bound:
             fill_inputs(machine, task)
-            if task.bound and repeats_ancestor(task):
-                end_method(machine, run, FUTILE_LOOP, "parent-failed")
-                fail(machine, run.task, FUTILE_LOOP)
-                return True
+        if task.bound and task.identity is None and repeats_ancestor(task):
+            end_method(machine, run, FUTILE_LOOP, "parent-failed")
+            fail(machine, run.task, FUTILE_LOOP)
+            return True
+        if task.bound and task in machine.agenda:
+            machine.agenda.discard(task)
+            make_ready(machine, task)
     return False
 
 

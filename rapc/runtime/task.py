@@ -10,6 +10,7 @@ import enum
 import math
 
 from rapc.compiler.plans import MethodPlan, RapPlan, StepPlan
+from rapc.parser.printer import format_term
 from rapc.resources import Value
 from rapc.runtime.memory.memory import Notation
 from rapc.runtime.world import OKAY, Time
@@ -67,6 +68,7 @@ class Task:
         "outputs",
         "parent",
         "plan",
+        "prepared",
         "priority",
         "ready_at",
         "results",
@@ -96,6 +98,7 @@ class Task:
         self.env: Env = {}
         self.bound = False
         self.spoilt = False
+        self.prepared = False
         self.identity: object = None
         self.duration: Time = 0
         self.given_deadline: float = math.inf
@@ -148,7 +151,8 @@ class Task:
             if value is not None:
                 words.append(format_atom(value))
             else:
-                words.append(str(getattr(terms[at], "name", "?")) if terms else name)
+                env = self.within.env if self.within is not None else {}
+                words.append(format_term(terms[at], env))
         if self.plan.outputs:
             words.append("=>")
             for name in self.plan.outputs:
