@@ -18,6 +18,7 @@ from rapc.runtime.beginnings import (
     create,
     fix_inputs,
     let_go,
+    repeats_ancestor,
     when_time_comes,
 )
 from rapc.runtime.cycle import run_cycle
@@ -194,6 +195,7 @@ class Interpreter:
         task = Task(plan, None)
         task.goal_args = tuple(args)
         fix_inputs(task)
+        repeats_ancestor(task)
         task.priority = submission.priority
         task.background = submission.background
         self._given.append(task)
