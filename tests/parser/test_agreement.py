@@ -91,7 +91,7 @@ def _by_lark(tree: Tree[Token]) -> tuple[Plain, ...]:
             if child.type == "STRING":
                 text = text[1:-1]
             elif child.type == "NUMBER":
-                text = str(float(text))
+                text = str(float(text) + 0.0)  # there is no negative zero
             else:
                 text = text.lower()
             kind = "Numeral" if child.type == "NUMBER" else child.type.capitalize()
