@@ -1,7 +1,8 @@
 """What the benchmarks share: how time is taken, and how a figure is told.
 
 A figure is the median of several rounds; each round repeats the work until it has
-taken long enough for the clock. The collector stays on, as it is in use.
+taken long enough for the clock. The clock is that of the CPU, so that others on the
+machine disturb little. The collector stays on, as it is in use.
 """
 
 from __future__ import annotations
@@ -32,16 +33,16 @@ class Figure(msgspec.Struct, frozen=True):
 
 
 def seconds(work: Callable[[], object], rounds: int = 5) -> float:
-    """The median time of one call in seconds, after a first call to warm up."""
+    """The median CPU time of one call in seconds, after a first call to warm up."""
     work()
     times = []
     for _ in range(rounds):
         calls = 0
-        start = now = time.perf_counter()
+        start = now = time.process_time()
         while now - start < ROUND or calls == 0:
             work()
             calls += 1
-            now = time.perf_counter()
+            now = time.process_time()
         times.append((now - start) / calls)
     return statistics.median(times)
 

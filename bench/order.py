@@ -80,7 +80,7 @@ def figures(quick: bool = False) -> Iterator[Figure]:
     yield Figure("order", "CPU time of a run", size, cpu * 1e3, "ms")
     yield Figure("order", "cycles of a run", size, cycles, "cycles")
     yield Figure("order", "simulated time of a run", size, units, "time units")
-    yield Figure("order", "cycles a second", size, cycles / wall, "cycles/s")
+    yield Figure("order", "cycles a CPU second", size, cycles / cpu, "cycles/s")
     commands = [_command() for _ in range(1 if quick else 5)]
     first, whole = (statistics.median(times) for times in zip(*commands, strict=True))
     yield Figure("order", "`rapc run`: first line", "seed 0", first, "s")

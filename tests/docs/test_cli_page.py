@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import click
@@ -11,7 +13,8 @@ import pytest
 from rapc.cli.main import COMMANDS, cli
 from rapc.runtime.machine import Settings
 
-PAGE = (Path(__file__).parents[2] / "docs" / "cli.md").read_text(encoding="utf-8")
+CHECKOUT = Path(__file__).parents[2]
+PAGE = (CHECKOUT / "docs" / "cli.md").read_text(encoding="utf-8")
 SECTIONS = dict(
     re.findall(r"^## rapc (\w+)[^\n]*\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S)
 )
@@ -49,3 +52,15 @@ def test_page_tells_the_settings_with_their_defaults() -> None:
     names = Settings.__struct_fields__
     defaults = {n.replace("_", "-"): str(getattr(Settings(), n)) for n in names}
     assert dict(rows) == defaults
+
+
+def test_program_on_the_page_runs() -> None:
+    [program] = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=CHECKOUT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.stdout, done.stderr) == ("done (rock-order red 1) succeeded\n", "")
