@@ -326,8 +326,10 @@ class Interpreter:
             return
         target = max(min(known), machine.recorder.time)
         if machine.until is not None and target > machine.until:
-            self.end("until")
-            return
+            if machine.recorder.time == machine.until:
+                self.end("until")
+                return
+            target = machine.until
         self._idle = self._idle + 1 if target == machine.recorder.time else 0
         machine.world.advance(target)
 
