@@ -158,7 +158,7 @@ def _run(running: Session, cases: Iterable[Case]) -> list[Outcome]:
     return outcomes
 
 
-def _explain(outcomes: Iterable[Outcome]) -> None:
+def _explain(outcomes: Sequence[Outcome]) -> None:
     for outcome in outcomes:
         if outcome.failures:
             click.echo()
@@ -167,7 +167,8 @@ def _explain(outcomes: Iterable[Outcome]) -> None:
             _say(outcome.status.value, f"{explain.title(outcome)}{doc}")
             for line in explain.lines(outcome):
                 _say(line.kind, line.text)
-    click.echo()
+    if not settings().quiet or any(outcome.failures for outcome in outcomes):
+        click.echo()
 
 
 def _say(kind: str, text: str) -> None:

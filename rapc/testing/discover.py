@@ -51,8 +51,8 @@ def find_in(path: Path) -> Found:
     for test in tests:
         names = tuple([form.name for form in test.requires])
         if names not in libraries:
-            report = check_library(loader.load_for_test(path, test.requires))
-            libraries[names] = _compiled(report, path, reports)
+            loaded = loader.load_for_test(path, test.requires) if names else whole
+            libraries[names] = _compiled(check_library(loaded), path, reports)
         library = libraries[names]
         if library is not None:
             cases.append(Case(test, library))

@@ -153,7 +153,7 @@ class _Validator:
     def _goal(self, goal: nodes.Goal) -> Iterator[Problem]:
         rap = self._library.raps.get(goal.name)
         if rap is None:
-            yield _unknown(goal.span, "RAP", goal.name, self._library.raps)
+            yield _unknown(goal.span, "there is no RAP", goal.name, self._library.raps)
         elif len(rap.inputs) != len(goal.args):
             message = f"`{goal.name}` takes {len(rap.inputs)} inputs"
             yield Problem(goal.span, f"{message}, not {len(goal.args)}")
@@ -173,7 +173,7 @@ class _Validator:
     ) -> Iterator[Problem]:
         arity = offered.get(pattern.name)
         if arity is None:
-            yield _unknown(pattern.span, what, pattern.name, offered)
+            yield _unknown(pattern.span, f"there is no {what}", pattern.name, offered)
         elif arity != len(pattern.args):
             message = f"`{pattern.name}` takes {arity} arguments"
             yield Problem(pattern.span, f"{message}, not {len(pattern.args)}")
@@ -186,32 +186,32 @@ class _Validator:
     def _method(self, node: tests.MethodChosen) -> Iterator[Problem]:
         rap = self._library.raps.get(node.rap)
         if rap is None:
-            yield _unknown(node.span, "RAP", node.rap, self._library.raps)
+            yield _unknown(node.span, "there is no RAP", node.rap, self._library.raps)
             return
         names = [
             f"#{method.position}" if method.name is None else str(method.name)
             for method in rap.methods
         ]
         if node.method not in names and node.rap not in self._solved:
-            what = f"method of `{node.rap}`"
+            what = f"`{node.rap}` has no method"
             yield _unknown(node.span, what, node.method, names)
 
 
 def _unknown(span: Span, what: str, name: str, known: Collection[str]) -> Problem:
     near = nearest(name, known)
     hint = f"; did you mean `{near}`?" if near else ""
-    return Problem(span, f"there is no {what} `{name}`{hint}")
+    return Problem(span, f"{what} `{name}`{hint}")
 
 
 def _event(pattern: tests.EventPattern) -> Iterator[Problem]:
     kinds = _event_keys()
     keys = kinds.get(pattern.event)
     if keys is None:
-        yield _unknown(pattern.span, "event", pattern.event, kinds)
+        yield _unknown(pattern.span, "there is no event", pattern.event, kinds)
         return
     for key, _ in pattern.keys:
         if key not in keys:
-            what = f"key of `{pattern.event}`"
+            what = f"`{pattern.event}` has no key"
             yield _unknown(pattern.span, what, key, keys)
 
 

@@ -151,7 +151,7 @@ def row_problems(row: Row, offer: Offer, handled: Container[str]) -> Iterator[st
     yield from _unknown(row.signals, offer.events)
     yield from _unknown(row.data, offer.data)
     for datum in row.data:
-        if datum[0] not in handled:
+        if datum[0] in offer.data and datum[0] not in handled:
             yield f"there is no handler for the datum `{datum[0]}`"
 
 

@@ -1,0 +1,1 @@
+"""Tests of the tests: what `define-test` says of a library, and how it is told."""

@@ -1,0 +1,143 @@
+"""`rapc test`: what is found, what is printed, with which status it ends."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ..cli.command import rapc
+from .workshop import GRAB, LIBRARY
+
+GIVEN = f"(script {GRAB}) (task (fetch box))"
+GOOD = f"(define-test good {GIVEN} (expect (succeeds (fetch box))))\n"
+BAD = f'(define-test bad "It fails." {GIVEN} (expect (never (grab ?))))\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A library, a file of tests in a folder below, and a file that is no test."""
+    below = tmp_path / "below"
+    below.mkdir()
+    (tmp_path / "arms.rap").write_text(LIBRARY + BAD)
+    (below / "arms.test.rap").write_text(LIBRARY + GOOD)
+    (below / "legs.test.rap").write_text('(require "../arms")\n' + GOOD)
+    return tmp_path
+
+
+def test_all_test_files_below_a_folder_are_run(folder: Path) -> None:
+    done = rapc("test", ".", cwd=folder)
+    assert done.stdout.splitlines() == [
+        "below/arms.test.rap",
+        "  passed  good",
+        "below/legs.test.rap",
+        "  passed  good",
+        "",
+        "2 tests: 2 passed",
+    ]
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_file_that_is_named_need_not_be_called_a_test(folder: Path) -> None:
+    done = rapc("test", "arms.rap", "below", cwd=folder)
+    row = len(LIBRARY.splitlines()) + 1
+    lines = done.stdout.splitlines()
+    assert lines[:2] == ["arms.rap", "  failed  bad"]
+    at = lines.index("bad: It fails.")
+    assert lines[at + 1] == f"arms.rap:{row}:113"
+    assert lines[at + 2].startswith(f"  {row} | (define-test bad")
+    assert lines[at + 3].endswith(" ^^^^^^^^^^^^^^^^")
+    assert lines[at + 4] == (
+        "  what happened: (grab box) was requested at time 0 by (fetch box) [1]"
+    )
+    assert lines[at + 5] == "  the last cycles:"
+    assert lines[-1] == "3 tests: 2 passed, 1 failed"
+    assert done.returncode == 1
+
+
+def test_quiet_says_nothing_of_what_passed(folder: Path) -> None:
+    assert rapc("test", "-q", ".", cwd=folder).stdout == "2 tests: 2 passed\n"
+
+
+def test_a_test_in_error_ends_with_2(tmp_path: Path) -> None:
+    (tmp_path / "it.test.rap").write_text(LIBRARY + "(define-test it (task (fly)))")
+    done = rapc("test", ".", cwd=tmp_path)
+    assert "  error   it" in done.stdout
+    assert "  wrong with the test: there is no RAP `fly`" in done.stdout
+    assert done.stdout.endswith("1 test: 1 in error\n")
+    assert done.returncode == 2
+
+
+def test_findings_in_the_library_are_told_once_and_nothing_is_run(
+    tmp_path: Path,
+) -> None:
+    one = '(define-test one (require "a") (task (act)))'
+    two = '(define-test two (require "b") (task (act)))'
+    (tmp_path / "a.rap").write_text("(declare-memory-proposition p (?x))")
+    (tmp_path / "b.rap").write_text("(declare-memory-proposition q (?x))")
+    text = "(define-rap (act) (succeed (= ?x 1)))"
+    (tmp_path / "it.test.rap").write_text(text + one + two)
+    done = rapc("test", "it.test.rap", cwd=tmp_path)
+    assert done.stdout.count("error[") == 1
+    assert "unbound-variable" in done.stdout
+    assert "passed" not in done.stdout
+    assert done.returncode == 2
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (("nowhere",), "`nowhere` does not exist"),
+        ((), "a file or folder with tests is missing"),
+        (("none",), "there are no tests in `none`"),
+        ((".", "--fault", "(grab ?x)"), "--fault: the result is missing"),
+        ((".", "--fault", "(grip ?x) x"), "there is no primitive `grip`"),
+        ((".", "--seeds", "0"), "--seeds"),
+        ((".", "--junit", "no/where.xml"), "cannot write `no/where.xml`"),
+    ],
+)
+def test_what_cannot_be_tried(
+    folder: Path, args: tuple[str, ...], message: str
+) -> None:
+    (folder / "none").mkdir()
+    done = rapc("test", *args, cwd=folder)
+    assert message in done.stderr
+    assert done.stderr.startswith("error: ")
+    assert done.returncode == 2
+
+
+def test_seeds_faults_junit_and_coverage(folder: Path) -> None:
+    done = rapc(
+        "test",
+        "below/legs.test.rap",
+        "--seed=3",
+        "--seeds=2",
+        "--fault=(grab ?) dropped",
+        "--junit=out.xml",
+        "--coverage=out.json",
+        cwd=folder,
+    )
+    assert "  failed  good (seed 3)" in done.stdout
+    assert "coverage" in done.stdout
+    assert done.stdout.endswith("1 test, each under 2 seeds: 1 failed\n")
+    assert (
+        b'<testcase classname="below/legs.test.rap" name="good"'
+        in (folder / "out.xml").read_bytes()
+    )
+    covered = json.loads((folder / "out.json").read_bytes())
+    assert covered["files"][0]["file"] == "arms.rap"
+    assert done.returncode == 1
+
+
+def test_coverage_without_a_file(folder: Path) -> None:
+    """What follows it is a path unless it ends in `.json`."""
+    done = rapc("test", "--coverage", "below/legs.test.rap", cwd=folder)
+    assert done.stdout.count("passed") == 2
+    assert "coverage" in done.stdout
+    assert done.returncode == 0
+
+
+def test_colour_is_asked_for(folder: Path) -> None:
+    assert "\x1b[" not in rapc("test", ".", cwd=folder).stdout
+    assert "\x1b[" in rapc("test", ".", "--color=always", cwd=folder).stdout

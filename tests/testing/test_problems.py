@@ -1,0 +1,132 @@
+"""What is wrong with a test itself: found before it is run, and with its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rapc.testing import explain
+from rapc.testing.run import Status, run_case
+
+from .workshop import GRAB, LIBRARY, cases, happened, run
+
+PROBLEMS = [
+    ("(facts (hold box))", "`hold` is not declared"),
+    ("(facts (have box cup))", "`have` takes 1 arguments, not 2: (have box cup)"),
+    ("(script ((grip box)))", "no such primitive is declared"),
+    ("(script ((grab box cup)))", "no such primitive is declared"),
+    ("(script ((grab box) broken))", "`broken` is not among its results"),
+    ("(script ((grab box) :asserts ((have ?x))))", "`?x` is not bound by its pattern"),
+    ("(script ((grab box) :asserts ((hold box))))", "`hold` is not declared"),
+    ("(script ((grab box) :erases ((hold))))", "`hold` is not declared"),
+    ("(script ((grab box) :signals ((:crash))))", "(:crash) is not declared"),
+    ("(script ((grab box) :data ((noise))))", "(noise) is not declared"),
+    (
+        "(script ((grab box) :data ((sighting box))))",
+        "there is no handler for the datum `sighting`",
+    ),
+    ("(script ((grab box) :refused))", "skills and conflicts cannot be run yet"),
+    ("(script ((enable (:roll 1))))", "skills and conflicts cannot be run yet"),
+    ("(at 1 (asserts (hold box)))", "`hold` is not declared"),
+    ("(at 1 (erases (hold)))", "`hold` is not declared"),
+    (
+        "(at 1 (signals (:dump)))",
+        "there is no event `:dump`; did you mean `:bump`?",
+    ),
+    ("(at 1 (signals (:bump)))", "`:bump` takes 1 arguments, not 0"),
+    ("(at 1 (task (fetsh a)))", "there is no RAP `fetsh`; did you mean `fetch`?"),
+    ("(at 1 (cancel (fetch)))", "`fetch` takes 1 inputs, not 0"),
+    ("(task (fetch a b))", "`fetch` takes 1 inputs, not 2"),
+    (
+        "(expect (never (grabs x)))",
+        "there is no primitive `grabs`; did you mean `grab`?",
+    ),
+    ("(expect (primitives (grab)))", "`grab` takes 1 arguments, not 0"),
+    ("(expect (fails (fetch ? ?)))", "`fetch` takes 1 inputs, not 2"),
+    ("(expect (succeeds (find x) a b))", "`find` has 1 outputs, not 2"),
+    ("(expect (memory (hold box)))", "`hold` is not declared"),
+    ("(expect (memory (not (where box))))", None),
+    (
+        "(expect (method fetch by-foot 0 times))",
+        "`fetch` has no method `by-foot`",
+    ),
+    (
+        "(expect (method find #2))",
+        "`find` has no method `#2`",
+    ),
+    (
+        "(expect (trace (task-fails)))",
+        "there is no event `task-fails`; did you mean `task-failed`?",
+    ),
+    (
+        "(expect (trace (task-failed :gaol ?)))",
+        "`task-failed` has no key `gaol`; did you mean `goal`?",
+    ),
+    ("(world trukc)", "unknown world `trukc`"),
+]
+
+
+@pytest.mark.parametrize(("clauses", "message"), PROBLEMS)
+def test_a_test_with_something_wrong_is_in_error(
+    tmp_path: Path, clauses: str, message: str | None
+) -> None:
+    outcome = run(tmp_path, clauses)
+    if message is None:
+        assert outcome.status is not Status.ERROR
+        return
+    assert happened(outcome) == [message]
+    assert outcome.status is Status.ERROR
+
+
+def test_all_that_is_wrong_is_told_at_its_place(tmp_path: Path) -> None:
+    outcome = run(tmp_path, "(facts (hold box))\n (expect (never (grip box)))")
+    rows = len(LIBRARY.splitlines())
+    places = [explain.place(outcome, failure.span) for failure in outcome.failures]
+    ends = [place.removeprefix(str(tmp_path / "it.test.rap")) for place in places]
+    assert ends == [f":{rows + 2}:24", f":{rows + 3}:17"]
+
+
+def test_a_request_without_an_answer_fails_the_test(tmp_path: Path) -> None:
+    outcome = run(tmp_path, "(script ((grab cup))) (task (fetch box)) (expect)")
+    assert happened(outcome) == ["no row of the script answers (grab box)"]
+    assert outcome.status is Status.FAILED
+    assert "considering (fetch box) [1]" in "".join(outcome.trace)
+
+
+def test_rows_are_used_up(tmp_path: Path) -> None:
+    script = "(script ((grab ?x) dropped :times 1))"
+    outcome = run(tmp_path, f"{script} (task (fetch box))")
+    assert happened(outcome) == ["no row of the script answers (grab box)"]
+
+
+def test_a_library_that_needs_a_function_needs_a_world(tmp_path: Path) -> None:
+    library = "(declare-memory-function louder (?a ?b))"
+    found = cases(tmp_path, f"{library} (define-test it (expect (memory true)))")
+    outcome = run_case(found["it"])
+    assert outcome.status is Status.ERROR
+    assert happened(outcome)[0].endswith("no function is registered as `louder`")
+
+
+def test_data_go_through_the_handlers_of_a_world(tmp_path: Path) -> None:
+    text = """
+      (declare-primitive check-gauges () (okay))
+      (declare-sensor-datum fuel-level (?fuel))
+      (declare-memory-proposition truck-fuel (?fuel))
+      (define-rap (check) (method (primitive (check-gauges))))
+      (define-test it
+        (world truck)
+        (script ((check-gauges) :data ((fuel-level 7))))
+        (task (check))
+        (expect (memory (truck-fuel 7))
+                (trace (primitive-ended :data ((fuel-level 7))))))
+    """
+    outcome = run_case(cases(tmp_path, text)["it"])
+    assert happened(outcome) == []
+
+
+def test_each_test_has_a_run_of_its_own(tmp_path: Path) -> None:
+    clauses = f"(script {GRAB}) (task (fetch box)) (expect (primitives (grab box)))"
+    text = f"{LIBRARY} (define-test one {clauses}) (define-test two {clauses})"
+    outcomes = [run_case(case) for case in cases(tmp_path, text).values()]
+    assert [outcome.status for outcome in outcomes] == [Status.PASSED] * 2

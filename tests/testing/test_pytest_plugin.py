@@ -1,0 +1,78 @@
+"""The pytest plug-in: what it collects, what a failure looks like, what it costs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from .workshop import GRAB, LIBRARY
+
+pytest_plugins = ["pytester"]
+
+GOOD = (
+    f"(define-test good (script {GRAB}) (task (fetch box)) (expect (never (look ?))))"
+)
+BAD = f"""\
+(define-test bad (script {GRAB}) (task (fetch box))
+  (expect (never (grab ?))))
+"""
+
+
+def _run(pytester: pytest.Pytester, *args: str) -> pytest.RunResult:
+    return pytester.runpytest_inprocess("-p", "no:xdist", "-W", "error", *args)
+
+
+def test_each_test_is_an_item(pytester: pytest.Pytester) -> None:
+    (pytester.path / "arms.test.rap").write_text(LIBRARY + GOOD + BAD)
+    (pytester.path / "arms.rap").write_text(LIBRARY + BAD)
+    result = _run(pytester)
+    result.assert_outcomes(passed=1, failed=1)
+    rows = len(LIBRARY.splitlines())
+    result.stdout.fnmatch_lines(
+        [
+            "*FAILURES*",
+            "*bad*",
+            f"arms.test.rap:{rows + 2}:11",
+            "*(expect (never (grab [?]))))*",
+            "*what happened: (grab box) was requested at time 0 by (fetch box) [[]1]",
+            "*the last cycles:",
+            "*FAILED arms.test.rap::bad*",
+        ]
+    )
+
+
+def test_items_are_chosen_by_name(pytester: pytest.Pytester) -> None:
+    (pytester.path / "arms.test.rap").write_text(LIBRARY + GOOD + BAD)
+    _run(pytester, "arms.test.rap::good").assert_outcomes(passed=1)
+    _run(pytester, "-k", "bad").assert_outcomes(failed=1, deselected=1)
+
+
+def test_a_file_with_errors_is_an_error(pytester: pytest.Pytester) -> None:
+    (pytester.path / "arms.test.rap").write_text("(define-rap (x) (succeed (y))")
+    result = _run(pytester)
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["arms.test.rap:1:*: error[[]RAP*"])
+
+
+def test_a_file_that_cannot_be_read_is_an_error(pytester: pytest.Pytester) -> None:
+    (pytester.path / "arms.test.rap").write_bytes(b"\xff")
+    result = _run(pytester)
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*`arms.test.rap` is not UTF-8*"])
+
+
+def test_other_files_are_left_alone(pytester: pytest.Pytester) -> None:
+    (pytester.path / "arms.rap").write_text(LIBRARY + BAD)
+    assert _run(pytester).ret == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
+def test_loading_it_imports_nothing_else() -> None:
+    code = "import sys, rapc.testing.pytest_plugin; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    loaded = [name for name in done.stdout.split() if name.startswith("rapc")]
+    assert loaded == ["rapc", "rapc.testing", "rapc.testing.pytest_plugin"]
+    assert "pytest" not in done.stdout.split()
