@@ -6,7 +6,7 @@ Everything keeps its IR node, so that what happens at run time can point at sour
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from rapc.compiler.dependencies import Watch, watches
 from rapc.compiler.query import Query, TermValue
@@ -54,7 +54,7 @@ class StepPlan:
         self.after: list[int] = []
         self.conditions: list[tuple[int, Query]] = []
         self.until: list[tuple[int, bool]] = []
-        self.windows: list[WindowPlan] = []
+        self.windows: tuple[WindowPlan, ...] = ()
         self.effects: list[EffectPlan] = []
         self.waits: list[WaitPlan] = []
 
@@ -83,14 +83,18 @@ class WaitPlan:
 
 
 class WindowPlan:
-    """A time window: `reference` is `now`, `absolute` or the position of a step."""
+    """A time window: `reference` is `now`, `absolute` or the position of a step.
 
-    __slots__ = ("reference", "start", "stop")
+    `uses` are the variables in its times.
+    """
+
+    __slots__ = ("reference", "start", "stop", "uses")
 
     def __init__(self, reference: str | int, start: TermValue, stop: TermValue) -> None:
         self.reference = reference
         self.start = start
         self.stop = stop
+        self.uses = variables_of((start.term, stop.term))
 
 
 class EffectPlan:
@@ -216,7 +220,12 @@ def _used(node: nodes.DefineRap) -> frozenset[str]:
     used += [node.duration] if node.duration is not None else []
     if node.monitor_time is not None:
         used += [node.monitor_time.start, node.monitor_time.stop]
-    parts = (part for term in used for part in subterms(term))
+    return variables_of(used)
+
+
+def variables_of(terms: Iterable[nodes.Term]) -> frozenset[str]:
+    """The variables in some terms."""
+    parts = (part for term in terms for part in subterms(term))
     return frozenset(part.name for part in parts if isinstance(part, nodes.Var))
 
 
@@ -288,7 +297,7 @@ def _annotate(
         where = compiler.place("window", annotation.span)
         start = TermValue(annotation.start, where)
         stop = TermValue(annotation.stop, where)
-        plan.windows.append(WindowPlan(reference, start, stop))
+        plan.windows += (WindowPlan(reference, start, stop),)
     elif isinstance(annotation, nodes.WaitFor):
         where = compiler.place("wait-for", annotation.span)
         plan.waits.append(WaitPlan(annotation, where))

@@ -6,7 +6,7 @@ selected in `rapc.runtime.cycle` (semantics 3 and 4).
 
 from __future__ import annotations
 
-from rapc.compiler.plans import WindowPlan
+from rapc.compiler.plans import StepPlan, WindowPlan
 from rapc.compiler.query import TermValue
 from rapc.parser.printer import format_formula
 from rapc.resources import Counter, SetResource, frozen
@@ -15,6 +15,7 @@ from rapc.runtime.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.monitors import time_of
 from rapc.runtime.task import Env, MethodRun, State, Task
+from rapc.terms import number
 
 
 def create(machine: Machine, task: Task) -> None:
@@ -105,29 +106,28 @@ def let_go(machine: Machine, task: Task) -> None:
     A step with `wait-for` listens from now; one that is to wait for its signal
     before it goes on is held until then.
     """
-    if task.step is not None and task.step.waits:
-        _listen(machine, task)
+    if task.step is not None:
+        read_windows(machine, task, last=True)
+        _listen(machine, task, task.step)
     if not task.held:
         when_time_comes(machine, task)
 
 
-def _listen(machine: Machine, task: Task) -> None:
-    assert task.step is not None
-    assert task.within is not None
-    for wait in task.step.waits:
+def _listen(machine: Machine, task: Task, step: StepPlan) -> None:
+    env = task.within.env if task.within is not None else {}
+    for wait in step.waits:
         machine.listening.setdefault(wait.signal, {})[task.number] = task
         if wait.mode == "proceed" and not task.held:
             task.held = True
-            task.blocked_on = format_formula(wait.pattern, task.within.env)
+            task.blocked_on = format_formula(wait.pattern, env)
             if machine.recorder.on:
                 machine.recorder.emit(TaskBlocked, task=task.number, on=task.blocked_on)
 
 
 def when_time_comes(machine: Machine, task: Task) -> None:
     """A task may run as soon as its start times have come."""
-    start = _start_time(machine, task)
-    if start > machine.recorder.time:
-        machine.monitors.at(start, task)
+    if task.opens > machine.recorder.time:
+        machine.monitors.at(task.opens, task)
     else:
         make_ready(machine, task)
 
@@ -146,34 +146,38 @@ def make_ready(machine: Machine, task: Task) -> None:
         machine.agenda.add(task)
 
 
-def _start_time(machine: Machine, task: Task) -> float:
-    if task.step is None or task.within is None:
-        return 0
-    start: float = 0
-    for window in task.step.windows:
-        times = window_times(machine, task, task.within, window)
-        if times is not None:
-            start = max(start, times[0])
-    return start
+def read_windows(machine: Machine, task: Task, last: bool = False) -> None:
+    """Fix the windows of a step whose reference has come and whose times are bound.
 
-
-def window_times(
-    machine: Machine, task: Task, run: MethodRun, window: WindowPlan
-) -> tuple[float, float] | None:
-    """When a window opens and closes, or None while its step has not ended.
-
-    A time that is no number is traced as a fault and spoils the task.
+    When the order lets the step run it is for the `last` time: what is unbound then
+    is a fault, and spoils the task as a time that is no number does.
     """
-    base = _base(run, window)
-    if base is None:
-        return None
+    run = task.within
+    if run is None or not task.windows:
+        return
+    unread = []
+    for window in task.windows:
+        base = _base(run, window)
+        if base is None or not (last or window.uses <= run.env.keys()):
+            unread.append(window)
+        else:
+            _open(machine, task, run, window, base)
+    task.windows = tuple(unread)
+
+
+def _open(
+    machine: Machine, task: Task, run: MethodRun, window: WindowPlan, base: float
+) -> None:
     machine.context.task = run.task
     start = time_of(machine.context, window.start, run.env)
     stop = None if start is None else time_of(machine.context, window.stop, run.env)
     if start is None or stop is None:
         task.spoilt = True
-        return None
-    return base + start, base + stop
+        return
+    task.opens = max(task.opens, number(base + start))
+    if base + stop < task.given_deadline:
+        task.given_deadline = base + stop
+        machine.monitors.state_deadline(task)
 
 
 def _base(run: MethodRun, window: WindowPlan) -> float | None:
@@ -182,25 +186,6 @@ def _base(run: MethodRun, window: WindowPlan) -> float | None:
     if window.reference == "absolute":
         return 0
     return run.ends[int(window.reference)]
-
-
-def state_windows(machine: Machine, task: Task, reference: int | None) -> None:
-    """State the deadlines of the windows that can be known.
-
-    `reference` is the step that has just ended; None when the method starts.
-    """
-    if task.step is None or task.within is None:
-        return
-    for window in task.step.windows:
-        named = isinstance(window.reference, int)
-        if named != (reference is not None) or (
-            named and window.reference != reference
-        ):
-            continue
-        times = window_times(machine, task, task.within, window)
-        if times is not None and times[1] < task.given_deadline:
-            task.given_deadline = times[1]
-            machine.monitors.state_deadline(task)
 
 
 def fill_inputs(machine: Machine, task: Task) -> None:

@@ -11,8 +11,8 @@ from rapc.runtime.beginnings import (
     create,
     fill_inputs,
     let_go,
+    read_windows,
     repeats_ancestor,
-    state_windows,
 )
 from rapc.runtime.choice import Choice, choose
 from rapc.runtime.endings import (
@@ -172,6 +172,7 @@ def _spawn(machine: Machine, run: MethodRun) -> list[Task] | None:
         task.step = step
         task.priority = run.task.priority + step.node.priority
         task.waiting = step.before
+        task.windows = step.windows
         task.goal_args = ()
         tasks.append(task)
     run.steps = tasks
@@ -206,7 +207,7 @@ def _start(machine: Machine, run: MethodRun, steps: list[Task], choice: Choice) 
     for step in steps:
         create(machine, step)
     for step in steps:
-        state_windows(machine, step, None)
+        read_windows(machine, step)
         if step.waiting == 0:
             let_go(machine, step)
     if run.left == 0:

@@ -15,8 +15,8 @@ from rapc.runtime.beginnings import (
     fill_inputs,
     let_go,
     make_ready,
+    read_windows,
     repeats_ancestor,
-    state_windows,
 )
 from rapc.runtime.context import QueryContext
 from rapc.runtime.events import (
@@ -172,7 +172,7 @@ def _followers(machine: Machine, run: MethodRun, position: int) -> None:
         task = run.steps[behind]
         if not task.live:
             continue
-        state_windows(machine, task, position)
+        read_windows(machine, task)
         task.waiting -= 1
         if task.waiting == 0:
             let_go(machine, task)
@@ -196,7 +196,10 @@ def late_recursion(machine: Machine, run: MethodRun) -> bool:
     Then the method has ended badly and its task has failed, `futile-loop`.
     """
     for task in run.steps:
-        if not task.live or (task.bound and task.identity is not None):
+        if not task.live:
+            continue
+        read_windows(machine, task)
+        if task.bound and task.identity is not None:
             continue
         if not task.bound:
             fill_inputs(machine, task)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import enum
 import math
 
-from rapc.compiler.plans import MethodPlan, RapPlan, StepPlan
+from rapc.compiler.plans import MethodPlan, RapPlan, StepPlan, WindowPlan
 from rapc.parser.printer import format_term
 from rapc.resources import Value
 from rapc.runtime.memory.memory import Notation
@@ -37,7 +37,8 @@ class Task:
     `env` holds inputs and resources, once `bound`; `identity` the RAP with its input
     values, for the recursion test; `family` is the number of its top-level task.
     `deadline` is its own, `limit` the nearest of its own and its ancestors', `missed`
-    the one last told of as missed. `begun`
+    the one last told of as missed; `opens` is the latest start of its windows,
+    `windows` those whose times are not yet known. `begun`
     is set once it was selected with its monitors holding, `after_method` while it is
     to come up whatever its monitors say, `held` while it waits for a signal.
     """
@@ -65,6 +66,7 @@ class Task:
         "missed",
         "monitor_deadline",
         "number",
+        "opens",
         "outputs",
         "parent",
         "plan",
@@ -80,6 +82,7 @@ class Task:
         "tried",
         "waiting",
         "watching",
+        "windows",
         "within",
         "world_failure",
     )
@@ -107,6 +110,8 @@ class Task:
         self.made: Time = 0
         self.missed: float | None = None
         self.waiting = 0
+        self.opens: Time = 0
+        self.windows: tuple[WindowPlan, ...] = ()
         self.held = False
         self.state = State.WAITING
         self.key: tuple[float, float, bool] = (0, 0, False)
