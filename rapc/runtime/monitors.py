@@ -55,6 +55,7 @@ class Monitors:
         self._crowded = _CROWD
         self._deadlines: list[tuple[float, int, Task]] = []
         self._stated: set[tuple[float, int]] = set()
+        self._missed: dict[int, list[float]] = {}
         memory.changed = self._fact_changed
         memory.moved = self._word_changed
 
@@ -97,6 +98,7 @@ class Monitors:
         """A task has ended: it listens to nothing any more."""
         self._dirty.pop(task.number, None)
         self._aging.pop(task.number, None)
+        self._missed.pop(task.number, None)
         for key in self._keys.pop(task.number, ()):
             listeners = self._listeners.get(key)
             if listeners is not None:
@@ -166,6 +168,7 @@ class Monitors:
         plan = task.plan.monitor_time
         if plan is None:
             return
+        self._note_missed(task)
         self._context.task = task
         base = since if plan.reference == "now" else 0
         start = time_of(self._context, plan.start, task.env)
@@ -189,31 +192,35 @@ class Monitors:
         if self._aging and self._recorder.time != self._tested_at:
             self._dirty.update(self._aging)
         self._tested_at = self._recorder.time
-        missed = self._missed()
-        if not self._dirty and not missed:
+        self._look_for_missed()
+        if not self._dirty and not self._missed:
             return
         dirty, self._dirty = self._dirty, {}
+        missed, self._missed = self._missed, {}
         for tasknumber in sorted(dirty.keys() | missed.keys()):
             if tasknumber in dirty:
                 self._test(dirty[tasknumber])
-            if tasknumber in missed:
-                self._tell_missed(missed[tasknumber])
+            for deadline in missed.get(tasknumber, ()):
+                self._tell_missed(tasknumber, deadline)
 
-    def _missed(self) -> dict[int, Task]:
-        missed = {}
+    def _look_for_missed(self) -> None:
         deadlines = self._deadlines
         while deadlines and deadlines[0][0] < self._recorder.time:
             deadline, tasknumber, task = heapq.heappop(deadlines)
             self._stated.discard((deadline, tasknumber))
-            if task.live and task.deadline == deadline != task.missed:
-                task.missed = deadline
-                missed[tasknumber] = task
-        return missed
+            if task.live:
+                self._note_missed(task)
 
-    def _tell_missed(self, task: Task) -> None:
+    def _note_missed(self, task: Task) -> None:
+        """Note that the clock has passed a task's deadline: once for each."""
+        if task.deadline < self._recorder.time and task.deadline != task.missed:
+            task.missed = task.deadline
+            self._missed.setdefault(task.number, []).append(task.deadline)
+
+    def _tell_missed(self, tasknumber: int, deadline: float) -> None:
         if self._recorder.on:
             self._recorder.emit(
-                DeadlineMissed, task=task.number, deadline=number(task.deadline)
+                DeadlineMissed, task=tasknumber, deadline=number(deadline)
             )
 
     def _test(self, task: Task) -> None:
