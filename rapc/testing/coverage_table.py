@@ -12,7 +12,7 @@ from rapc.testing.coverage import FileCoverage, RapCoverage
 FORMAT = 1
 """The version of the JSON form."""
 
-_COLUMNS = {
+COLUMNS = {
     "methods_chosen": "methods",
     "contexts_true": "true",
     "contexts_false": "false",
@@ -54,7 +54,7 @@ def shares(raps: Iterable[RapCoverage]) -> dict[str, Share]:
             add("contexts_true", method.context_true)
             add("contexts_false", method.context_false)
             add("methods_ended_badly", method.ended_badly)
-    return {column: Share(covered[column], of[column]) for column in _COLUMNS}
+    return {column: Share(covered[column], of[column]) for column in COLUMNS}
 
 
 def as_json(files: Sequence[FileCoverage]) -> bytes:
@@ -73,7 +73,7 @@ def table(files: Sequence[FileCoverage]) -> Iterator[str]:
     if not files:
         yield "coverage: the tests run no library outside of test files"
         return
-    yield _line("coverage", _COLUMNS.values())
+    yield _line("coverage", COLUMNS.values())
     for one in files:
         yield _line(one.file, _told(shares(one.raps)))
     if len(files) > 1:

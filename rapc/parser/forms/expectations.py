@@ -39,15 +39,15 @@ def _expectation(ctx: Context, datum: Datum) -> tests.Expectation | None:
     name = head_of(datum)
     if name is None or not isinstance(datum, List):
         message = f"an expectation is wanted here, not {kind_of(datum)}"
-        help = "expectations begin with " + ", ".join(f"`{name}`" for name in _KINDS)
+        help = "expectations begin with " + ", ".join(f"`{name}`" for name in KINDS)
         ctx.report("malformed-clause", message, datum, help=help)
         return None
-    if name not in _KINDS:
+    if name not in KINDS:
         ctx.unknown(
-            "unknown-clause", "expectation", cast(Symbol, datum.items[0]), _KINDS
+            "unknown-clause", "expectation", cast(Symbol, datum.items[0]), KINDS
         )
         return None
-    kind = _KINDS[name]
+    kind = KINDS[name]
     count = len(datum.items) - 1
     if count < kind.least or (kind.most is not None and count > kind.most):
         _wrong(ctx, datum)
@@ -57,7 +57,7 @@ def _expectation(ctx: Context, datum: Datum) -> tests.Expectation | None:
 
 def _wrong(ctx: Context, datum: List) -> None:
     name = head_of(datum) or ""
-    message = f"`{name}` is written `{_KINDS[name].form}`"
+    message = f"`{name}` is written `{KINDS[name].form}`"
     ctx.report("malformed-clause", message, datum)
 
 
@@ -190,7 +190,7 @@ def _joined(ctx: Context, data: Sequence[Datum]) -> list[Datum]:
     return found
 
 
-_KINDS: Mapping[str, _Kind] = {
+KINDS: Mapping[str, _Kind] = {
     "succeeds": _Kind("(succeeds (goal) output...)", 1, None, _succeeds),
     "fails": _Kind("(fails (goal) result)", 1, 2, _fails),
     "active": _Kind("(active (goal))", 1, 1, _active),

@@ -11,7 +11,7 @@ from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.terms import goal, pattern, signal
 from rapc.terms import Number
 
-_OPTIONS = {
+OPTIONS = {
     ":times": 1,
     ":takes": 1,
     ":after": 1,
@@ -21,6 +21,7 @@ _OPTIONS = {
     ":signals": 1,
     ":refused": 0,
 }
+"""The options of a row, with the number of their values."""
 
 T = TypeVar("T")
 
@@ -42,7 +43,7 @@ def row(ctx: Context, datum: Datum) -> tests.ScriptRow | None:
     result = None
     if rest and isinstance(rest[0], Symbol):
         result, rest = rest[0].name, rest[1:]
-    given = options(ctx, rest, "a row", _OPTIONS)
+    given = options(ctx, rest, "a row", OPTIONS)
     if asked is None:
         return None
     times, takes, after = (given.get(f":{n}") for n in ("times", "takes", "after"))

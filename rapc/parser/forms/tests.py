@@ -150,14 +150,14 @@ def _at(ctx: Context, clause: List) -> tests.At | None:
         if len(clause.items) == 1:
             ctx.report("malformed-clause", "`at` lacks its time", clause)
         return None
-    found = clauses(ctx, clause.items[2:], "at", tuple(_ACTIONS))
+    found = clauses(ctx, clause.items[2:], "at", tuple(ACTIONS))
     actions: tuple[tests.Action, ...] = made(
-        _ACTIONS[name](ctx, one) for name, one in found
+        ACTIONS[name](ctx, one) for name, one in found
     )
     return tests.At(time, actions, ctx.span(clause))
 
 
-_ACTIONS: Mapping[str, Callable[[Context, List], tests.Action | None]] = {
+ACTIONS: Mapping[str, Callable[[Context, List], tests.Action | None]] = {
     "asserts": lambda ctx, clause: tests.Asserts(
         facts(ctx, clause.items[1:]), ctx.span(clause)
     ),
