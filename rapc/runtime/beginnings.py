@@ -19,7 +19,9 @@ from rapc.terms import number
 
 
 def create(machine: Machine, task: Task) -> None:
-    """A task joins the run."""
+    """A task joins the run, told of with its inputs as they are now."""
+    if task.step is not None and task.step.computes:
+        fill_inputs(machine, task)
     task.number = machine.next_number()
     task.made = machine.recorder.time
     task.family = task.family or task.number
