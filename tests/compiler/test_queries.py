@@ -209,15 +209,18 @@ def test_sets_and_counters() -> None:
     assert ask(both, "(and (= (value ?c) 3) (= (size-of ?s) 1))", **env) == [{}]
 
 
-def test_a_term_with_an_unbound_variable_has_no_value_and_no_fault() -> None:
+def test_a_term_without_a_value_is_a_fault_where_it_is_needed() -> None:
     both = told()
     faults = Faults()
     both.recorder.listen(faults)
     term = TermValue(nodes.Call("+", (X, nodes.Const(1))), "place")
-    assert term.value(both.context, {}) is None
-    assert faults == []
-    assert term.value(both.context, {"?x": Text("a")}) is None
-    assert len(faults) == 1
+    assert term.value(both.context, {"?x": 2}) == 3
+    for env in ({}, {"?x": Text("a")}):
+        assert term.value(both.context, env) is None
+        assert faults == []
+    assert term.needed(both.context, {}) is None
+    assert term.needed(both.context, {"?x": Text("a")}) is None
+    assert faults == ["place: ?x is not bound", 'place: `"a"` is not a number']
 
 
 def test_the_short_form_of_a_declaration_without_a_list_is_unknown() -> None:

@@ -1,0 +1,1 @@
+"""Tests of the interpreter: what a program can observe of it."""
