@@ -168,6 +168,7 @@ def _aged(clause: Clause, scope: Scope, fact: str, age: nodes.Term | None) -> No
     if age is None:
         return
     if _asks_age(scope, age):
+        scope.refuse(f"ctx.stamps[{fact}] < 0")
         match(clause, scope, age, f"ctx.age({fact})")
     else:
         scope.require(f"ctx.young({fact}, {_limit(clause, scope, age)})")

@@ -169,16 +169,27 @@ class QueryFaulted(Event, frozen=True, kw_only=True):
 
 
 class ItemEvent(Event, frozen=True, kw_only=True):
-    """What the events about introduced items have in common; `sensor` may be lost."""
+    """What the events about introduced items have in common; `sensor` may be lost.
+
+    `with` is the name that `item` now stands for too, if descriptions were merged;
+    `score` how well they match, and `rival` how well the best other candidate does.
+    """
 
     item: str
     sensor: str | None
     kind: str = msgspec.field(name="class")
     location: str
+    with_: str | None = msgspec.field(name="with", default=None)
+    score: int | float | None = None
+    rival: int | float | None = None
 
 
 class ItemIntroduced(ItemEvent, frozen=True, kw_only=True):
     """An item came into reach under a sensor name."""
+
+
+class ItemMerged(ItemEvent, frozen=True, kw_only=True):
+    """Two descriptions have turned out to be of one item."""
 
 
 class ItemMoved(ItemEvent, frozen=True, kw_only=True):

@@ -52,6 +52,8 @@ class Interpreter:
             property's index as a tuple.
         solvers: problem solvers by RAP name; each gets the goal and a `MemoryView`
             and returns methods (T 7.4.1).
+        comparators: comparators of descriptions by registered name (T A.5), besides
+            those of the world: see `World.comparators`.
 
     Raises:
         Refused: if the library cannot run in this world, before anything happens.
@@ -65,9 +67,11 @@ class Interpreter:
         settings: Settings | None = None,
         functions: Mapping[str, Callable[..., Any]] | None = None,
         solvers: Mapping[str, Callable[..., Any]] | None = None,
+        comparators: Mapping[str, Callable[..., Any]] | None = None,
     ) -> None:
         self.seed = seed
         self._options: Mapping[str, Any] = {}
+        compare = {**world.comparators(), **(comparators or {})}
         self._machine = Machine(
             library,
             world,
@@ -75,8 +79,10 @@ class Interpreter:
             settings or Settings(),
             {**world.functions(), **(functions or {})},
             {**world.solvers(), **(solvers or {})},
+            compare,
         )
-        found = refusals(library.library, world, self._machine.context.functions)
+        functions = self._machine.context.functions
+        found = refusals(library.library, world, functions, compare)
         if found:
             raise Refused(found)
         self._given: list[Task] = []
@@ -120,7 +126,10 @@ class Interpreter:
             FactError: if the declarations do not allow it.
         """
         memory = self._machine.memory
-        memory.assert_fact(memory.checked(fact), "user")
+        checked = memory.checked(fact)
+        memory.refuse_by_hand(checked)
+        memory.assert_fact(checked, "user")
+        self._machine.access.settle()
 
     def check_fact(self, *fact: Atom) -> None:
         """Look at a fact without asserting it. Raises FactError as `assert_fact`."""
@@ -132,7 +141,10 @@ class Interpreter:
         Raises:
             FactError: if the prefix names nothing declared.
         """
-        self._machine.memory.erase(prefix, "user")
+        memory = self._machine.memory
+        memory.refuse_by_hand(memory.canonical(prefix))
+        memory.erase(prefix, "user")
+        self._machine.access.settle()
 
     def signal(self, *content: Atom) -> None:
         """Send a signal `(:name arg...)` now."""
@@ -172,6 +184,7 @@ class Interpreter:
 
         Its variables (`?x`, `?`) match anything.
         """
+        goal = self._machine.memory.canonical(goal)
         found = [
             task
             for task in self._given
@@ -188,7 +201,7 @@ class Interpreter:
 
     def _create(self, submission: Submission) -> None:
         machine = self._machine
-        name, *args = submission.goal
+        name, *args = machine.memory.canonical(submission.goal)
         plan = machine.library.rap(str(name))
         if plan is None:
             raise Refused([f"no RAP is named `{name}`"])
@@ -284,6 +297,7 @@ class Interpreter:
         """What falls on this time, up to the choice (semantics 4)."""
         machine = self._machine
         machine.keep_appointments()
+        machine.access.settle()
         take_in(machine, machine.world.messages())
         while self._scheduled and self._scheduled[0][0] <= self.now:
             submission = heapq.heappop(self._scheduled)[2]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import heapq
 import random
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Annotated, Any
 
 import msgspec
@@ -16,10 +17,10 @@ import msgspec
 from rapc.compiler.plans import CompiledLibrary, MethodPlan, RapPlan
 from rapc.runtime.agenda import Agenda
 from rapc.runtime.context import QueryContext
-from rapc.runtime.memory.handling import HandlerAccess
-from rapc.runtime.memory.memory import Memory
+from rapc.runtime.memory.assembly import assemble
 from rapc.runtime.monitors import Monitors
 from rapc.runtime.recorder import Recorder
+from rapc.runtime.renaming import rename
 from rapc.runtime.task import Task
 from rapc.runtime.world import Time, World
 from rapc.spell import nearest
@@ -37,12 +38,14 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     `futile_limit`: how often one choice is allowed (T 3.2.5). `idle_cycles`: cycles
     without the clock moving after which a run is called off. `cycle_cost`: time
-    units that a cycle takes (T 7.2.1).
+    units that a cycle takes (T 7.2.1). `max_layers`: how many layers an expectation
+    set keeps (semantics 7).
     """
 
     futile_limit: _Count = 2
     idle_cycles: _Count = 100_000
     cycle_cost: _Cost = 0
+    max_layers: _Count = 8
 
 
 class SettingError(ValueError):
@@ -89,6 +92,7 @@ class Machine:
         settings: Settings,
         functions: Mapping[str, Callable[..., Any]],
         solvers: Mapping[str, Callable[..., Any]],
+        comparators: Mapping[str, Callable[..., Any]],
     ) -> None:
         self.library = library
         self.world = world
@@ -97,8 +101,17 @@ class Machine:
         self.rng = rng
         self.recorder = Recorder()
         self.recorder.time = world.now()
-        self.memory = Memory(library.vocabulary, self.recorder, self.clock)
-        self.access = HandlerAccess(self.memory, self.recorder)
+        parts = assemble(
+            library.library,
+            library.vocabulary,
+            self.recorder,
+            self.clock,
+            comparators,
+            settings.max_layers,
+        )
+        self.memory = parts.memory
+        self.access = parts.access
+        parts.recognizer.renamed = partial(rename, self)
         self.context = QueryContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng)
         self.monitors = Monitors(self.memory, self.context, self.recorder, self.agenda)

@@ -106,6 +106,15 @@ class Monitors:
                 if not listeners:
                     del self._listeners[key]
 
+    def rebind(self, task: Task) -> None:
+        """A task's bindings have got other names: listen to those, and test again."""
+        if not task.watching:
+            return
+        self.forget(task)
+        task.watching = False
+        self._listen(task)
+        self._dirty[task.number] = task
+
     # --- times -----------------------------------------------------------------
 
     def at(self, time: Time, task: Task) -> None:

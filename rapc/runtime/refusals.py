@@ -27,13 +27,17 @@ class Refused(Exception):
 
 
 def refusals(
-    library: Library, world: World, functions: Mapping[str, object]
+    library: Library,
+    world: World,
+    functions: Mapping[str, object],
+    comparators: Mapping[str, object],
 ) -> list[str]:
     """Why a library cannot be run in a world at all, one line per reason."""
     return [
         *_lacking(library, world),
         *_undeclared(library, world),
         *_unregistered(library, functions),
+        *_uncompared(library, comparators),
         *_unsupported(library),
     ]
 
@@ -85,21 +89,20 @@ def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator
             yield f"{place}no function is registered as `{function.name}`"
 
 
+def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator[str]:
+    named = [(node.comparator, node.span) for node in library.indistinct.values()]
+    named.extend((node.function, node.span) for node in library.comparators)
+    for name, span in named:
+        if name is not None and name not in comparators:
+            place = _place(library, span)
+            yield f"{place}no comparator is registered as `{name}`"
+
+
 def _unsupported(library: Library) -> Iterator[str]:
     """Declarations that would change how all tasks run, and do not yet."""
     found: list[tuple[str, nodes.Node, Span]] = []
-    found.extend(
-        ("recognising items of an indistinct class", n, n.span)
-        for n in library.indistinct.values()
-    )
-    found.extend(("a class comparator", n, n.span) for n in library.comparators)
     found.extend(("a memory rule", n, n.span) for n in library.memory_rules)
     found.extend(("an event rule", n, n.span) for n in library.event_rules)
-    found.extend(
-        ("`:excludes` of a property", n, n.span)
-        for n in library.properties.values()
-        if n.excludes
-    )
     for what, _node, span in found:
         yield f"{_place(library, span)}{what} cannot be run yet"
 

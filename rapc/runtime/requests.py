@@ -84,11 +84,14 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
     if ticket not in machine.pending:
         raise PortError(f"the world ended a request that is not under way: {ticket}")
     task, asked = machine.pending.pop(ticket)
+    asked = machine.memory.canonical(asked)
     handler = machine.handlers.results.get(str(asked[0]))
-    if handler is not None:
-        handler(machine.access, asked, reply.result)
-    for content in reply.data:
-        _handle(machine, content)
+    with machine.access.batch():
+        if handler is not None:
+            handler(machine.access, asked, reply.result)
+        for content in reply.data:
+            _handle(machine, content)
+    asked = machine.memory.canonical(asked)
     if machine.recorder.on:
         machine.recorder.emit(
             PrimitiveEnded,
@@ -138,7 +141,9 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
             others.append(message)
     for message in others:
         if isinstance(message, Datum):
-            named = _handle(machine, message.content)
+            with machine.access.batch():
+                named = _handle(machine, message.content)
+            named = machine.memory.canonical(named)
             if machine.recorder.on:
                 machine.recorder.emit(DataReceived, data=format_list(named))
         elif isinstance(message, Signal):

@@ -93,7 +93,8 @@ class HandlerMemory(Protocol):
         """An item is seen: returns its memory name; it is accessible from now.
 
         Asserts `(class item kind true)` and `(location item place)`. Seen again
-        while accessible it is the same item; another place is a move.
+        while accessible it is the same item; another place is a move. The name may
+        become an alias of an older one when the batch ends.
         """
 
     def move(self, item: str, place: Atom) -> None:
@@ -105,7 +106,9 @@ class HandlerMemory(Protocol):
     def fix_cardinality(self, place: Atom) -> None:
         """All items accessible at `place` have been introduced: no others are there.
 
-        Items believed there and not accessible get place `unknown`.
+        This takes effect when the batch ends, so a result's handler may say it before
+        the data are handled. Items believed there and not accessible get place
+        `unknown`; of indistinct classes as many as are too many.
         """
 
     def expire(self) -> None:
@@ -193,6 +196,15 @@ class World(ABC):
     @classmethod
     def functions(cls) -> Callables:
         """Functions and default functions for libraries, by registered name."""
+        return {}
+
+    @classmethod
+    def comparators(cls) -> Callables:
+        """Comparators of descriptions for libraries, by registered name (T A.5).
+
+        Each gets two `rapc.runtime.memory.recognition.scoring.Described` and returns
+        a number; 0 or less rules the pair out.
+        """
         return {}
 
     @classmethod

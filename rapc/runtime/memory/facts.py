@@ -12,6 +12,9 @@ from collections.abc import Callable, Iterator
 from rapc.runtime.world import Time
 from rapc.terms import Atom, Fact
 
+NEVER: Time = float("-inf")
+"""The stamp of what was never asserted: older than any (semantics 7, moving)."""
+
 Key = tuple[Atom, ...]
 """`(name,)` for all facts of a name, `(name, position, value)` for an argument."""
 
@@ -29,7 +32,8 @@ class FactStore:
 
     `values` holds, for each property with its index (all but the value), the fact
     that is asserted; `buckets` the facts by `Key`; `stamps` the time of each fact's
-    last assertion; `serials` a number that grows with each assertion.
+    last assertion; `serials` a number that grows with each assertion; `places` every
+    name and argument position that ever was in use.
     """
 
     def __init__(self, is_property: Callable[[str], bool]) -> None:
@@ -37,6 +41,7 @@ class FactStore:
         self.buckets: dict[Key, dict[Fact, None]] = {}
         self.stamps: dict[Fact, Time] = {}
         self.serials: dict[Fact, int] = {}
+        self.places: dict[tuple[str, int], None] = {}
         self._is_property = is_property
         self._serial = 0
 
@@ -60,6 +65,8 @@ class FactStore:
             for key in keys_of(fact):
                 bucket = buckets.setdefault(key, {})
                 bucket[fact] = None
+            for at in range(1, len(fact)):
+                self.places[str(fact[0]), at] = None
         self.stamps[fact] = time
         self.serials[fact] = self._serial
         return replaced
@@ -81,6 +88,14 @@ class FactStore:
         sets = [self.buckets.get(key, {}) for key in keys_of(prefix)]
         size = len(prefix)
         return [fact for fact in min(sets, key=len) if fact[:size] == prefix]
+
+    def mentioning(self, value: Atom) -> list[Fact]:
+        """The facts with a value in any argument, oldest first, each once."""
+        buckets = self.buckets
+        found: dict[Fact, None] = {}
+        for name, at in self.places:
+            found.update(buckets.get((name, at, value), {}))
+        return sorted(found, key=self.serials.__getitem__)
 
     def matching(self, pattern: tuple[Atom | None, ...]) -> Iterator[Fact]:
         """The facts that match a pattern (None: anything), oldest first."""

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from rapc.runtime.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
+from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.items import Item
 from rapc.runtime.memory.memory import EXTERNAL, FactError, Memory
+from rapc.runtime.memory.recognition.descriptions import UNKNOWN, Description
+from rapc.runtime.memory.recognition.recognizer import Recognizer
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact, format_atom, format_list
-
-UNKNOWN = "unknown"
+from rapc.terms import Atom, Fact, format_atom
 
 
 class MemoryView:
@@ -34,49 +38,81 @@ class MemoryView:
 
         Defaults are not consulted, and `external` is what is stored as such.
         """
-        return list(self._memory.facts.matching(pattern))
+        return list(self._memory.facts.matching(self._memory.canonical(pattern)))
 
     def value(self, *index: Atom) -> Atom | None:
         """The asserted value of a property for an index, or None."""
-        fact = self._memory.facts.values.get(index)
+        fact = self._memory.facts.values.get(self._memory.canonical(index))
         return None if fact is None else fact[-1]
 
     def age(self, *fact: Atom) -> Time | None:
         """Time units since a fact was last asserted, or None."""
-        stamp = self._memory.facts.stamps.get(fact)
-        return None if stamp is None else self.now - stamp
+        stamp = self._memory.facts.stamps.get(self._memory.canonical(fact))
+        return None if stamp is None or stamp == NEVER else self.now - stamp
 
 
 class HandlerAccess(MemoryView):
-    """What handlers do to memory: the `HandlerMemory` of `rapc.runtime.world`."""
+    """What handlers do to memory: the `HandlerMemory` of `rapc.runtime.world`.
+
+    Args:
+        memory: the facts and items.
+        recorder: is told of items.
+        recognizer: keeps the items of indistinct classes; without one there are none.
+    """
+
+    def __init__(
+        self, memory: Memory, recorder: Recorder, recognizer: Recognizer | None = None
+    ) -> None:
+        super().__init__(memory, recorder)
+        self._recognizer = recognizer or Recognizer(memory, recorder)
+        self._counted: dict[Atom, None] = {}
+        self._within = False
+
+    @contextmanager
+    def batch(self) -> Iterator[None]:
+        """What belongs together: the data of one result, say.
+
+        At its end items are recognised, then surplus ones leave the places where all
+        accessible ones are known. A batch in a batch is a part of it.
+        """
+        if self._within:
+            yield
+            return
+        self._within = True
+        try:
+            yield
+        finally:
+            self._within = False
+        self.settle()
+        while self._counted:
+            place = next(iter(self._counted))
+            del self._counted[place]
+            self._lose_others(place)
+            self._recognizer.fix(place)
+            self.settle()
+
+    def settle(self) -> None:
+        """Recognise what can be recognised, if any description has changed."""
+        if self._recognizer.unsettled:
+            self._recognizer.settle()
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact now. Raises FactError for what may not be asserted."""
         checked = self._memory.checked(fact)
-        self._refuse_by_hand(checked)
+        self._memory.refuse_by_hand(checked)
         self._memory.assert_fact(checked, "handler")
 
     def erase(self, *prefix: Atom) -> None:
         """Erase every fact that starts so. Raises FactError as `assert_fact`."""
-        self._refuse_by_hand(prefix)
+        self._memory.refuse_by_hand(self._memory.canonical(prefix))
         self._memory.erase(prefix, "handler")
-
-    def _refuse_by_hand(self, fact: Fact) -> None:
-        """Only introduce, move and lose set an item's place and introducing class."""
-        item = self._memory.items.known.get(str(fact[1])) if len(fact) > 1 else None
-        if item is None:
-            return
-        classed = fact[0] == "class" and len(fact) > 2 and fact[2] == item.kind
-        if fact[0] == "location" or classed:
-            raise FactError(
-                f"{format_list(fact)}: an introduced item's location and class "
-                "are set by `introduce`, `move` and `lose`"
-            )
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
         """An item is seen: see `HandlerMemory.introduce`."""
         memory = self._memory
         place = self._stored(place)
+        if self._recognizer.recognises(kind):
+            return self._recognizer.introduce(sensor_name, kind, place).name
         item, news = memory.items.introduce(sensor_name, kind)
         before = self.value("location", item.name)
         self._set("class", item.name, item.kind, "true")
@@ -96,36 +132,51 @@ class HandlerAccess(MemoryView):
         """
         known = self._introduced(item)
         place = self._stored(place)
-        self._set("location", item, place)
+        if isinstance(known, Description):
+            self._recognizer.move(known, place)
+            return
+        self._set("location", known.name, place)
         self._tell(ItemMoved, known, place)
 
     def lose(self, item: str) -> None:
         """An item is not where it was. Raises FactError as `move`."""
         known = self._introduced(item)
-        known.accessible = False
+        if isinstance(known, Description):
+            self._recognizer.lose(known)
+            return
+        self._memory.items.put_out_of_reach(known)
         self._memory.moved("know-sensor-name")
-        self._set("location", item, UNKNOWN)
+        self._set("location", known.name, UNKNOWN)
         self._tell(ItemLost, known, UNKNOWN)
 
     def fix_cardinality(self, place: Atom) -> None:
-        """Items believed at `place` and not accessible get the place `unknown`."""
-        place = self._stored(place)
+        """No items are at `place` but the accessible ones, once the batch has ended.
+
+        Items believed there and not accessible then get the place `unknown`.
+        """
+        with self.batch():
+            self._counted[self._stored(place)] = None
+
+    def _lose_others(self, place: Atom) -> None:
         for fact in list(self._memory.facts.matching(("location", None, place))):
             item = self._memory.items.known.get(str(fact[1]))
-            if item is not None and not item.accessible:
-                self.lose(item.name)
+            if item is None or item.accessible or isinstance(item, Description):
+                continue
+            self.lose(item.name)
 
     def expire(self) -> None:
         """All sensor names go: the robot has moved."""
-        if self._memory.items.expire():
+        reached = bool(self._memory.items.accessible())
+        self._recognizer.expire()
+        if reached:
             self._memory.moved("know-sensor-name")
 
     def arrive(self, place: Atom) -> None:
         """The robot now is at `place`, of which `external` speaks from now on."""
-        self._memory.arrive(place)
+        self._memory.arrive(self._memory.items.canonical(place))
 
     def _introduced(self, item: str) -> Item:
-        known = self._memory.items.known.get(item)
+        known = self._memory.items.known.get(str(self._memory.items.canonical(item)))
         if known is None:
             raise FactError(f"no handler has introduced an item `{item}`")
         return known
@@ -133,7 +184,7 @@ class HandlerAccess(MemoryView):
     def _stored(self, place: Atom) -> Atom:
         if place == EXTERNAL and self._memory.place is not None:
             return self._memory.place
-        return place
+        return self._memory.items.canonical(place)
 
     def _set(self, *fact: Atom) -> None:
         self._memory.assert_fact(self._memory.checked(fact), "handler")

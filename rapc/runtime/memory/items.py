@@ -1,11 +1,13 @@
 """The items that handlers have introduced, and which of them can be sensed now.
 
-Items of distinct classes keep one name and one sensor name for life (semantics 7);
-recognising the others is not done here. A name that no handler introduced is a plain
-symbol: it is its own sensor name.
+Items of distinct classes keep one name and one sensor name for life (semantics 7).
+The others get their names, and lose them, in `rapc.runtime.memory.recognition`. A name
+that no handler introduced is a plain symbol: it is its own sensor name.
 """
 
 from __future__ import annotations
+
+from rapc.terms import Atom
 
 
 class Item:
@@ -21,51 +23,111 @@ class Item:
 
 
 class Items:
-    """All introduced items by memory name, in the order of introduction."""
+    """All introduced items by memory name, in the order of introduction.
+
+    `aliases` maps every name that a merge has taken away to the older name that was
+    kept; `gone` holds the names of items that memory has forgotten.
+    """
 
     def __init__(self) -> None:
         self.known: dict[str, Item] = {}
+        self.aliases: dict[str, str] = {}
+        self.gone: set[str] = set()
         self._by_sensor: dict[str, Item] = {}
+        self._reach: dict[str, Item] = {}
 
     def introduce(self, sensor: str, kind: str) -> tuple[Item, bool]:
-        """The item seen under a sensor name, and whether it is seen anew.
+        """The distinct item seen under a sensor name, and whether it is seen anew.
 
         It is accessible from now; it is news if it was not accessible before.
         """
         item = self._by_sensor.get(sensor)
         if item is None:
             item = Item(sensor, sensor, kind)
-            self.known[item.name] = item
-            self._by_sensor[sensor] = item
+            self.enter(item)
             return item, True
         news = not item.accessible
         if news:
             item.accessible = True
-            self.known[item.name] = self.known.pop(item.name)
+            self._reach[item.name] = item
         return item, news
 
-    def expire(self) -> bool:
-        """Put all items out of reach; whether any was within it."""
-        changed = False
-        for item in self.known.values():
-            changed = changed or item.accessible
+    def enter(self, item: Item) -> None:
+        """A new item is known, and within reach if it is accessible."""
+        self.known[item.name] = item
+        if item.accessible:
+            self._by_sensor[item.sensor] = item
+            self._reach[item.name] = item
+
+    def put_out_of_reach(self, item: Item, keep_sensor: bool = True) -> None:
+        """An item cannot be sensed any more; its sensor name may go for good."""
+        item.accessible = False
+        self._reach.pop(item.name, None)
+        if not keep_sensor:
+            self._by_sensor.pop(item.sensor, None)
+            item.sensor = ""
+
+    def expire(self) -> list[Item]:
+        """Put all items out of reach; returns those that were within it."""
+        found = list(self._reach.values())
+        for item in found:
             item.accessible = False
-        return changed
+        self._reach.clear()
+        return found
+
+    def drop_sensor(self, item: Item) -> None:
+        """A sensor name that meant an item will mean another from now on."""
+        self._by_sensor.pop(item.sensor, None)
+        item.sensor = ""
+
+    def merge(self, kept: Item, lost: Item) -> None:
+        """`kept` stands for `lost` too, and is within reach if one of them is."""
+        del self.known[lost.name]
+        self.aliases[lost.name] = kept.name
+        if lost.accessible:
+            kept.sensor, kept.accessible = lost.sensor, True
+            self._by_sensor[kept.sensor] = kept
+            reach = self._reach.items()
+            self._reach = {
+                kept.name if name == lost.name else name: kept if item is lost else item
+                for name, item in reach
+            }
+
+    def forget(self, item: Item) -> None:
+        """An item is no longer known; what it was called means nothing from now."""
+        self.put_out_of_reach(item, keep_sensor=not item.sensor)
+        del self.known[item.name]
+        self.gone.add(item.name)
+
+    def canonical(self, name: Atom) -> Atom:
+        """The name that stands for a name; anything else is returned as it is."""
+        aliases = self.aliases
+        if type(name) is not str or name not in aliases:
+            return name
+        passed = []
+        while name in aliases:
+            passed.append(name)
+            name = aliases[name]
+        for alias in passed:
+            aliases[alias] = name
+        return name
 
     def accessible(self) -> list[str]:
         """The items within reach, in the order in which they came into it."""
-        return [item.name for item in self.known.values() if item.accessible]
+        return list(self._reach)
 
     def is_accessible(self, name: object) -> bool:
         """Whether a name has a sensor name now."""
-        item = self.known.get(name) if isinstance(name, str) else None
-        return item is None or item.accessible
+        if not isinstance(name, str):
+            return True
+        item = self.known.get(name)
+        return name not in self.gone if item is None else item.accessible
 
     def sensor_of(self, name: str) -> str | None:
         """The sensor name of an item, or None out of reach; of a symbol, itself."""
         item = self.known.get(name)
         if item is None:
-            return name
+            return None if name in self.gone else name
         return item.sensor if item.accessible else None
 
     def name_of(self, sensor: str) -> str:

@@ -8,6 +8,7 @@ that `external` can be computed (semantics 7). Queries are in `rapc.compiler`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 from rapc.compiler.vocabulary import Relation, Vocabulary
 from rapc.runtime.events import FactAsserted, FactErased
@@ -28,11 +29,12 @@ class FactError(ValueError):
 class Notation:
     """How many methods note a fact that nobody else has asserted."""
 
-    __slots__ = ("count", "fact")
+    __slots__ = ("count", "fact", "same")
 
     def __init__(self, fact: Fact) -> None:
         self.fact = fact
         self.count = 0
+        self.same: Notation | None = None
 
 
 class Memory:
@@ -44,8 +46,11 @@ class Memory:
         clock: the time that new facts are stamped with.
 
     `changed` is called with every fact that came, was refreshed or went; `moved` with
-    a word when something else that queries see has changed: `external` or
-    `know-sensor-name`.
+    a word when something else that queries see has changed: `external`,
+    `know-sensor-name` or `location` (for the size of a set); `described` with every
+    fact that came or was refreshed (True) or went (False); `excluded` returns the
+    facts in memory that one cannot stand beside. `set_size` is the size of the
+    expectation set of a class and a place, None for a distinct class.
     """
 
     def __init__(
@@ -57,6 +62,9 @@ class Memory:
         self.place: Atom | None = None
         self.changed: Callable[[Fact], None] = lambda fact: None
         self.moved: Callable[[str], None] = lambda word: None
+        self.described: Callable[[Fact, bool], None] | None = None
+        self.excluded: Callable[[Fact], list[Fact]] | None = None
+        self.set_size: Callable[[object, object], int | None] = lambda kind, at: None
         self._recorder = recorder
         self._clock = clock
         self._notations: dict[Fact, Notation] = {}
@@ -75,6 +83,7 @@ class Memory:
         """
         relation = self._relation(fact)
         fact = self.vocabulary.short_fact(tuple([_in_one_form(part) for part in fact]))
+        fact = self.canonical(fact)
         if relation.arity is not None and len(fact) - 1 != relation.arity:
             raise FactError(
                 f"`{relation.name}` takes {relation.arity} arguments, "
@@ -83,6 +92,34 @@ class Memory:
         if relation.is_property and len(fact) == 1:
             raise FactError(f"the property `{relation.name}` needs a value")
         return fact
+
+    def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:
+        """A fact, prefix or pattern with the names that stand for others now."""
+        if not self.items.aliases:
+            return fact
+        name_of = self.items.canonical
+        return (fact[0], *[name_of(part) for part in fact[1:]]) if fact else fact
+
+    def refuse_by_hand(self, fact: Fact) -> None:
+        """Only introduce, move and lose set an item's place and introducing class.
+
+        Raises:
+            FactError: for such a fact, or a prefix of one.
+        """
+        if not fact or fact[0] not in ("class", "location") or not self.items.known:
+            return
+        known = self.items.known
+        if len(fact) == 1:
+            items = [known.get(str(f[1])) for f in self.facts.starting(fact)]
+        else:
+            items = [known.get(str(fact[1]))]
+        for item in items:
+            other = fact[0] == "class" and len(fact) > 2 and item is not None
+            if item is not None and not (other and fact[2] != item.kind):
+                raise FactError(
+                    f"{format_list(fact)}: an introduced item's location and class "
+                    "are set by `introduce`, `move` and `lose`"
+                )
 
     def _relation(self, fact: Fact) -> Relation:
         relation = self.vocabulary.relations.get(str(fact[0])) if fact else None
@@ -99,9 +136,20 @@ class Memory:
             self._notations.pop(fact, None)
         self._store(fact, by)
 
-    def _store(self, fact: Fact, by: str) -> None:
+    def put(self, fact: Fact, stamp: Time) -> None:
+        """Store a fact as it was asserted at another time, or never (`NEVER`)."""
+        self._store(fact, "memory", stamp)
+
+    def take(self, fact: Fact) -> None:
+        """Remove a fact that is there: a merge, or an item that is forgotten."""
+        self._remove(fact, "memory")
+
+    def _store(self, fact: Fact, by: str, stamp: Time | None = None) -> None:
         recorder = self._recorder
-        replaced = self.facts.add(fact, self._clock())
+        if self.excluded is not None and stamp is None:
+            for other in self.excluded(fact):
+                self._remove(other, "memory")
+        replaced = self.facts.add(fact, self._clock() if stamp is None else stamp)
         if replaced is not None:
             self._notations.pop(replaced, None)
             if recorder.on:
@@ -110,6 +158,8 @@ class Memory:
         if recorder.on:
             recorder.emit(FactAsserted, fact=format_list(fact), by=by)
         self.changed(fact)
+        if self.described is not None:
+            self.described(fact, True)
 
     def erase(self, prefix: Fact, by: str) -> None:
         """Erase every fact that starts so.
@@ -118,6 +168,7 @@ class Memory:
             FactError: if the prefix names nothing declared.
         """
         self._relation(prefix)
+        prefix = self.canonical(prefix)
         for fact in self.facts.starting(prefix):
             self._remove(fact, by)
 
@@ -127,6 +178,8 @@ class Memory:
         if self._recorder.on:
             self._recorder.emit(FactErased, fact=format_list(fact), by=by)
         self.changed(fact)
+        if self.described is not None:
+            self.described(fact, False)
 
     # --- notations -------------------------------------------------------------
 
@@ -149,11 +202,29 @@ class Memory:
 
     def forget(self, notation: Notation) -> None:
         """A method that noted a fact has ended; the last one takes the fact along."""
+        while notation.same is not None:
+            notation = notation.same
         if self._notations.get(notation.fact) is not notation:
             return
         notation.count -= 1
         if notation.count == 0:
             self._remove(notation.fact, "notation")
+
+    def rename(self, fact: Fact, renamed: Fact, stamp: Time) -> None:
+        """A fact gets other names and keeps its stamp and whoever notes it."""
+        notation = self._notations.get(fact)
+        was_there = renamed in self.facts.stamps
+        noted = self._notations.get(renamed)
+        self.take(fact)
+        self.put(renamed, stamp)
+        if notation is None:
+            self._notations.pop(renamed, None)
+        elif noted is not None:
+            notation.same = noted
+            noted.count += notation.count
+        elif not was_there:
+            notation.fact = renamed
+            self._notations[renamed] = notation
 
     # --- where things are --------------------------------------------------------
 

@@ -1,7 +1,7 @@
 """Expectation sets to be read: what tests, tools and people are shown of them.
 
 A memory without an interpreter is driven through
-`rapc.runtime.memory.recognition.bench.MemoryBench`:
+`rapc.runtime.memory.bench.MemoryBench`:
 
     bench = MemoryBench(library, comparators={"by-eye": compare}, max_layers=8)
     bench.time = 5                       # stamps of what follows

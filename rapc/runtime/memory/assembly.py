@@ -1,0 +1,47 @@
+"""A memory put together: facts, exclusions, recognition and the handlers' way in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import msgspec
+
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.library import Library
+from rapc.runtime.memory.exclusions import Exclusions
+from rapc.runtime.memory.handling import HandlerAccess
+from rapc.runtime.memory.memory import Memory
+from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS, Recognizer
+from rapc.runtime.memory.recognition.scoring import Comparator, Scores
+from rapc.runtime.recorder import Recorder
+from rapc.runtime.world import Time
+
+
+class Assembled(msgspec.Struct, frozen=True):
+    """The parts of a memory: `access` is what handlers are given."""
+
+    memory: Memory
+    recognizer: Recognizer
+    access: HandlerAccess
+
+
+def assemble(
+    library: Library,
+    vocabulary: Vocabulary,
+    recorder: Recorder,
+    clock: Callable[[], Time],
+    comparators: Mapping[str, Comparator],
+    max_layers: int = MAX_LAYERS,
+) -> Assembled:
+    """The memory of a linked library and its vocabulary.
+
+    `comparators` holds every comparator in Python that the library names.
+    """
+    memory = Memory(vocabulary, recorder, clock)
+    exclusions = Exclusions(library.properties.values(), vocabulary, memory.facts)
+    if exclusions:
+        memory.excluded = exclusions.of
+    classes = library.indistinct
+    scores = Scores(classes.values(), library.comparators, comparators)
+    recognizer = Recognizer(memory, recorder, tuple(classes), scores, max_layers)
+    return Assembled(memory, recognizer, HandlerAccess(memory, recorder, recognizer))

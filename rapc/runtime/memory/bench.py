@@ -1,0 +1,158 @@
+"""A memory that recognises, without an interpreter or a world.
+
+For tests, measurements and tools; `rapc.runtime.memory.recognition.views` shows how
+it is driven.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.library import Library
+from rapc.runtime.events import Event
+from rapc.runtime.memory.assembly import assemble
+from rapc.runtime.memory.facts import NEVER
+from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.memory.memory import Memory
+from rapc.runtime.memory.recognition.descriptions import Description, ExpectationSet
+from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS
+from rapc.runtime.memory.recognition.scoring import Comparator
+from rapc.runtime.memory.recognition.views import DescriptionView, SetView
+from rapc.runtime.recorder import Recorder
+from rapc.runtime.world import Time
+from rapc.terms import Atom, Fact
+
+
+class MemoryBench:
+    """A memory to be driven by hand. What is done outside a batch is one of its own.
+
+    Args:
+        library: a linked library; only its declarations matter.
+        comparators: comparators in Python by the names that the library uses.
+        max_layers: how many layers a set keeps.
+        record: whether `events` are kept.
+
+    `time` is the stamp of what comes; `memory` is there to be read.
+    """
+
+    def __init__(
+        self,
+        library: Library,
+        comparators: Mapping[str, Comparator] | None = None,
+        max_layers: int = MAX_LAYERS,
+        record: bool = True,
+    ) -> None:
+        self.events: list[Event] = []
+        self._recorder = Recorder()
+        if record:
+            self._recorder.listen(self.events.append)
+        parts = assemble(
+            library,
+            Vocabulary.of(library),
+            self._recorder,
+            self._now,
+            comparators or {},
+            max_layers,
+        )
+        self._memory: Memory = parts.memory
+        self._recognizer = parts.recognizer
+        self._access = parts.access
+        self.memory: MemoryView = parts.access
+
+    def _now(self) -> Time:
+        return self._recorder.time
+
+    @property
+    def time(self) -> Time:
+        """The time now."""
+        return self._recorder.time
+
+    @time.setter
+    def time(self, now: Time) -> None:
+        self._recorder.time = now
+
+    @contextmanager
+    def batch(self) -> Iterator[None]:
+        """What belongs together; in a batch, another is a part of it."""
+        with self._access.batch():
+            yield
+
+    def introduce(self, sensor: str, kind: str, place: Atom) -> str:
+        """An item is seen: returns its memory name."""
+        with self.batch():
+            name = self._access.introduce(sensor, kind, place)
+        return self.name(name)
+
+    def move(self, item: str, place: Atom) -> None:
+        """An item now is at a place."""
+        with self.batch():
+            self._access.move(item, place)
+
+    def lose(self, item: str) -> None:
+        """An item is not where it was."""
+        with self.batch():
+            self._access.lose(item)
+
+    def fix_cardinality(self, place: Atom) -> None:
+        """All accessible items at a place have been introduced."""
+        with self.batch():
+            self._access.fix_cardinality(place)
+
+    def expire(self) -> None:
+        """All sensor names go."""
+        with self.batch():
+            self._access.expire()
+
+    def arrive(self, place: Atom) -> None:
+        """The robot is at a place."""
+        with self.batch():
+            self._access.arrive(place)
+
+    def assert_fact(self, *fact: Atom) -> None:
+        """Assert a fact now."""
+        with self.batch():
+            self._access.assert_fact(*fact)
+
+    def erase(self, *prefix: Atom) -> None:
+        """Erase every fact that starts so."""
+        with self.batch():
+            self._access.erase(*prefix)
+
+    def name(self, name: str) -> str:
+        """The name that now stands for a name."""
+        return str(self._memory.items.canonical(name))
+
+    def count(self, kind: str, place: Atom) -> int:
+        """The size of the expectation set of an indistinct class at a place."""
+        return self._memory.set_size(kind, place) or 0
+
+    def sets(self) -> tuple[SetView, ...]:
+        """All expectation sets, by class and place as text."""
+        found = [self._set(each) for each in self._recognizer.sets.values()]
+        return tuple(sorted(found, key=lambda s: (s.kind, str(s.place))))
+
+    def _set(self, of: ExpectationSet) -> SetView:
+        return SetView(
+            kind=of.kind,
+            place=of.place,
+            size=of.size,
+            local=tuple(self._description(d) for d in of.local.members),
+            layers=tuple(
+                tuple(self._description(d) for d in layer.members)
+                for layer in of.layers
+            ),
+        )
+
+    def _description(self, of: Description) -> DescriptionView:
+        properties: dict[Fact, tuple[Atom, Time | None]] = {}
+        for index, value in of.values.items():
+            stamp = self._memory.facts.stamps[index[0], of.name, *index[1:], value]
+            properties[index] = (value, None if stamp == NEVER else stamp)
+        return DescriptionView(
+            name=of.name or None,
+            number=of.number,
+            sensor=of.sensor if of.accessible else None,
+            properties=properties,
+        )

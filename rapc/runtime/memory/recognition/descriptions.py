@@ -1,0 +1,162 @@
+"""Descriptions of items, and the expectation sets and views in which they stand.
+
+Structure only: what is alike is for `scoring` and `matching`, what leaves for
+`leaving`, and what becomes of facts for `recognizer` (T 2.3.1, 2.3.3, semantics 7).
+"""
+
+from __future__ import annotations
+
+from rapc.runtime.memory.items import Item
+from rapc.terms import Atom, Fact
+
+UNKNOWN = "unknown"
+
+Key = tuple[frozenset[tuple[Fact, Atom]], str | None]
+"""What identical descriptions share: known properties and the sensor name."""
+
+
+class Description(Item):
+    """What is known of one item of an indistinct class.
+
+    `number` tells the older from the younger. `values` maps the index of a property
+    without the item (`("color",)`, `("contains", "papers")`) to its value, without
+    location and introducing class. An empty description has the name "". `mask` has
+    a bit for each view of its set in which it stands; `home` is that set.
+    """
+
+    __slots__ = ("_key", "_known", "home", "mask", "number", "values")
+
+    def __init__(self, number: int, name: str, sensor: str, kind: str) -> None:
+        super().__init__(name, sensor, kind)
+        self.number = number
+        self.accessible = bool(sensor)
+        self.values: dict[Fact, Atom] = {}
+        self.mask = 0
+        self.home: ExpectationSet | None = None
+        self._known: frozenset[tuple[Fact, Atom]] | None = None
+
+    @property
+    def empty(self) -> bool:
+        """Whether it only fills a place: nothing is known of it, not even a name."""
+        return not self.name
+
+    def learn(self, index: Fact, value: Atom | None) -> None:
+        """A property has a value from now on, or none."""
+        if value is None:
+            self.values.pop(index, None)
+        else:
+            self.values[index] = value
+        self._known = None
+
+    def forget_values(self) -> None:
+        """Nothing is known from now on."""
+        self.values.clear()
+        self._known = None
+
+    @property
+    def known(self) -> frozenset[tuple[Fact, Atom]]:
+        """Its properties with known values."""
+        if self._known is None:
+            self._known = frozenset(
+                (index, v) for index, v in self.values.items() if v != UNKNOWN
+            )
+        return self._known
+
+    @property
+    def key(self) -> Key:
+        """What it shares with the descriptions that are identical to it."""
+        return (self.known, self.sensor if self.accessible else None)
+
+    def may_be(self, other: Description) -> bool:
+        """Whether no view holds both, so that they may be of one item."""
+        return not self.mask & other.mask
+
+
+class View:
+    """A layer of an expectation set, or its part of the local model.
+
+    `bit` is its own among the views of its set; members stand in the order in which
+    they came.
+    """
+
+    __slots__ = ("bit", "members")
+
+    def __init__(self, bit: int) -> None:
+        self.bit = bit
+        self.members: dict[Description, None] = {}
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+
+class ExpectationSet:
+    """The items of one class that are expected at one place.
+
+    `layers` stand oldest first and all hold equally many descriptions; `local` holds
+    the accessible ones, at most as many.
+    """
+
+    __slots__ = ("kind", "layers", "local", "place")
+
+    def __init__(self, kind: str, place: Atom) -> None:
+        self.kind = kind
+        self.place = place
+        self.local = View(1)
+        self.layers: list[View] = []
+
+    @property
+    def size(self) -> int:
+        """How many items are expected."""
+        return len(self.layers[0]) if self.layers else len(self.local)
+
+    def views(self) -> list[View]:
+        """All views in the order of matching: local model, then latest to earliest."""
+        return [self.local, *reversed(self.layers)]
+
+    def members(self) -> list[Description]:
+        """Every description that stands in a view, once, oldest first."""
+        found = dict.fromkeys(d for view in self.views() for d in view.members)
+        return sorted(found, key=lambda d: d.number)
+
+    def new_layer(self, at: int | None = None) -> View:
+        """A further layer, the latest unless its position is given."""
+        taken = sum(layer.bit for layer in self.layers) | 1
+        bit = (taken + 1) & ~taken
+        layer = View(bit)
+        self.layers.insert(len(self.layers) if at is None else at, layer)
+        return layer
+
+    def add(self, view: View, member: Description) -> None:
+        """A description stands in a view from now on."""
+        view.members[member] = None
+        member.mask |= view.bit
+        member.home = self
+
+    def discard(self, view: View, member: Description) -> None:
+        """A description no longer stands in a view."""
+        if member not in view.members:
+            return
+        del view.members[member]
+        member.mask &= ~view.bit
+        if not member.mask:
+            member.home = None
+
+    def replace(self, old: Description, new: Description) -> None:
+        """A description takes another's place in all views where that one stands."""
+        for view in self.views():
+            if old.mask & view.bit:
+                view.members = {
+                    (new if member is old else member): None for member in view.members
+                }
+        new.mask |= old.mask
+        new.home = self
+        old.mask = 0
+        old.home = None
+
+    def drop_layer(self, layer: View) -> list[Description]:
+        """Take a layer away; returns what now stands in no view, oldest first."""
+        self.layers.remove(layer)
+        members = sorted(layer.members, key=lambda d: d.number)
+        for member in members:
+            self.discard(layer, member)
+        return [member for member in members if not member.mask]

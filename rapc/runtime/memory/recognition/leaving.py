@@ -1,0 +1,254 @@
+"""Which descriptions go when an item leaves a set, in all layers at once (T 2.3.3).
+
+The collection has a member of every candidate group in every layer to be served, so
+that what tells them apart can be made unknown; some of its members leave, so that
+each layer loses exactly one. The smallest collection is found exactly where there
+are few groups; above that, groups are hit greedily (semantics 7).
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+import msgspec
+
+from rapc.runtime.memory.recognition.descriptions import (
+    Description,
+    ExpectationSet,
+    View,
+)
+from rapc.runtime.memory.recognition.matching import groups
+from rapc.runtime.memory.recognition.scoring import Score
+from rapc.terms import Number
+
+EXACT = 14
+"""Up to so many candidate groups the smallest collection is searched exactly."""
+
+STEPS = 100_000
+"""So many steps are made at most in looking for ways to leave."""
+
+Members = tuple[Description, ...]
+
+
+class Collection(msgspec.Struct, frozen=True):
+    """Which descriptions an item that leaves may be.
+
+    `members` become alike; `leaving` are those of them that stand exactly once in
+    each layer to be served. `score` is the item's best in any layer.
+    """
+
+    members: Members
+    leaving: Members
+    score: Number
+
+
+class _Candidate(msgspec.Struct, frozen=True):
+    """A description with the groups it is in and the layers it would serve, as bits.
+
+    `layers` is 0 where it must not leave: it stands in a layer as a member of a group
+    that is no candidate there.
+    """
+
+    description: Description
+    groups: int
+    layers: int
+
+    @property
+    def order(self) -> tuple[bool, int]:
+        """Empty ones first, then the oldest."""
+        return (not self.description.empty, self.description.number)
+
+
+def candidate_groups(
+    layer: View, item: Description, outside: int, score: Score
+) -> tuple[Number, list[list[Description]]]:
+    """The groups of a layer that an item may be of: those with its highest score.
+
+    `outside` has the bits of all views whose members are known to be other items. If
+    all groups are ruled out, those that hold no such member are taken.
+    """
+    free = {d for d in layer.members if not d.mask & outside}
+    grouped = list(groups(layer.members).values())
+    scored = []
+    for group in grouped:
+        found = [d for d in group if d in free]
+        if found:
+            scored.append((score(item, found[0]), found))
+    best = max((s for s, _ in scored), default=0)
+    if best > 0:
+        return best, [group for s, group in scored if s == best]
+    unmixed = [group for group in grouped if free.issuperset(group)]
+    return 0, unmixed or [group for _, group in scored]
+
+
+def collect(
+    of: ExpectationSet, item: Description, score: Score
+) -> tuple[list[View], list[tuple[Number, list[list[Description]]]]]:
+    """The layers that must lose a description for an item, with candidate groups."""
+    outside = item.mask | of.local.bit
+    served = [layer for layer in of.layers if not item.mask & layer.bit]
+    return served, [candidate_groups(v, item, outside, score) for v in served]
+
+
+def smallest(
+    served: Sequence[View], found: Sequence[tuple[Number, list[list[Description]]]]
+) -> Collection | None:
+    """The collection, or None if no member stands exactly once in each layer."""
+    hits: dict[Description, int] = {}
+    here: dict[Description, int] = {}
+    count = 0
+    for at, (_, grouped) in enumerate(found):
+        for group in grouped:
+            for description in group:
+                hits[description] = hits.get(description, 0) | 1 << count
+                here[description] = here.get(description, 0) | 1 << at
+            count += 1
+    bits = [(1 << at, layer.bit) for at, layer in enumerate(served)]
+    candidates = []
+    for description, hit in hits.items():
+        stands = sum(own for own, bit in bits if description.mask & bit)
+        layers = stands if stands == here[description] else 0
+        candidates.append(_Candidate(description, hit, layers))
+    chosen = _choose(_thinned(candidates), count, len(served))
+    if chosen is None:
+        return None
+    members, leaving = chosen
+    best = max((s for s, _ in found), default=0)
+    return Collection(_descriptions(members), _descriptions(leaving), best)
+
+
+def next_best(
+    of: ExpectationSet, layer: View, candidates: Sequence[Sequence[Description]]
+) -> Description:
+    """What a layer loses by itself: an empty candidate, or the oldest.
+
+    A layer without candidates loses a member that is not accessible.
+    """
+    found = [d for group in candidates for d in group if d in layer.members]
+    if not found:
+        found = [d for d in layer.members if d not in of.local.members]
+    return min(found or layer.members, key=lambda d: (not d.empty, d.number))
+
+
+def _descriptions(chosen: Sequence[_Candidate]) -> Members:
+    return tuple(sorted((c.description for c in chosen), key=lambda d: d.number))
+
+
+def _thinned(candidates: Sequence[_Candidate]) -> list[_Candidate]:
+    """The best candidate of each kind: two of a kind are never both needed."""
+    kept: dict[tuple[int, int], _Candidate] = {}
+    for candidate in sorted(candidates, key=lambda c: c.order):
+        kept.setdefault((candidate.groups, candidate.layers), candidate)
+    return list(kept.values())
+
+
+def _choose(
+    candidates: Sequence[_Candidate], count: int, layers: int
+) -> tuple[list[_Candidate], list[_Candidate]] | None:
+    """The members of the smallest collection, and those of them that leave."""
+    everything = (1 << count) - 1
+    exact = count <= EXACT
+    cover = _Exact(candidates) if exact else _Greedy(candidates)
+    best: tuple[object, list[_Candidate], list[_Candidate]] | None = None
+    for leaving in islice(_covers(candidates, layers), None if exact else 1):
+        rest = everything
+        for candidate in leaving:
+            rest &= ~candidate.groups
+        others = cover.of(rest)
+        cost = (
+            len(leaving) + len(others),
+            len(leaving),
+            sorted(c.order for c in leaving),
+            sorted(c.order for c in others),
+        )
+        if best is None or cost < best[0]:  # type: ignore[operator]
+            best = (cost, [*leaving, *others], list(leaving))
+    return None if best is None else (best[1], best[2])
+
+
+def _covers(
+    candidates: Sequence[_Candidate], layers: int
+) -> Iterator[tuple[_Candidate, ...]]:
+    """All ways to serve each layer exactly once; those of few members come early."""
+    by_layer: dict[int, list[_Candidate]] = {}
+    youngest_first = sorted(candidates, key=lambda c: c.order, reverse=True)
+    for candidate in sorted(youngest_first, key=lambda c: c.layers.bit_count()):
+        if candidate.layers:
+            lowest = candidate.layers & -candidate.layers
+            by_layer.setdefault(lowest, []).append(candidate)
+    stack: list[tuple[int, tuple[_Candidate, ...]]] = [((1 << layers) - 1, ())]
+    for _ in range(STEPS):
+        if not stack:
+            return
+        left, chosen = stack.pop()
+        if not left:
+            yield chosen
+            continue
+        for candidate in by_layer.get(left & -left, ()):
+            if not candidate.layers & ~left:
+                stack.append((left & ~candidate.layers, (*chosen, candidate)))
+
+
+class _Exact:
+    """The fewest candidates that hit given groups, empty and old ones before others."""
+
+    def __init__(self, candidates: Sequence[_Candidate]) -> None:
+        self._candidates = sorted(candidates, key=lambda c: c.order)
+        self._known: dict[int, tuple[_Candidate, ...]] = {0: ()}
+
+    def of(self, wanted: int) -> tuple[_Candidate, ...]:
+        """The candidates; the groups left are worked off from the smallest set up."""
+        stack = [wanted]
+        while stack:
+            top = stack[-1]
+            options = self._options(top)
+            missing = [rest for rest, _ in options if rest not in self._known]
+            if top in self._known:
+                stack.pop()
+            elif missing:
+                stack.extend(missing)
+            else:
+                found = [(*self._known[rest], c) for rest, c in options]
+                self._known[top] = min(found, key=_cost)
+                stack.pop()
+        return self._known[wanted]
+
+    def _options(self, wanted: int) -> list[tuple[int, _Candidate]]:
+        lowest = wanted & -wanted
+        return [(wanted & ~c.groups, c) for c in self._candidates if c.groups & lowest]
+
+
+def _cost(chosen: tuple[_Candidate, ...]) -> tuple[int, list[tuple[bool, int]]]:
+    return (len(chosen), sorted(c.order for c in chosen))
+
+
+class _Greedy:
+    """Candidates that hit given groups: each time the one that hits most of the rest.
+
+    What a candidate would still hit only shrinks, so the best is found without
+    looking at all of them again each time.
+    """
+
+    def __init__(self, candidates: Sequence[_Candidate]) -> None:
+        self._candidates = candidates
+
+    def of(self, wanted: int) -> tuple[_Candidate, ...]:
+        """The candidates, never more than there are groups."""
+        waiting = [
+            (-(c.groups & wanted).bit_count(), c.order, at)
+            for at, c in enumerate(self._candidates)
+        ]
+        heapq.heapify(waiting)
+        chosen: list[_Candidate] = []
+        while wanted:
+            _, order, at = heapq.heappop(waiting)
+            candidate = self._candidates[at]
+            entry = (-(candidate.groups & wanted).bit_count(), order, at)
+            if waiting and entry > waiting[0]:
+                heapq.heappush(waiting, entry)
+                continue
+            chosen.append(candidate)
+            wanted &= ~candidate.groups
+        return tuple(chosen)

@@ -1,0 +1,340 @@
+"""The memory that recognises: items come, go, and turn out to be one (T 2.3, A.5).
+
+Descriptions of indistinct classes stand in expectation sets; each change of a set is
+followed, at the end of its batch, by all identifications that it allows. The parts
+are in the modules beside this one (semantics 7).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+
+from rapc.runtime.events import ItemIntroduced, ItemLost, ItemMoved
+from rapc.runtime.memory.memory import Memory
+from rapc.runtime.memory.recognition import leaving, merging
+from rapc.runtime.memory.recognition.descriptions import (
+    UNKNOWN,
+    Description,
+    ExpectationSet,
+)
+from rapc.runtime.memory.recognition.matching import Match, best_match
+from rapc.runtime.memory.recognition.scoring import Scores
+from rapc.runtime.memory.recognition.telling import Teller
+from rapc.runtime.recorder import Recorder
+from rapc.terms import Atom, Fact
+
+MAX_LAYERS = 8
+"""How many layers a set keeps, if no setting says otherwise."""
+
+
+class Recognizer:
+    """Expectation sets, and all that changes them.
+
+    Args:
+        memory: whose facts the descriptions are of.
+        recorder: is told of items.
+        classes: the indistinct classes.
+        scores: their comparators.
+        max_layers: how many layers a set keeps after an expiry, at least 1.
+
+    `renamed` is called with the name that goes and the one that stands for it, after
+    the facts have been changed: tasks that hold it have to change too.
+    """
+
+    def __init__(
+        self,
+        memory: Memory,
+        recorder: Recorder,
+        classes: Collection[str] = (),
+        scores: Scores | None = None,
+        max_layers: int = MAX_LAYERS,
+    ) -> None:
+        self.sets: dict[tuple[str, Atom], ExpectationSet] = {}
+        self.renamed: Callable[[str, str], None] = lambda lost, kept: None
+        self._memory = memory
+        self._teller = Teller(recorder)
+        self._classes = frozenset(classes)
+        self._scores = scores or Scores((), (), {})
+        self._max_layers = max_layers
+        self._number = 0
+        self._dirty: dict[ExpectationSet, None] = {}
+        self._lost: dict[Description, None] = {}
+        if self._classes:
+            memory.described = self._described
+            memory.set_size = self._set_size
+
+    def recognises(self, kind: str) -> bool:
+        """Whether items of a class are recognised by comparison."""
+        return kind in self._classes
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether a set has changed since all were settled."""
+        return bool(self._dirty)
+
+    def _set_size(self, kind: object, place: object) -> int | None:
+        if kind not in self._classes:
+            return None
+        found = self.sets.get((str(kind), place))  # type: ignore[arg-type]
+        return 0 if found is None else found.size
+
+    # --- descriptions -----------------------------------------------------------
+
+    def _described(self, fact: Fact, there: bool) -> None:
+        """A fact came or went: if it is a property of an item, a set has changed."""
+        item = self._memory.items.known.get(str(fact[1])) if len(fact) > 2 else None
+        if not isinstance(item, Description) or fact[0] == "location":
+            return
+        if fact[0] == "class" and fact[2] == item.kind:
+            return
+        relation = self._memory.vocabulary.relations[str(fact[0])]
+        index, value = (fact[0], *fact[2:-1]), fact[-1]
+        if relation.is_property and item.values.get(index) != (value if there else ""):
+            item.learn(index, value if there else None)
+            self._touch(item.home)
+
+    def _touch(self, changed: ExpectationSet | None) -> None:
+        if changed is not None:
+            self._dirty[changed] = None
+
+    def _new(self, kind: str, sensor: str) -> Description:
+        self._number += 1
+        while f"item-{self._number}" in self._memory.items.known:
+            self._number += 1
+        name = f"item-{self._number}" if sensor else ""
+        return Description(self._number, name, sensor, kind)
+
+    def _set(self, kind: str, place: Atom) -> ExpectationSet | None:
+        if place == UNKNOWN:
+            return None
+        found = self.sets.get((kind, place))
+        if found is None:
+            found = self.sets[kind, place] = ExpectationSet(kind, place)
+        return found
+
+    def _fill(self, of: ExpectationSet) -> None:
+        """Put empty descriptions into layers that hold fewer than the set's size."""
+        size = max(len(view) for view in of.views())
+        for layer in of.layers:
+            while len(layer) < size:
+                of.add(layer, self._new(of.kind, ""))
+
+    # --- what handlers say ------------------------------------------------------
+
+    def introduce(self, sensor: str, kind: str, place: Atom) -> Description:
+        """An item of an indistinct class is seen under a sensor name."""
+        items = self._memory.items
+        item = items.known.get(items.name_of(sensor))
+        if isinstance(item, Description) and item.accessible:
+            self._assert("class", item.name, item.kind, "true")
+            return self.move(item, place)
+        item = self._new(kind, sensor)
+        items.enter(item)
+        self._assert("class", item.name, kind, "true")
+        self._assert("location", item.name, place)
+        home = self._set(kind, place)
+        if home is not None:
+            home.add(home.local, item)
+            self._fill(home)
+            self._touch(home)
+        else:
+            self._lost[item] = None
+        self._memory.moved("know-sensor-name")
+        self._teller.tell(ItemIntroduced, item, place)
+        return item
+
+    def move(self, item: Description, place: Atom) -> Description:
+        """An item now is at a place; returns it as it then is known."""
+        home = item.home
+        if place == self._place(item):
+            self._assert("location", item.name, place)
+            return item
+        gone: leaving.Collection | None = None
+        before = item.name
+        if home is not None:
+            item, gone = self._leave(home, item)
+        self._lost.pop(item, None)
+        self._assert("location", item.name, place)
+        target = self._set(item.kind, place)
+        if target is None:
+            self._lost[item] = None
+        else:
+            self._arrive(target, item)
+        self._teller.moved(ItemMoved, item, place, before, gone)
+        return item
+
+    def _place(self, item: Description) -> Atom:
+        return UNKNOWN if item.home is None else item.home.place
+
+    def _arrive(self, target: ExpectationSet, item: Description) -> None:
+        """An item stands as itself in the local model and in every layer."""
+        if not item.accessible and not target.layers:
+            layer = target.new_layer()
+            for member in target.local.members:
+                target.add(layer, member)
+        for layer in target.layers:
+            target.add(layer, item)
+        if item.accessible:
+            target.add(target.local, item)
+        self._touch(target)
+
+    def lose(self, item: Description) -> None:
+        """An item is not where it was: its place is unknown, it is out of reach."""
+        gone: leaving.Collection | None = None
+        before = item.name
+        if item.home is not None:
+            item, gone = self._leave(item.home, item)
+        self._out(item)
+        self._teller.moved(ItemLost, item, UNKNOWN, before, gone)
+
+    def _out(self, item: Description) -> None:
+        if item.accessible:
+            self._memory.items.put_out_of_reach(item, keep_sensor=False)
+            self._memory.moved("know-sensor-name")
+        self._assert("location", item.name, UNKNOWN)
+        self._lost[item] = None
+
+    def expire(self) -> None:
+        """The robot has moved: local models become layers, sensor names go."""
+        for item in list(self._lost):
+            self._forget(item)
+        for home in list(self.sets.values()):
+            if home.local.members:
+                layer = home.new_layer()
+                for member in list(home.local.members):
+                    home.add(layer, member)
+                    home.discard(home.local, member)
+                self._fill(home)
+                self._touch(home)
+        for reached in self._memory.items.expire():
+            if isinstance(reached, Description):
+                self._memory.items.drop_sensor(reached)
+
+    def _assert(self, *fact: Atom) -> None:
+        self._memory.assert_fact(fact, "handler")
+
+    # --- leaving ----------------------------------------------------------------
+
+    def _leave(
+        self, home: ExpectationSet, item: Description
+    ) -> tuple[Description, leaving.Collection | None]:
+        """Take an item out of its set, one description out of every layer.
+
+        Returns the item with what the descriptions that went say of it, and the
+        collection they were of; None where nothing could be merged.
+        """
+        score = self._scores.of(home.kind, home.place)
+        served, found = leaving.collect(home, item, score)
+        choice = leaving.smallest(served, found)
+        for view in home.views():
+            home.discard(view, item)
+        self._touch(home)
+        self._memory.moved("location")
+        if choice is None:
+            for layer, (_, candidates) in zip(served, found, strict=True):
+                member = leaving.next_best(home, layer, candidates)
+                home.discard(layer, member)
+                if not member.mask:
+                    self._forget(member)
+            return item, None
+        merging.make_alike(self._memory, choice.members)
+        for member in choice.leaving:
+            for layer in home.layers:
+                home.discard(layer, member)
+            item = self._one(item, member, item.name)
+        return item, choice
+
+    def fix(self, place: Atom) -> None:
+        """No items are at a place but the accessible ones: others leave it."""
+        for home in [s for (_, at), s in self.sets.items() if at == place]:
+            while home.size > len(home.local):
+                item, gone = self._leave(home, self._new(home.kind, ""))
+                if not item.empty:
+                    self._out(item)
+                    self._teller.moved(ItemLost, item, UNKNOWN, item.name, gone)
+
+    def _forget(self, item: Description) -> None:
+        """An item, and what memory has in it, means nothing from now on."""
+        stack = [item]
+        while stack:
+            gone = stack.pop()
+            self._lost.pop(gone, None)
+            if gone.empty or gone.name not in self._memory.items.known:
+                continue
+            merging.forget_facts(self._memory, gone.name)
+            self._memory.items.forget(gone)
+            for home in [s for (_, at), s in self.sets.items() if at == gone.name]:
+                stack.extend(home.members())
+                del self.sets[home.kind, home.place]
+                self._dirty.pop(home, None)
+
+    # --- merging ----------------------------------------------------------------
+
+    def _one(self, one: Description, other: Description, own: str = "") -> Description:
+        """Two descriptions are of one item; returns the one that stays."""
+        older, younger = sorted((one, other), key=lambda d: (d.empty, d.number))
+        if younger.mask and younger.home is not None:
+            younger.home.replace(younger, older)
+            self._touch(older.home)
+        if younger.empty:
+            return older
+        first = older.name if older.accessible else younger.name
+        if younger.accessible or older.accessible:
+            self._memory.moved("know-sensor-name")
+        if younger in self._lost:
+            del self._lost[younger]
+        self._memory.items.merge(older, younger)
+        merging.merge_facts(self._memory, older.name, younger.name, first, own)
+        self._merge_places(older.name, younger.name)
+        self.renamed(younger.name, older.name)
+        return older
+
+    def _merge_places(self, kept: str, lost: str) -> None:
+        """The sets at one place now are at another: containers turned out to be one."""
+        for home in [s for (_, at), s in self.sets.items() if at == lost]:
+            del self.sets[home.kind, lost]
+            target = self._set(home.kind, kept)
+            assert target is not None
+            rows = [list(view.members) for view in (home.local, *home.layers)]
+            for member in home.members():
+                member.mask = 0
+            for at, row in enumerate(rows):
+                into = target.new_layer() if at else target.local
+                for member in row:
+                    target.add(into, member)
+            self._dirty.pop(home, None)
+            self._fill(target)
+            self._touch(target)
+
+    # --- settling ---------------------------------------------------------------
+
+    def settle(self) -> None:
+        """Make all identifications that the changed sets allow, until none is left."""
+        while self._dirty:
+            home = next(iter(self._dirty))
+            match = self._next(home)
+            if match is not None:
+                kept = self._one(match.one, match.other)
+                self._teller.merged(kept, match)
+            elif not self._tidy(home):
+                del self._dirty[home]
+
+    def _next(self, home: ExpectationSet) -> Match | None:
+        return best_match(home, self._scores.of(home.kind, home.place))
+
+    def _tidy(self, home: ExpectationSet) -> bool:
+        """Drop layers that say nothing or are too many; whether matches may follow."""
+        seen = [home.local.members.keys()]
+        for layer in list(home.layers):
+            if any(layer.members.keys() == other for other in seen):
+                home.drop_layer(layer)
+            else:
+                seen.append(layer.members.keys())
+        changed = False
+        while len(home.layers) > self._max_layers:
+            for member in home.drop_layer(home.layers[0]):
+                self._forget(member)
+            changed = True
+        if not home.size:
+            self.sets.pop((home.kind, home.place), None)
+        return changed

@@ -1,0 +1,121 @@
+"""How well two descriptions match (T 2.3.2, A.5, semantics 7).
+
+Every comparator takes two descriptions of one set and returns a score; 0 or less
+rules the pair out. Without one, and for what a declared one does not mention, 10
+count for the class and 10 for each property that both have with one known value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import msgspec
+
+from rapc.ir import nodes
+from rapc.runtime.memory.recognition.descriptions import Description
+from rapc.terms import Atom, Fact, Number
+
+SHARED = 10
+"""What the class counts, and each shared property."""
+
+
+class Described(msgspec.Struct, frozen=True):
+    """A description as comparators in Python are given it (T A.5).
+
+    `properties` maps a property's index without the item (`("color",)`,
+    `("contains", "papers")`) to its known value. An empty description is never given.
+    """
+
+    name: str
+    kind: str
+    place: Atom
+    properties: Mapping[Fact, Atom]
+
+
+Comparator = Callable[[Described, Described], Number]
+"""A comparator in Python, registered under a name."""
+
+Score = Callable[[Description, Description], Number]
+
+
+def plain(a: Description, b: Description) -> Number:
+    """The score where nothing is declared."""
+    return SHARED + SHARED * len(a.known & b.known)
+
+
+def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
+    """A comparator declared in RAP: vetoing, weighted and ignored properties."""
+    vetoing = {row.property for row in rows if row.treatment == "veto"}
+    weights: dict[Atom, Number] = {
+        row.property: row.weight if row.treatment == "score" else 0
+        for row in rows
+        if row.treatment != "veto"
+    }
+
+    def score(a: Description, b: Description) -> Number:
+        total: Number = SHARED
+        for index, value in a.known:
+            other = b.values.get(index)
+            if other == value:
+                total += weights.get(index[0], SHARED)
+            elif other is not None and other != "unknown" and index[0] in vetoing:
+                return 0
+        return total
+
+    return score
+
+
+def named(compare: Comparator) -> Score:
+    """A comparator in Python; empty descriptions match anything."""
+
+    def score(a: Description, b: Description) -> Number:
+        if a.empty or b.empty:
+            return SHARED
+        return compare(_described(a), _described(b))
+
+    return score
+
+
+def _described(of: Description) -> Described:
+    place: Atom = of.home.place if of.home is not None else "unknown"
+    return Described(of.name, of.kind, place, dict(of.known))
+
+
+def _found(name: str, registered: Mapping[str, Comparator]) -> Score:
+    compare = registered.get(name)
+    return plain if compare is None else named(compare)
+
+
+class Scores:
+    """The comparators of a library: by class, and by class and place.
+
+    Args:
+        classes: the indistinct classes, each perhaps with the name of a comparator.
+        comparators: the comparators declared for them.
+        registered: comparators in Python by name; a run without one that is named is
+            refused.
+    """
+
+    def __init__(
+        self,
+        classes: Iterable[nodes.DeclareIndistinctClass],
+        comparators: Sequence[nodes.DeclareComparator],
+        registered: Mapping[str, Comparator],
+    ) -> None:
+        self._by_place: dict[tuple[str, Atom], Score] = {}
+        self._by_class: dict[str, Score] = {}
+        for declared in classes:
+            if declared.comparator is not None:
+                self._by_class[declared.name] = _found(declared.comparator, registered)
+        for node in comparators:
+            function = node.function
+            score = _found(function, registered) if function else weighted(node.rows)
+            if node.place is None:
+                self._by_class[node.class_name] = score
+            else:
+                self._by_place[node.class_name, node.place] = score
+
+    def of(self, kind: str, place: Atom) -> Score:
+        """The comparator of a set."""
+        found = self._by_place.get((kind, place))
+        return found or self._by_class.get(kind) or plain

@@ -1,0 +1,69 @@
+"""What the trace is told of items, and why (testing.md: item-merged and the rest)."""
+
+from __future__ import annotations
+
+from rapc.runtime.events import ItemEvent, ItemMerged
+from rapc.runtime.memory.recognition.descriptions import Description
+from rapc.runtime.memory.recognition.leaving import Collection
+from rapc.runtime.memory.recognition.matching import Match
+from rapc.runtime.recorder import Recorder
+from rapc.terms import Atom, Number, format_atom
+
+
+class Teller:
+    """Emits the events about items of indistinct classes."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+
+    def tell(
+        self,
+        kind: type[ItemEvent],
+        item: Description,
+        place: Atom,
+        other: str | None = None,
+        score: Number | None = None,
+        rival: Number | None = None,
+    ) -> None:
+        """Something happened to an item that now is at a place."""
+        if self._recorder.on:
+            self._recorder.emit(
+                kind,
+                item=item.name,
+                sensor=item.sensor if item.accessible else None,
+                kind=item.kind,
+                location=format_atom(place),
+                with_=other,
+                score=score,
+                rival=rival,
+            )
+
+    def merged(self, kept: Description, match: Match) -> None:
+        """A match was made; that an empty description was filled is not worth it."""
+        other = match.other if kept is match.one else match.one
+        if not other.empty and kept.home is not None:
+            place = kept.home.place
+            self.tell(
+                ItemMerged, kept, place, other.name, match.score, match.rival or None
+            )
+
+    def moved(
+        self,
+        kind: type[ItemEvent],
+        item: Description,
+        place: Atom,
+        before: str,
+        gone: Collection | None,
+    ) -> None:
+        """An item left its set, `before` its name then; `gone` is what it may be.
+
+        The rival of an item that may be several is as good as what it was taken for.
+        """
+        if gone is None or not gone.leaving:
+            self.tell(kind, item, place)
+            return
+        named = [member.name for member in gone.leaving if member.name != item.name]
+        other = before if before not in ("", item.name) else None
+        other = other or next((name for name in named if name), None)
+        rival = gone.score if len(gone.members) > len(gone.leaving) else None
+        self.tell(kind, item, place, other, gone.score, rival)

@@ -1,0 +1,71 @@
+"""What live tasks hold gets another name when two items turn out to be one.
+
+Bindings, inputs, sets, the recursion test and the futile-loop detector know an item
+by its older name only, from the moment of the merge (semantics 7).
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from rapc.resources import SetResource
+from rapc.runtime.monitors import Monitors
+from rapc.runtime.task import Env, Task
+
+
+class Tasks(Protocol):
+    """What of a run is needed here: its live tasks, and who waits for what."""
+
+    tasks: dict[int, Task]
+    monitors: Monitors
+
+
+def rename(run: Tasks, lost: str, kept: str) -> None:
+    """Every live task holds `kept` wherever it held `lost`."""
+    sets: dict[int, SetResource] = {}
+    for task in run.tasks.values():
+        environments = [task.env, task.success_env or {}]
+        if task.run is not None:
+            environments.append(task.run.env)
+        for env in environments:
+            sets.update((id(v), v) for v in env.values() if isinstance(v, SetResource))
+        if _in_task(task, environments, lost, kept):
+            run.monitors.rebind(task)
+    for resource in sets.values():
+        if lost in resource.members:
+            _in_set(resource, lost, kept)
+            run.monitors.resource_changed(resource)
+
+
+def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
+    """Rename in one task; whether its monitors see another binding."""
+    task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
+    task.identity = _in_value(task.identity, lost, kept)
+    if task.choices:
+        counts: dict[object, int] = {}
+        for key, count in task.choices.items():
+            renamed = _in_value(key, lost, kept)
+            counts[renamed] = counts.get(renamed, 0) + count
+        task.choices = counts
+    seen = lost in task.env.values()
+    for env in environments:
+        for name, value in env.items():
+            if value == lost:
+                env[name] = kept
+    return seen
+
+
+def _in_set(resource: SetResource, lost: str, kept: str) -> None:
+    members = [kept if member == lost else member for member in resource.members]
+    resource.members = dict.fromkeys(members)
+
+
+def _in_value(value: Any, lost: str, kept: str) -> Any:
+    """A frozen value with another name in it; sets and tuples nest a few levels."""
+    if isinstance(value, str):
+        return kept if value == lost else value
+    if isinstance(value, tuple):
+        return tuple([_in_value(part, lost, kept) for part in value])
+    if isinstance(value, frozenset):
+        return frozenset(_in_value(part, lost, kept) for part in value)
+    return value
