@@ -1,6 +1,6 @@
 """Run all benchmarks, or those named, and print their figures as a table.
 
-python -m bench.run [--quick] [parse|queries|agenda|order]...
+python -m bench.run [--quick] [parse|queries|agenda|monitors|order]...
 """
 
 from __future__ import annotations
@@ -10,12 +10,13 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-from bench import agenda, order, parse, queries
+from bench import agenda, monitors, order, parse, queries
 from bench.common import Figure, table
 
 BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
     "parse": parse.figures,
     "queries": queries.figures,
+    "monitors": monitors.figures,
     "agenda": agenda.figures,
     "order": order.figures,
 }

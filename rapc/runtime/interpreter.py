@@ -237,8 +237,11 @@ class Interpreter:
             self.step()
         return self._reason or "done"
 
-    def step(self) -> bool:
-        """One cycle, waiting for its time to come; False once the run is over."""
+    def step(self, wait: bool = True) -> bool:
+        """One cycle, waiting for its time to come; False once the run is over.
+
+        Without `wait` also False, and nothing done, if no task can go on now.
+        """
         self.start()
         machine = self._machine
         while self._reason is None:
@@ -255,6 +258,8 @@ class Interpreter:
                 run_cycle(machine, task)
                 self._spend(before)
                 return True
+            if not wait:
+                break
             self._wait()
         return False
 
