@@ -1,0 +1,222 @@
+"""Sets and counters (semantics 6, T 4.8)."""
+
+from __future__ import annotations
+
+import pytest
+
+from .helpers import play, row
+
+REST = "(define-rap (rest) (method (task-net)))"
+USE = "(define-rap (use ?x) (method (primitive (act ?x))))"
+
+
+def test_effects_are_traced_by_value_in_the_order_of_the_text() -> None:
+    ran = play(
+        REST
+        + """
+        (define-rap (top) (resources (counter ?c 5) (set ?s))
+          (method (task-net (t1 (rest) (counter-add ?c 2) (counter-sub ?c 9)
+                                       (set-add ?s b) (set-add ?s a) (set-sub ?s b)
+                                       (set-sub ?s missing)))))
+        """,
+        "(top)",
+    )
+    assert ran.told("changed") == [
+        "changed rest counter-add 2: #counter(7)",
+        "changed rest counter-sub 9: #counter(-2)",
+        "changed rest set-add b: #set(b)",
+        "changed rest set-add a: #set(b a)",
+        "changed rest set-sub b: #set(a)",
+        "changed rest set-sub missing: #set(a)",
+    ]
+
+
+def test_resources_live_through_failed_methods() -> None:
+    ran = play(
+        REST
+        + USE
+        + """
+        (define-rap (top) (resources (counter ?c)) (succeed (= (value ?c) 2))
+          (method (task-net (t1 (rest) (counter-add ?c 1) (for t2)) (t2 (use a)))))
+        """,
+        "(top)",
+        rows=[row("(act a)", "jammed", times=2)],
+    )
+    assert ran.told("changed") == [
+        "changed rest counter-add 1: #counter(1)",
+        "changed rest counter-add 1: #counter(2)",
+    ]
+
+
+def test_arguments_pass_them_by_reference() -> None:
+    ran = play(
+        REST
+        + """
+        (define-rap (top) (resources (counter ?c)) (succeed (= (value ?c) 1))
+          (method (task-net (t1 (inner ?c)))))
+        (define-rap (inner ?d) (method (task-net (t1 (rest) (counter-add ?d 1)))))
+        """,
+        "(top)",
+    )
+    assert ran.told("created")[1] == "created (inner #counter(0))"
+    assert ran.told("succeeded")[-1] == "succeeded (top)"
+
+
+def test_a_resources_clause_copies() -> None:
+    ran = play(
+        REST
+        + """
+        (define-rap (top) (resources (counter ?c 3) (set ?s))
+          (succeed (and (last-result okay) (= (value ?c) 3) (empty ?s)))
+          (method (task-net (t1 (inner ?c ?s)))))
+        (define-rap (inner ?d ?t)
+          (resources (counter ?e ?d) (set ?u ?t))
+          (method (task-net (t1 (rest) (counter-add ?e 1) (set-add ?u a)))))
+        """,
+        "(top)",
+    )
+    assert ran.told("changed", "succeeded") == [
+        "succeeded (rest)",
+        "changed rest counter-add 1: #counter(4)",
+        "changed rest set-add a: #set(a)",
+        "succeeded (inner #counter(3) #set())",
+        "succeeded (top)",
+    ]
+
+
+def test_a_task_made_twice_has_resources_of_its_own_each_time() -> None:
+    ran = play(
+        REST
+        + """
+        (define-rap (top) (method (task-net (t1 (inner) (for t2)) (t2 (inner)))))
+        (define-rap (inner) (resources (counter ?c))
+          (method (task-net (t1 (rest) (counter-add ?c 1)))))
+        """,
+        "(top)",
+    )
+    assert ran.told("changed") == ["changed rest counter-add 1: #counter(1)"] * 2
+
+
+def test_effects_run_only_if_the_step_succeeds() -> None:
+    ran = play(
+        USE
+        + """
+        (define-rap (top) (resources (counter ?c))
+          (method (task-net (t1 (use a) (counter-add ?c 1)))))
+        """,
+        "(top)",
+        rows=[row("(act a)", "jammed")],
+    )
+    assert ran.told("changed") == []
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "(counter-add ?c ?never)",
+        "(counter-add ?c word)",
+        "(counter-add ?s 1)",
+        "(set-add ?c a)",
+        "(set-add ?s ?c)",
+        "(counter-add ?x 1)",
+        "(counter-sub ?c (/ 1 0))",
+    ],
+)
+def test_an_effect_that_cannot_be_done_fails_the_step_and_undoes_none(
+    effect: str,
+) -> None:
+    ran = play(
+        REST
+        + f"""
+        (define-rap (top ?x) (resources (counter ?c) (set ?s))
+          (method (task-net (t1 (rest) (counter-add ?c 1) {effect}))))
+        """,
+        "(top plain)",
+    )
+    assert ran.told("changed") == []
+    assert ran.told("failed")[0] == "failed (rest) interference interference"
+    assert len(ran.told("fault")) >= 1
+
+
+def test_an_effect_may_use_what_its_own_step_hands_out() -> None:
+    ran = play(
+        """
+        (define-rap (top) (resources (counter ?c))
+          (method (task-net (t1 (find => ?n) (counter-add ?c ?n)))))
+        (define-rap (find => ?n) (succeed (color size ?n)))
+        """,
+        "(top)",
+        facts=["(color size 4)"],
+    )
+    assert ran.told("changed") == ["changed find counter-add 4: #counter(4)"]
+
+
+def test_outputs_that_do_not_fit_leave_the_effects_undone() -> None:
+    ran = play(
+        """
+        (define-rap (top) (resources (counter ?c))
+          (method (task-net (t1 (find => wrong) (counter-add ?c 1)))))
+        (define-rap (find => ?n) (succeed (color size ?n)))
+        """,
+        "(top)",
+        facts=["(color size 4)"],
+    )
+    assert ran.told("changed") == []
+
+
+@pytest.mark.parametrize(
+    ("clause", "value"), [("(counter ?c ?x)", "word"), ("(set ?s ?x)", "3")]
+)
+def test_a_first_value_of_the_wrong_kind_fails_the_task(
+    clause: str, value: str
+) -> None:
+    ran = play(
+        f"(define-rap (top ?x) (resources {clause}) (method (task-net)))",
+        f"(top {value})",
+    )
+    assert len(ran.told("fault")) == 1
+    assert ran.told("failed") == [f"failed (top {value}) interference interference"]
+
+
+def test_a_first_value_may_be_computed_from_inputs() -> None:
+    ran = play(
+        USE
+        + """
+        (define-rap (top ?n) (resources (counter ?c (* 2 ?n)))
+          (method (task-net (t1 (use (value ?c))))))
+        """,
+        "(top 2.5)",
+    )
+    assert ran.told("asked") == ["asked (act 5)"]
+
+
+def test_a_resource_handed_to_a_primitive_fails_the_request() -> None:
+    ran = play(
+        "(define-rap (top) (resources (counter ?c)) (method (primitive (act ?c))))",
+        "(top)",
+    )
+    assert ran.told("asked") == []
+    assert ran.told("ended")[0] == "ended top #1 interference"
+
+
+def test_bindings_are_told_in_order_and_by_value() -> None:
+    ran = play(
+        REST
+        + """
+        (define-rap (top ?z ?a) (resources (set ?y) (counter ?b 1))
+          (repeat-while (q ?x ?w))
+          (method (context (p ?v)) (task-net)))
+        """,
+        "(top 1 2)",
+        facts=["(q x1 w1)", "(p v1)"],
+    )
+    (bound,) = (e.bindings for e in ran.events if hasattr(e, "bindings"))
+    assert list(bound.items()) == [
+        ("?z", "1"),
+        ("?a", "2"),
+        ("?y", "#set()"),
+        ("?b", "#counter(1)"),
+        ("?x", "x1"),
+        ("?w", "w1"),
+        ("?v", "v1"),
+    ]
