@@ -1,9 +1,9 @@
 """Waiting: what it costs to wake one of many monitors, and to leave the others alone.
 
 n tasks sleep, each on a fact of its own. One firing asserts such a fact; its task wakes
-up, has the fact erased by a primitive, and sleeps again. The long run lets five monitors
-wake by time and go through two steps each, a million cycles in all, and looks at how
-much memory the process has come to take.
+up, has the fact erased by a primitive, and sleeps again. The long run lets five
+monitors wake by time and go through two steps each, a million cycles in all, and looks
+at how much memory the process has come to take.
 """
 
 from __future__ import annotations
