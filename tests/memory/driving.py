@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rapc.loader import load_text
@@ -37,7 +37,11 @@ def bench(text: str, **how: Any) -> MemoryBench:
 
 
 def see(
-    memory: MemoryBench, kind: str, place: Atom, *each: dict[str, Atom], first: int = 1
+    memory: MemoryBench,
+    kind: str,
+    place: Atom,
+    *each: Mapping[str, Atom],
+    first: int = 1,
 ) -> list[str]:
     """See items one after another in one batch, with properties; their names."""
     names = []

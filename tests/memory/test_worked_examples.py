@@ -174,3 +174,95 @@ def test_the_papers_are_in_the_drum_that_is_left() -> None:
     assert memory.name(new[1]) == drums[0]
     assert memory.name(new[2]) == drums[2]
     assert memory.memory.value("contains", new[2], "papers") == "true"
+
+
+def _figure_2_4() -> tuple[MemoryBench, dict[str, str]]:
+    """Three visits to three drums, each with one drum known from the visit before."""
+    memory = bench(DRUMS)
+    d34, d56, d23 = see(
+        memory, "drum", "depot", {"color": "red"}, {"color": "blue"}, {"color": "green"}
+    )
+    leave(memory)
+    again, d65, d78 = see(
+        memory, "drum", "depot", {"color": "red"}, {"size": "big"}, {"size": "small"}
+    )
+    assert again == d34
+    leave(memory)
+    again, d41, d42 = see(
+        memory,
+        "drum",
+        "depot",
+        {"size": "small"},
+        {"content": "full"},
+        {"content": "empty"},
+    )
+    assert again == d78
+    leave(memory)
+    again, d94, d95 = see(memory, "drum", "depot", {"size": "big"}, {}, {})
+    assert again == d65
+    items = {"34": d34, "56": d56, "23": d23, "65": d65, "78": d78}
+    return memory, {**items, "41": d41, "42": d42, "94": d94, "95": d95}
+
+
+def test_figure_2_4_waits_in_three_layers() -> None:
+    memory, d = _figure_2_4()
+    found = the_set(memory, "drum", "depot")
+    assert names(found.local) == [d["65"], d["94"], d["95"]]
+    assert [set(names(layer)) for layer in found.layers] == [
+        {d["34"], d["56"], d["23"]},
+        {d["34"], d["65"], d["78"]},
+        {d["78"], d["41"], d["42"]},
+    ]
+
+
+def test_one_property_cascades_through_the_layers_of_figure_2_4() -> None:
+    memory, d = _figure_2_4()
+    memory.assert_fact("size", d["95"], "small")
+    assert memory.name(d["95"]) == d["78"]
+    assert memory.name(d["94"]) == d["34"]
+    found = the_set(memory, "drum", "depot")
+    assert set(names(found.local)) == {d["65"], d["34"], d["78"]}
+    assert [set(names(layer)) for layer in found.layers] == [
+        {d["34"], d["56"], d["23"]},
+        {d["78"], d["41"], d["42"]},
+    ]
+
+
+def test_an_item_leaves_two_layers_by_the_one_description_in_both() -> None:
+    memory = bench(DRUMS)
+    d24, d23, d25, extra = see(
+        memory,
+        "drum",
+        "depot",
+        {"color": "red"},
+        {"color": "red"},
+        {"color": "blue"},
+        {"mark": "star"},
+    )
+    leave(memory)
+    again, d36, d37, other = see(
+        memory,
+        "drum",
+        "depot",
+        {"color": "red"},
+        {"size": "big"},
+        {"size": "big"},
+        {"lid": "on"},
+    )
+    assert again == d24
+    leave(memory)
+    (d45,) = see(memory, "drum", "depot", {})
+    memory.move(d45, "bay")
+    assert memory.name(d45) == d24
+    found = the_set(memory, "drum", "depot")
+    assert [set(names(layer)) for layer in found.layers] == [
+        {d23, d25, extra},
+        {d36, d37, other},
+    ]
+    kept = {d.name: of(d) for layer in found.layers for d in layer}
+    assert kept[d23] == {"color": "red"}
+    assert kept[d37] == {"size": "big"}
+    for name in (d25, d36, extra, other):
+        assert set(kept[name].values()) == {"unknown"}
+    (moved,) = the_set(memory, "drum", "bay").local
+    assert set(of(moved).values()) == {"unknown"}

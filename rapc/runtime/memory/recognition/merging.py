@@ -26,7 +26,7 @@ def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> N
         renamed = tuple([kept if part == lost else part for part in fact])
         renamed = (fact[0], *renamed[1:])
         rival = _rival(memory, renamed)
-        if rival is None:
+        if rival is None or rival == fact:
             memory.rename(fact, renamed, stamps[fact])
             sources[renamed] = lost
         elif rival == renamed:
