@@ -151,6 +151,7 @@ class _Run:
             scripted if wrap is None else wrap(scripted, seed),
             seed,
             functions=helper.functions() if helper else None,
+            comparators=helper.comparators() if helper else None,
             solvers=helper.solvers() if helper else None,
         )
         self.interpreter.check(_all_tasks(case.test))

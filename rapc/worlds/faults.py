@@ -88,6 +88,7 @@ class FaultyWorld(World):
         self._rng = random.Random(f"{seed}:faults")
         # What a class registers is asked of the one behind, whose class is not known.
         self.functions = self._functions  # type: ignore[method-assign]
+        self.comparators = self._comparators  # type: ignore[method-assign]
         self.solvers = self._solvers  # type: ignore[method-assign]
 
     @classmethod
@@ -105,6 +106,9 @@ class FaultyWorld(World):
 
     def _functions(self) -> Callables:
         return self._world.functions()
+
+    def _comparators(self) -> Callables:
+        return self._world.comparators()
 
     def _solvers(self) -> Callables:
         return self._world.solvers()

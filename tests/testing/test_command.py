@@ -10,6 +10,7 @@ import pytest
 from ..cli.command import rapc
 from .workshop import GRAB, LIBRARY
 
+CHECKOUT = Path(__file__).parents[2]
 GIVEN = f"(script {GRAB}) (task (fetch box))"
 GOOD = f"(define-test good {GIVEN} (expect (succeeds (fetch box))))\n"
 BAD = f'(define-test bad "It fails." {GIVEN} (expect (never (grab ?))))\n'
@@ -141,3 +142,40 @@ def test_coverage_without_a_file(folder: Path) -> None:
 def test_colour_is_asked_for(folder: Path) -> None:
     assert "\x1b[" not in rapc("test", ".", cwd=folder).stdout
     assert "\x1b[" in rapc("test", ".", "--color=always", cwd=folder).stdout
+
+
+ORDER = CHECKOUT / "examples" / "rock-order.rap"
+TASK = ("--world", "truck", "--task", "(rock-order red 1)", "--until", "60", "-q")
+
+
+def test_faults_in_a_run_of_any_world(tmp_path: Path) -> None:
+    faults = ("--fault=(eye-scan ?) eye-cant-find p=0.5", "--fault=(truck-move) okay")
+    args = ("run", str(ORDER), *TASK, *faults, "--trace")
+    first, second = (rapc(*args, name, cwd=tmp_path) for name in ("a.jsonl", "b.jsonl"))
+    assert first.stdout == second.stdout
+    assert "eye-cant-find)" in first.stdout
+    told = (tmp_path / "a.jsonl").read_text()
+    events = [json.loads(line) for line in told.splitlines()]
+    assert events[0]["faults"] == [fault.partition("=")[2] for fault in faults]
+    ends = [e for e in events if e["event"] == "primitive-ended"]
+    scans = {e["result"] for e in ends if e["request"].startswith("(eye-scan")}
+    assert scans == {"okay", "eye-cant-find"}
+    assert all(e["data"] == [] for e in ends if e["request"] == "(truck-move)")
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        ("(eye-scan) eye-cant-find", "--fault: `eye-scan` takes 1 arguments, not 0"),
+        (
+            "(eye-scan ?) eye-cant-fnd",
+            "--fault: `eye-cant-fnd` is no result of `eye-scan`; "
+            "did you mean `eye-cant-find`?",
+        ),
+        ("eye-scan", "--fault: a proposition is wanted here, not a symbol: eye-scan"),
+    ],
+)
+def test_faults_that_a_world_cannot_have(fault: str, message: str) -> None:
+    done = rapc("run", str(ORDER), *TASK, "--fault", fault)
+    assert done.stderr.splitlines()[0] == f"error: {message}"
+    assert (done.stdout, done.returncode) == ("", 2)

@@ -29,6 +29,7 @@ def test_it_is_what_is_behind_it() -> None:
     assert world.name == truck.name
     assert world.offer() == truck.offer()
     assert list(world.functions()) == list(truck.functions())
+    assert list(world.comparators()) == list(truck.comparators())
     assert list(world.solvers()) == list(truck.solvers())
     assert list(world.facts()) == list(truck.facts())
 
