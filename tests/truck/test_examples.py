@@ -124,7 +124,7 @@ def test_greenhouse_feels_the_soil_in_time_and_waters_what_it_finds_dry() -> Non
     standing = (task("watch-soil"), task("keep-wet"))
     run = Scripted("greenhouse", GARDEN, PLANTS, *standing, until=130)
     assert run.reason == "until"
-    assert run.interpreter.now == 120
+    assert run.interpreter.now == 130
     felt = [request for request in run.requests if request.startswith("(feel")]
     assert felt == ["(feel-soil fern)", "(feel-soil moss)", "(feel-soil rose)"]
     assert run.interpreter.memory.value("moisture", "fern") == "wet"
