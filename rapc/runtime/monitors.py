@@ -253,21 +253,20 @@ class Monitors:
     def holds(self, task: Task) -> bool:
         """Whether a task's monitors hold now; listens for when that may change."""
         self._listen(task)
-        now = self._recorder.time
-        on_time = now >= task.ready_at
-        if not on_time:
+        if self._recorder.time < task.ready_at:
             self.at(task.ready_at, task)
+            return False
         plan = task.plan.monitor_state
         if plan is None:
-            return on_time
+            return True
         context = self._context
         context.task = task
         context.horizon = []
-        state = plan.holds(context, task.env)
+        found = plan.holds(context, task.env)
         if context.horizon:
             self.at(min(context.horizon), task)
         context.horizon = None
-        return on_time and state
+        return found
 
     def block(self, task: Task) -> None:
         """A task cannot go on until its monitors hold; its loops start afresh."""
