@@ -94,34 +94,41 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
     reading = _Reading(tests)
     for path in paths:
         if str(path) == "-":
-            reading.add(SourceFile("<stdin>", _decode("<stdin>", _standard_input())))
+            reading.add(_read_standard_input())
         else:
             reading.read_all(_files_at(Path(path), tests))
     return reading.finish()
 
 
-def load_for_test(path: Path, requires: Iterable[nodes.Require]) -> Loaded:
+def load_for_test(source: SourceFile, requires: Iterable[nodes.Require]) -> Loaded:
     """Link what a test runs: its file, and what that and the test itself require.
 
     What other tests of the file require is left out. Raises LoadError as `load`.
     """
     reading = _Reading(tests=False, of_tests=frozenset(form.name for form in requires))
-    reading.read_all([path])
+    reading.add_first(source)
     return reading.finish()
 
 
-def files_with_tests(paths: Iterable[str | Path]) -> tuple[Path, ...]:
-    """The files named, and all `*.test.rap` files below the folders named.
+def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
+    """The files named, and all `*.test.rap` files below the folders named, read.
+
+    A path may be `-` for standard input.
 
     Raises:
-        LoadError: for a path that is missing, and as `load` for folders.
+        LoadError: for what cannot be read, and as `load` for folders.
     """
-    found: dict[str, Path] = {}
-    for path in map(Path, paths):
-        for file in _files_at(path, tests=True):
-            if file == path or file.name.endswith(TEST_SUFFIX):
-                found.setdefault(os.path.realpath(file), file)
-    return tuple(found.values())
+    seen: set[Identity] = set()
+    for path in paths:
+        if str(path) == "-":
+            yield _read_standard_input()
+            continue
+        for file in _files_at(Path(path), tests=True):
+            if file != Path(path) and not file.name.endswith(TEST_SUFFIX):
+                continue
+            if _identity(file) not in seen:
+                seen.add(_identity(file))
+                yield SourceFile(str(file), _read(file))
 
 
 def load_text(text: str, name: str = "<text>") -> Loaded:
@@ -165,6 +172,12 @@ class _Reading:
         for path in paths:
             if self._is_new(path):
                 self.add(SourceFile(str(path), _read(path)))
+
+    def add_first(self, source: SourceFile) -> None:
+        """Parse a file that was read before this began, or a text; see `add`."""
+        if os.path.lexists(source.name):
+            self._is_new(Path(source.name))
+        self.add(source)
 
     def add(self, source: SourceFile) -> None:
         """Parse a text, after all that it requires."""
@@ -316,6 +329,10 @@ def _entries(folder: Path, above: tuple[Identity, ...], tests: bool) -> list[_En
 
 def _is_rap(name: str, tests: bool) -> bool:
     return name.endswith(SUFFIX) and (tests or not name.endswith(TEST_SUFFIX))
+
+
+def _read_standard_input() -> SourceFile:
+    return SourceFile("<stdin>", _decode("<stdin>", _standard_input()))
 
 
 def _standard_input() -> bytes:

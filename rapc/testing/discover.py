@@ -16,6 +16,7 @@ from rapc.analysis.driver import Report, check_library
 from rapc.compiler.plans import CompiledLibrary
 from rapc.diagnostics import Severity
 from rapc.ir.tests import DefineTest
+from rapc.source import SourceFile
 from rapc.testing.run import Case
 
 
@@ -27,53 +28,52 @@ class Found(msgspec.Struct, frozen=True):
 
 
 def find(paths: Iterable[str | Path]) -> Found:
-    """The tests in files, and in all `*.test.rap` files below folders.
+    """The tests in files (`-` is one), and in all `*.test.rap` files below folders.
 
     Raises:
         LoadError: for what cannot be read.
     """
     cases: list[Case] = []
     reports: list[Report] = []
-    for path in loader.files_with_tests(paths):
-        found = find_in(path)
+    for source in loader.read_tests(paths):
+        found = _find_in(source)
         cases += found.cases
         reports += found.reports
     return Found(tuple(cases), tuple(reports))
 
 
-def find_in(path: Path) -> Found:
-    """The tests of one file. Raises LoadError as `find`."""
+def _find_in(source: SourceFile) -> Found:
     cases: list[Case] = []
     reports: list[Report] = []
     libraries: dict[tuple[str, ...], CompiledLibrary | None] = {}
-    whole = loader.load_for_test(path, ())
-    tests = _own(whole.library.tests, path)
+    whole = loader.load_for_test(source, ())
+    tests = _own(whole.library.tests, source)
     for test in tests:
         names = tuple([form.name for form in test.requires])
         if names not in libraries:
-            loaded = loader.load_for_test(path, test.requires) if names else whole
-            libraries[names] = _compiled(check_library(loaded), path, reports)
+            loaded = loader.load_for_test(source, test.requires) if names else whole
+            libraries[names] = _compiled(check_library(loaded), source, reports)
         library = libraries[names]
         if library is not None:
             cases.append(Case(test, library))
     if not tests:
-        _compiled(check_library(whole), path, reports)
+        _compiled(check_library(whole), source, reports)
     return Found(tuple(cases), tuple(reports))
 
 
 def _compiled(
-    report: Report, path: Path, reports: list[Report]
+    report: Report, source: SourceFile, reports: list[Report]
 ) -> CompiledLibrary | None:
     """A library without errors; those of another are added to the reports, once."""
     errors = [f for f in report.findings if f.severity is Severity.ERROR]
     if not errors:
-        return CompiledLibrary(report.library, str(path))
+        return CompiledLibrary(report.library, source.name)
     told = [f for earlier in reports for f in earlier.findings]
     new = tuple([finding for finding in errors if finding not in told])
     reports.append(msgspec.structs.replace(report, findings=new))
     return None
 
 
-def _own(tests: Iterable[DefineTest], path: Path) -> list[DefineTest]:
+def _own(tests: Iterable[DefineTest], source: SourceFile) -> list[DefineTest]:
     """The tests that stand in a file itself, not in one that it requires."""
-    return [test for test in tests if test.span.file == str(path)]
+    return [test for test in tests if test.span.file == source.name]

@@ -24,7 +24,7 @@ class RapFile(pytest.File):
             CollectError: with the errors, one line each.
         """
         try:
-            found = discover.find_in(Path(os.path.relpath(self.path)))
+            found = discover.find([os.path.relpath(self.path)])
         except LoadError as error:
             raise self.CollectError(str(error)) from None
         if found.reports:

@@ -57,6 +57,12 @@ def test_a_file_that_is_named_need_not_be_called_a_test(folder: Path) -> None:
     assert done.returncode == 1
 
 
+def test_tests_come_from_standard_input_too(folder: Path) -> None:
+    done = rapc("test", "-", cwd=folder, stdin='(require "arms")\n' + GOOD)
+    assert done.stdout.splitlines()[:2] == ["<stdin>", "  passed  good"]
+    assert done.returncode == 0
+
+
 def test_quiet_says_nothing_of_what_passed(folder: Path) -> None:
     assert rapc("test", "-q", ".", cwd=folder).stdout == "2 tests: 2 passed\n"
 

@@ -50,7 +50,7 @@ def cases(folder: Path, text: str, name: str = "it.test.rap") -> dict[str, Case]
     """The tests of a text that is put into a file, by their names."""
     path = folder / name
     path.write_text(text, encoding="utf-8")
-    found = discover.find_in(path)
+    found = discover.find([path])
     assert found.reports == ()
     return {case.test.name: case for case in found.cases}
 

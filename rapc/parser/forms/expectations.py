@@ -158,7 +158,7 @@ def _event(ctx: Context, datum: Datum) -> tests.EventPattern | None:
         return None
     rest = _joined(ctx, datum.items[1:])
     words = {word.name: 1 for word in rest if isinstance(word, Keyword)}
-    given = options(ctx, rest, name, words)
+    given = options(ctx, rest, f"`{name}`", words)
     keys = tuple((key[1:], _value(ctx, value)) for key, value in given.items())
     return tests.EventPattern(name, keys, ctx.span(datum))
 

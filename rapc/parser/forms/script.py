@@ -178,7 +178,7 @@ def options(
     while rest:
         word = rest.pop(0)
         if not isinstance(word, Keyword):
-            message = f"{kind_of(word)} stands where an option of `{owner}` is wanted"
+            message = f"{kind_of(word)} stands where an option of {owner} is wanted"
             ctx.report("malformed-clause", message, word)
             continue
         value: Datum | None = None
@@ -187,7 +187,7 @@ def options(
         elif rest and not isinstance(rest[0], Keyword):
             value = rest.pop(0)
         if word.name not in known:
-            ctx.unknown("unknown-clause", f"option of `{owner}`", word, known)
+            ctx.unknown("unknown-clause", f"option of {owner}", word, known)
         elif value is None:
             ctx.report("malformed-clause", f"`{word.name}` lacks its value", word)
         elif word.name in found:

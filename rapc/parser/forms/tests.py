@@ -116,7 +116,7 @@ def _task(ctx: Context, clause: List) -> tests.GivenTask | None:
         ctx.report("malformed-clause", "`task` lacks its goal", clause)
         return None
     asked = asked_goal(ctx, clause.items[1], ground=True)
-    given = options(ctx, clause.items[2:], "task", _TASK_OPTIONS)
+    given = options(ctx, clause.items[2:], "`task`", _TASK_OPTIONS)
     if asked is None:
         return None
     priority = given.get(":priority")
