@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rapc.analysis.driver import check as check
     from rapc.api import compile_library as compile
+    from rapc.api import extend as extend
     from rapc.loader import load as load
     from rapc.runtime import events as events
     from rapc.runtime.interpreter import Interpreter as Interpreter
@@ -36,6 +37,7 @@ __all__ = (
     "check",
     "compile",
     "events",
+    "extend",
     "load",
     "task",
     "world",
@@ -50,6 +52,7 @@ _HOMES = {
     "World": ("rapc.runtime.world", "World"),
     "check": ("rapc.analysis.driver", "check"),
     "compile": ("rapc.api", "compile_library"),
+    "extend": ("rapc.api", "extend"),
     "load": ("rapc.loader", "load"),
     "task": ("rapc.runtime.submission", "read_submission"),
     "world": ("rapc.worlds.registry", "make_world"),

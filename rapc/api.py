@@ -11,7 +11,13 @@ from pathlib import Path
 from rapc.analysis.driver import Report, check_library
 from rapc.compiler.plans import CompiledLibrary
 from rapc.diagnostics import Severity
+from rapc.library import link
 from rapc.loader import Loaded, load
+from rapc.parser.parse import parse
+from rapc.source import SourceFile
+
+PLAN = "<plan>"
+"""The file name of what `extend` adds, in findings and faults."""
 
 
 class CheckError(Exception):
@@ -46,3 +52,21 @@ def compile_loaded(loaded: Loaded, name: str) -> CompiledLibrary:
     if errors:
         raise CheckError(Report(errors, report.library))
     return CompiledLibrary(report.library, name)
+
+
+def extend(library: CompiledLibrary, text: str) -> CompiledLibrary:
+    """A library with the RAPs of a text added, checked together: a sketchy plan.
+
+    `Interpreter.extend` takes it up while a run goes on (T 4.10.1).
+
+    Raises:
+        CheckError: if anything of severity error is found.
+    """
+    sources = [*library.library.files.values(), SourceFile(PLAN, text)]
+    parsed = [(source, parse(source)) for source in sources]
+    linked, found = link(parsed)
+    own = [d for _, one in parsed for d in one.diagnostics]
+    comments = {source.name: one.comments for source, one in parsed}
+    partial = tuple(span for _, one in parsed for span in one.partial)
+    loaded = Loaded(linked, (*own, *found), comments, partial)
+    return compile_loaded(loaded, library.name)

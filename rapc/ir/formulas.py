@@ -29,6 +29,9 @@ class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False):
             if not name.endswith("span")
         )
 
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
     def __hash__(self) -> int:
         names = (n for n in self.__struct_fields__ if not n.endswith("span"))
         return hash((type(self).__name__, *(getattr(self, n) for n in names)))

@@ -14,8 +14,29 @@ from rapc.runtime.context import QueryContext
 from rapc.runtime.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.monitors import time_of
+from rapc.runtime.submission import Submission
 from rapc.runtime.task import Env, MethodRun, State, Task
 from rapc.terms import number
+
+
+def create_top(machine: Machine, submission: Submission) -> Task:
+    """A top-level task joins the run; its goal was looked at when it was given."""
+    name, *args = machine.memory.canonical(submission.goal)
+    plan = machine.library.rap(str(name))
+    assert plan is not None
+    task = Task(plan, None)
+    task.goal_args = tuple(args)
+    fix_inputs(task)
+    repeats_ancestor(task)
+    task.priority = submission.priority
+    task.background = submission.background
+    machine.foreground += not task.background
+    create(machine, task)
+    if submission.deadline is not None:
+        task.given_deadline = submission.deadline
+        machine.monitors.state_deadline(task)
+    let_go(machine, task)
+    return task
 
 
 def create(machine: Machine, task: Task) -> None:

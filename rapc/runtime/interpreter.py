@@ -15,28 +15,23 @@ from rapc.compiler.plans import CompiledLibrary
 from rapc.ir.nodes import Formula
 from rapc.runtime import standing
 from rapc.runtime.beginnings import (
-    create,
-    fix_inputs,
-    let_go,
-    repeats_ancestor,
+    create_top,
     when_time_comes,
 )
 from rapc.runtime.cycle import run_cycle
 from rapc.runtime.endings import remove
-from rapc.runtime.events import RunEnded, RunStarted, TaskResult
+from rapc.runtime.events import RunEnded, TaskResult
 from rapc.runtime.machine import ContextListener, Machine, Settings
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.recorder import Listener
-from rapc.runtime.refusals import Refused, refusals, refuse_tasks
+from rapc.runtime.refusals import Refused, refusals, refuse_extension, refuse_tasks
 from rapc.runtime.requests import take_in
 from rapc.runtime.signals import signal
+from rapc.runtime.standing import AgendaEntry
 from rapc.runtime.submission import Submission
 from rapc.runtime.task import Task
 from rapc.runtime.world import Time, World
 from rapc.terms import Atom, Fact, match
-
-FORMAT = 1
-"""The version of the trace format."""
 
 
 class Interpreter:
@@ -70,7 +65,6 @@ class Interpreter:
         comparators: Mapping[str, Callable[..., Any]] | None = None,
     ) -> None:
         self.seed = seed
-        self._options: Mapping[str, Any] = {}
         compare = {**world.comparators(), **(comparators or {})}
         self._machine = Machine(
             library,
@@ -199,25 +193,20 @@ class Interpreter:
         """Look at tasks without running anything. Raises Refused as `submit`."""
         refuse_tasks(self._machine.library, [task.goal for task in tasks])
 
+    def extend(self, library: CompiledLibrary) -> None:
+        """Go on with more RAPs than before, made by `rapc.extend` (T 4.10.1).
+
+        Tasks under way keep the RAPs they began with.
+
+        Raises:
+            Refused: if the library is not the one that runs with some RAPs added.
+        """
+        refuse_extension(self._machine.library.library, library.library)
+        self._machine.library = library
+
     def _create(self, submission: Submission) -> None:
-        machine = self._machine
-        name, *args = machine.memory.canonical(submission.goal)
-        plan = machine.library.rap(str(name))
-        if plan is None:
-            raise Refused([f"no RAP is named `{name}`"])
-        task = Task(plan, None)
-        task.goal_args = tuple(args)
-        fix_inputs(task)
-        repeats_ancestor(task)
-        task.priority = submission.priority
-        task.background = submission.background
+        task = create_top(self._machine, submission)
         self._given.append(task)
-        machine.foreground += not task.background
-        create(machine, task)
-        if submission.deadline is not None:
-            task.given_deadline = submission.deadline
-            machine.monitors.state_deadline(task)
-        let_go(machine, task)
 
     # --- running --------------------------------------------------------------------
 
@@ -279,22 +268,7 @@ class Interpreter:
             return
         self._started = True
         machine = self._machine
-        if machine.recorder.on:
-            settings = machine.settings
-            machine.recorder.emit(
-                RunStarted,
-                format=FORMAT,
-                library=machine.library.name,
-                world=machine.world.name,
-                options=dict(options or {}),
-                settings={
-                    name.replace("_", "-"): getattr(settings, name)
-                    for name in settings.__struct_fields__
-                },
-                seed=self.seed,
-                tasks=tuple(tasks),
-                faults=tuple(faults),
-            )
+        standing.tell_start(machine, self.seed, options or {}, tasks, faults)
         for fact in machine.world.facts():
             self.assert_fact(*fact)
 
@@ -375,6 +349,10 @@ class Interpreter:
     def results(self) -> tuple[TaskResult, ...]:
         """What has become of each task given so far, in the order in which it came."""
         return standing.results(self._given)
+
+    def agenda(self) -> tuple[AgendaEntry, ...]:
+        """All live tasks as they stand now, by number, each with its slack."""
+        return standing.agenda(self._machine)
 
     def goals(self) -> dict[int, str]:
         """The goals of all live tasks by number, with the inputs that are known."""

@@ -132,6 +132,25 @@ def refuse_tasks(library: CompiledLibrary, goals: Iterable[Fact]) -> None:
         raise Refused(list(dict.fromkeys(reasons)))
 
 
+def refuse_extension(old: Library, new: Library) -> None:
+    """Refuse a library that is not another one with some RAPs added.
+
+    Raises:
+        Refused: with one line for each thing that differs.
+    """
+    reasons = [
+        f"the RAP `{name}` is not the one that runs"
+        for name, rap in old.raps.items()
+        if new.raps.get(name) != rap
+    ]
+    for field in old.__struct_fields__:
+        same = field in ("raps", "forms", "files", "tests")
+        if not same and getattr(old, field) != getattr(new, field):
+            reasons.append(f"a run takes up new RAPs, but no other {field}")
+    if reasons:
+        raise Refused(reasons)
+
+
 def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
     """What a task of a RAP can reach that cannot be run yet, with its place."""
     seen = {root.name}

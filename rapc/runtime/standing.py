@@ -2,11 +2,106 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
-from rapc.runtime.events import TaskResult
+import msgspec
+
+from rapc.runtime.events import RunStarted, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import State, Task
+from rapc.runtime.world import Time
+from rapc.terms import number
+
+FORMAT = 1
+"""The version of the trace format."""
+
+
+class AgendaEntry(msgspec.Struct, frozen=True):
+    """A live task as it stands.
+
+    `state` is `waiting` (for order, time or a signal), `eligible`, `blocked` (by its
+    monitors) or `running` (its method is under way). `deadline` is the nearest of its
+    own and its ancestors', None without any; `slack` the time units left until the
+    latest start that could meet it, negative once that has passed. `waits_for` says
+    in words what keeps the task from going on; empty if nothing does.
+    """
+
+    task: int
+    goal: str
+    state: str
+    priority: int
+    family: int
+    parent: int | None
+    deadline: Time | None
+    duration: Time
+    slack: Time | None
+    waits_for: str
+
+
+def agenda(machine: Machine) -> tuple[AgendaEntry, ...]:
+    """All live tasks by number; a value that the run leaves alone."""
+    return tuple(_entry(machine, machine.tasks[at]) for at in sorted(machine.tasks))
+
+
+def _entry(machine: Machine, task: Task) -> AgendaEntry:
+    deadline = None if task.limit == math.inf else number(task.limit)
+    slack = None
+    if deadline is not None:
+        slack = number(deadline - task.duration - machine.recorder.time)
+    state = State.WAITING if task.state is State.UNTESTED else task.state
+    return AgendaEntry(
+        task=task.number,
+        goal=task.goal(),
+        state=state.value,
+        priority=task.priority,
+        family=task.family,
+        parent=task.parent.number if task.parent is not None else None,
+        deadline=deadline,
+        duration=task.duration,
+        slack=slack,
+        waits_for=_obstacle(machine, task),
+    )
+
+
+def _obstacle(machine: Machine, task: Task) -> str:
+    if task.run is not None:
+        return "its method"
+    if task.held:
+        return task.blocked_on
+    if task.waiting:
+        return "steps before it"
+    if task.state is State.BLOCKED:
+        return machine.monitors.reason(task)
+    return "" if task.state in (State.ELIGIBLE, State.UNTESTED) else "its time"
+
+
+def tell_start(
+    machine: Machine,
+    seed: int,
+    options: Mapping[str, Any],
+    tasks: Sequence[str],
+    faults: Sequence[str],
+) -> None:
+    """The first event of a run: what is run, and with which settings."""
+    if not machine.recorder.on:
+        return
+    settings = machine.settings
+    machine.recorder.emit(
+        RunStarted,
+        format=FORMAT,
+        library=machine.library.name,
+        world=machine.world.name,
+        options=dict(options),
+        settings={
+            name.replace("_", "-"): getattr(settings, name)
+            for name in settings.__struct_fields__
+        },
+        seed=seed,
+        tasks=tuple(tasks),
+        faults=tuple(faults),
+    )
 
 
 def results(given: Iterable[Task]) -> tuple[TaskResult, ...]:
@@ -45,10 +140,5 @@ def waiting(machine: Machine) -> tuple[str, ...]:
 
 
 def _awaited(machine: Machine, task: Task) -> str:
-    if task.held:
-        return f"waits for {task.blocked_on}"
-    if task.state is State.BLOCKED:
-        return f"waits for {machine.monitors.reason(task)}"
-    if task.state is State.ELIGIBLE:
-        return "could go on"
-    return "waits for its time"
+    obstacle = _obstacle(machine, task)
+    return f"waits for {obstacle}" if obstacle else "could go on"

@@ -1,0 +1,99 @@
+"""What a host may do and see while a run goes on: new RAPs, the agenda (T 4.10.1)."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc import api
+from rapc.compiler.plans import CompiledLibrary
+from rapc.loader import load_text
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.refusals import Refused
+from rapc.runtime.submission import Submission, read_submission
+from rapc.worlds.script import Row
+from rapc.worlds.scripted import ScriptedWorld
+
+LIBRARY = """\
+(declare-primitive walk (?place) (okay))
+(declare-memory-property at (?place) unknown)
+
+(define-rap (go ?place)
+  (duration 7)
+  (succeed (at ?place))
+  (method
+    (primitive (walk ?place))))
+
+(define-rap (stand-by)
+  (succeed nil)
+  (monitor-state (at den))
+  (method
+    (task-net)))
+"""
+
+PLAN = """\
+(define-rap (round-trip ?there ?back)
+  (method
+    (task-net
+      (t1 (go ?there) (for t2))
+      (t2 (go ?back)))))
+"""
+
+
+def started() -> Interpreter:
+    """A run in which a task stands by and walks take three units."""
+    library = CompiledLibrary(load_text(LIBRARY).library)
+    walk = Row(("walk", "?place"), takes=3, asserts=(("at", "?place"),))
+    run = Interpreter(library, ScriptedWorld([walk], declared=library.library))
+    run.submit(read_submission("(stand-by) :background true"))
+    return run
+
+
+def compiled() -> CompiledLibrary:
+    """The library again."""
+    return CompiledLibrary(load_text(LIBRARY).library)
+
+
+def test_a_sketchy_plan_is_taken_up_while_the_run_goes_on() -> None:
+    run = started()
+    run.submit(Submission(("go", "park")))
+    run.step()
+    run.extend(api.extend(compiled(), PLAN))
+    run.submit(Submission(("round-trip", "den", "park")))
+    assert run.run() == "done"
+    assert [result.outcome for result in run.results()] == [
+        "unfinished",
+        "succeeded",
+        "succeeded",
+    ]
+    assert run.now == 9
+
+
+def test_a_plan_with_a_mistake_is_found_before_it_is_taken_up() -> None:
+    with pytest.raises(api.CheckError, match="go-too") as caught:
+        api.extend(compiled(), PLAN.replace("(go ?back)", "(go-too ?back)"))
+    [finding] = caught.value.report.findings
+    assert finding.diagnostic.span.file == api.PLAN
+
+
+def test_a_library_with_more_than_new_raps_is_refused() -> None:
+    run = started()
+    with pytest.raises(Refused, match="no other propositions"):
+        run.extend(api.extend(compiled(), "(declare-memory-proposition new (?x))"))
+    other = LIBRARY.replace("(duration 7)", "(duration 8)")
+    with pytest.raises(Refused, match="`go` is not the one that runs"):
+        run.extend(CompiledLibrary(load_text(other).library))
+
+
+def test_the_agenda_shows_each_task_with_its_slack() -> None:
+    run = started()
+    run.submit(read_submission("(go park) :deadline 20 :priority 3"))
+    run.step()
+    sleeper, walker = run.agenda()
+    assert (sleeper.task, sleeper.state, sleeper.slack) == (1, "blocked", None)
+    assert sleeper.waits_for == "(at den)"
+    assert (walker.task, walker.state, walker.priority) == (2, "eligible", 3)
+    assert (walker.deadline, walker.duration, walker.slack) == (20, 7, 10)
+    assert walker.waits_for == ""
+    run.run()
+    assert run.agenda() == ()
+    assert (walker.state, walker.slack) == ("eligible", 10)
