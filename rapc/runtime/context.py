@@ -88,15 +88,6 @@ class QueryContext:
         """Whether an item has a sensor name; a plain symbol is its own."""
         return self._memory.items.is_accessible(item)
 
-    def count(self, kind: object, place: object) -> Number:
-        """How many introduced items of a class memory holds at a place.
-
-        Of an indistinct class it is the size of its expectation set.
-        """
-        here = self._memory.place if place == EXTERNAL else None
-        size = self._memory.set_size(kind, place if here is None else here)
-        if size is not None:
-            return size
-        known = self._memory.items.known
-        found = (known.get(str(f[1])) for f in self._memory.facts_at(place))
-        return sum(1 for item in found if item is not None and item.kind == kind)
+    def count(self, kind: object, place: Any) -> Number:
+        """How many items of a class memory expects at a place."""
+        return self.view.count(str(kind), place)

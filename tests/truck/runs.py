@@ -66,8 +66,8 @@ class Run:
     """A finished run.
 
     `answers` counts the results of each primitive, `requests` holds them all as text;
-    `places` has the last place that memory gave each item, `faults` every query that
-    could not be asked.
+    `places` has the last place that memory gave each item, `moves` how often one of a
+    class was moved to a place, `faults` every query that could not be asked.
     """
 
     def __init__(
@@ -80,6 +80,7 @@ class Run:
         self.answers: Counter[tuple[str, str]] = Counter()
         self.requests: list[str] = []
         self.places: dict[str, str] = {}
+        self.moves: Counter[tuple[str, str]] = Counter()
         self.faults: list[str] = []
         world = build_world(TruckWorld, seed, options or {})
         assert isinstance(world, TruckWorld)
@@ -93,6 +94,8 @@ class Run:
     def _note(self, event: events.Event) -> None:
         if isinstance(event, events.ItemMoved | events.ItemIntroduced):
             self.places[event.item] = event.location
+            if isinstance(event, events.ItemMoved):
+                self.moves[event.kind, event.location] += 1
         elif isinstance(event, events.PrimitiveEnded):
             self.requests.append(event.request)
             self.answers[event.request.strip("()").split()[0], event.result] += 1
@@ -111,12 +114,12 @@ class Run:
         return Counter((each.color, each.factory) for each in self.world.deliveries)
 
     def assert_honest(self) -> None:
-        """No rock delivered twice, each where memory has it, no query at fault."""
+        """No rock delivered twice, as many where memory has them, no query at fault."""
         log = self.world.deliveries
         items = [each.item for each in log]
         assert len(items) == len(set(items)), "a rock stands twice in the log"
         memory = self.interpreter.memory
-        for each in log:
-            assert memory.value("location", each.item) == each.factory
-            assert self.places[each.item] == each.factory
+        for factory, number in Counter(each.factory for each in log).items():
+            assert self.moves["rock", factory] == number
+            assert memory.count("rock", factory) >= number
         assert self.faults == []

@@ -79,8 +79,7 @@ def test_a_known_place_is_visited_before_the_quarry() -> None:
     away = task("truck-travel-to", "zone-5", priority=1)
     run = Run(look, away, order("red", 2), options={"map": near})
     assert run.outcomes == ["succeeded"] * 3
-    places = {item: place for item, place in run.places.items() if place == "factory-1"}
-    assert places == {"rock-1": "factory-1", "rock-2": "factory-1"}
+    assert {each.item for each in run.world.deliveries} == {"rock-1", "rock-2"}
     run.assert_honest()
 
 

@@ -25,13 +25,14 @@ ROADS = [
     {"name": "road-4", "from": "zone-1", "direction": "north", "to": "warehouse"},
 ]
 
-STILL = {
+STILL: dict[str, Atom | bool] = {
     "quarry-interval": 0,
     "warehouse-interval": 0,
     "depot-interval": 0,
     "factory-interval": 0,
+    "lasting-names": True,
 }
-"""Options with which nothing happens but what the truck does."""
+"""Options with which nothing happens but what the truck does; names last."""
 
 
 def map_text(

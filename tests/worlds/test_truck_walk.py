@@ -32,6 +32,7 @@ BUSY: dict[str, Atom | bool] = {
     "depot-interval": 5,
     "factory-interval": 6,
     "fuel-use": 0.1,
+    "lasting-names": True,
 }
 CAPACITY = {"arm1": 8, "arm2": 15, "bay1": 20, "bay2": 100, "weapon-bay": 10}
 

@@ -45,6 +45,22 @@ class MemoryView:
         fact = self._memory.facts.values.get(self._memory.canonical(index))
         return None if fact is None else fact[-1]
 
+    def count(self, kind: str, place: Atom) -> int:
+        """How many items of a class memory expects at a place (semantics 7).
+
+        Of an indistinct class it is the size of its expectation set.
+        """
+        memory = self._memory
+        here = memory.place if place == EXTERNAL else None
+        size = memory.set_size(
+            kind, memory.items.canonical(place if here is None else here)
+        )
+        if size is not None:
+            return size
+        known = memory.items.known
+        found = (known.get(str(fact[1])) for fact in memory.facts_at(place))
+        return sum(1 for item in found if item is not None and item.kind == kind)
+
     def age(self, *fact: Atom) -> Time | None:
         """Time units since a fact was last asserted, or None."""
         stamp = self._memory.facts.stamps.get(self._memory.canonical(fact))

@@ -32,7 +32,7 @@ class Settings(msgspec.Struct, frozen=True, rename="kebab"):
     ] = ""
     lasting_names: Annotated[
         bool, _row("", "sensor names of rocks, drums and boxes outlast a move")
-    ] = True
+    ] = False
 
     arm1_capacity: Annotated[Number, _row("size", "what arm1 can hold")] = 8
     arm2_capacity: Annotated[Number, _row("size", "what arm2 can hold")] = 15
