@@ -6,6 +6,7 @@ import shutil
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import click
@@ -37,6 +38,9 @@ _STYLES: dict[str, dict[str, Any]] = {
     "mark": {"fg": "red"},
     "trace": {"dim": True},
 }
+
+
+_LEAST_WIDTH = 20
 
 
 @click.command(
@@ -143,7 +147,6 @@ def _find(paths: Sequence[str]) -> tuple[Case, ...]:
 
 def _run(running: Session, cases: Iterable[Case]) -> list[Outcome]:
     """Run the tests, a line for each, below the name of its file."""
-
     outcomes = []
     file = None
     for outcome in running.run(cases):
@@ -172,10 +175,14 @@ def _explain(outcomes: Sequence[Outcome]) -> None:
 
 
 def _say(kind: str, text: str) -> None:
-    """A line in the style of its kind, cut at the edge of a terminal."""
-
-    text = visible(text)
+    """A line in the style of its kind, fitted to a terminal: text is wrapped."""
+    lines = [visible(text)]
     if sys.stdout.isatty():
-        width = shutil.get_terminal_size().columns
-        text = text if len(text) <= width else text[: width - 1] + "…"
-    click.echo(click.style(text, **_STYLES.get(kind, {})), color=settings().colored())
+        width = max(shutil.get_terminal_size().columns, _LEAST_WIDTH)
+        if kind == "text":
+            lines = wrap(lines[0], width, subsequent_indent="    ")
+        elif len(lines[0]) > width:
+            lines = [lines[0][: width - 1] + "…"]
+    for line in lines:
+        shown = click.style(line, **_STYLES.get(kind, {}))
+        click.echo(shown, color=settings().colored())
