@@ -188,6 +188,7 @@ def _start(machine: Machine, run: MethodRun, steps: list[Task], choice: Choice) 
     task, method = run.task, run.plan
     task.run = run
     task.state = State.RUNNING
+    task.timer = None
     task.tried.add(method.node.name)
     if machine.recorder.on:
         machine.recorder.emit(

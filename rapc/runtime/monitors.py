@@ -95,10 +95,14 @@ class Monitors:
         self._keys[task.number] = keys
 
     def forget(self, task: Task) -> None:
-        """A task has ended: it listens to nothing any more."""
+        """A task has ended: it listens to nothing any more, and waits for no time."""
+        task.timer = None
+        self._missed.pop(task.number, None)
+        self._ignore(task)
+
+    def _ignore(self, task: Task) -> None:
         self._dirty.pop(task.number, None)
         self._aging.pop(task.number, None)
-        self._missed.pop(task.number, None)
         for key in self._keys.pop(task.number, ()):
             listeners = self._listeners.get(key)
             if listeners is not None:
@@ -110,7 +114,7 @@ class Monitors:
         """A task's bindings have got other names: listen to those, and test again."""
         if not task.watching:
             return
-        self.forget(task)
+        self._ignore(task)
         task.watching = False
         self._listen(task)
         self._dirty[task.number] = task
@@ -118,7 +122,8 @@ class Monitors:
     # --- times -----------------------------------------------------------------
 
     def at(self, time: Time, task: Task) -> None:
-        """Look at a task again when the clock has come to `time`."""
+        """Look at a task again when the clock has come to `time`, not before."""
+        task.timer = time
         if (time, task.number) not in self._set:
             self._set.add((time, task.number))
             heapq.heappush(self._timers, (time, task.number, task))
@@ -126,8 +131,8 @@ class Monitors:
                 self._tidy()
 
     def _tidy(self) -> None:
-        """Drop the times of tasks that have ended, and deadlines no longer stated."""
-        self._timers = [entry for entry in self._timers if entry[2].live]
+        """Drop times that nobody waits for, and deadlines no longer stated."""
+        self._timers = [entry for entry in self._timers if entry[0] == entry[2].timer]
         self._set = {entry[:2] for entry in self._timers}
         stated = [e for e in self._deadlines if e[2].live and e[2].deadline == e[0]]
         self._deadlines = stated
@@ -151,21 +156,24 @@ class Monitors:
 
     def next_time(self) -> Time | None:
         """The next time at which something that is waited for comes, or None."""
-        while self._timers and not self._timers[0][2].live:
+        while self._timers and self._timers[0][0] != self._timers[0][2].timer:
             self._pop()
         return self._timers[0][0] if self._timers else None
 
-    def _pop(self) -> Task:
+    def _pop(self) -> tuple[Time, Task]:
         time, tasknumber, task = heapq.heappop(self._timers)
         self._set.discard((time, tasknumber))
-        return task
+        return time, task
 
     def due(self) -> list[Task]:
         """The tasks whose start time has come; others that are due are tested."""
         started = []
         now = self._recorder.time
         while self._timers and self._timers[0][0] <= now:
-            task = self._pop()
+            time, task = self._pop()
+            if time != task.timer:
+                continue
+            task.timer = None
             if task.state is State.WAITING:
                 started.append(task)
             elif task.state in (State.BLOCKED, State.ELIGIBLE):
@@ -253,6 +261,7 @@ class Monitors:
     def holds(self, task: Task) -> bool:
         """Whether a task's monitors hold now; listens for when that may change."""
         self._listen(task)
+        task.timer = None
         if self._recorder.time < task.ready_at:
             self.at(task.ready_at, task)
             return False

@@ -40,7 +40,8 @@ class Task:
     the one last told of as missed; `opens` is the latest start of its windows,
     `windows` those whose times are not yet known. `begun`
     is set once it was selected with its monitors holding, `after_method` while it is
-    to come up whatever its monitors say, `held` while it waits for a signal.
+    to come up whatever its monitors say, `held` while it waits for a signal; `timer` is
+    the time that it waits for.
     """
 
     __slots__ = (
@@ -79,6 +80,7 @@ class Task:
         "state",
         "step",
         "success_env",
+        "timer",
         "tried",
         "waiting",
         "watching",
@@ -117,6 +119,7 @@ class Task:
         self.key: tuple[float, float, bool] = (0, 0, False)
         self.ready_at: Time = 0
         self.watching = False
+        self.timer: Time | None = None
         self.blocked_on = ""
         self.after_method = False
         self.run: MethodRun | None = None
