@@ -1,0 +1,211 @@
+"""One random program with its world and tasks, and how both interpreters run it."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.ir import nodes
+from rapc.library import Library, link
+from rapc.parser.parse import parse, parse_fact
+from rapc.runtime import events
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.machine import Settings
+from rapc.runtime.submission import read_submission
+from rapc.runtime.world import HandlerMemory, Time
+from rapc.source import SourceFile
+from rapc.terms import Atom, Fact, Text, number
+from rapc.worlds.script import At, Row
+from rapc.worlds.scripted import ScriptedWorld
+from tests.reference.interpreter import Reference
+from tests.reference.run import Limits
+
+
+class Case(msgspec.Struct, frozen=True):
+    """A library as nested lists of words, its world, and what is asked of it.
+
+    `solvers` are names of RAPs with methods, the first of which is always returned,
+    the others where `(p a 1)` is not believed. `host` are a time, what the host does
+    then (`assert`, `erase`, `signal`, `cancel`, `submit`) and with what.
+    """
+
+    seed: int
+    forms: tuple[Any, ...]
+    rows: tuple[Row, ...] = ()
+    at: tuple[At, ...] = ()
+    facts: tuple[str, ...] = ()
+    tasks: tuple[str, ...] = ()
+    solvers: tuple[tuple[str, Any], ...] = ()
+    host: tuple[tuple[Time, str, str], ...] = ()
+    until: int | None = 60
+    cycles: int | None = 150
+    settings: Settings = Settings(idle_cycles=40)
+
+    @property
+    def text(self) -> str:
+        """The library as text, one clause or step to a line."""
+        return "\n".join(_print(form, 0) for form in self.forms) + "\n"
+
+
+def _print(form: Any, depth: int) -> str:
+    if isinstance(form, str):
+        return form
+    head = form[0] if form and isinstance(form[0], str) else ""
+    broken = head in ("define-rap", "method", "task-net") or depth == 3
+    parts = [_print(part, depth + 1) for part in form]
+    gap = "\n" + " " * (2 * depth + 2) if broken else " "
+    return f"({gap.join(parts)})"
+
+
+def read_library(text: str) -> Library:
+    """Parse and link a text that has nothing wrong with it.
+
+    Raises:
+        ValueError: with what is wrong.
+    """
+    source = SourceFile("lib.rap", text)
+    parsed = parse(source)
+    library, found = link([(source, parsed)])
+    for diagnostic in (*parsed.diagnostics, *found):
+        raise ValueError(diagnostic.message)
+    return library
+
+
+# --- functions that libraries may declare -------------------------------------------
+
+
+def twice(_: Any, value: Atom) -> Atom:
+    """Twice a number; of anything else, nobody knows."""
+    return value * 2 if isinstance(value, int | float) else "unknown"
+
+
+def odd(_: Any, value: Atom) -> bool:
+    """Whether a number is odd."""
+    return isinstance(value, int) and value % 2 == 1
+
+
+def look_up(memory: Any, item: Atom) -> Atom:
+    """What memory holds under `p`, or `nothing`."""
+    found: Atom | None = memory.value("p", item)
+    return "nothing" if found is None else found
+
+
+def guess(memory: Any, index: tuple[Atom, ...]) -> Atom:
+    """A default that depends on the place in memory."""
+    found: Atom | None = memory.value("p", index[-1])
+    return "a" if found is None else found
+
+
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "twice": twice,
+    "odd": odd,
+    "look-up": look_up,
+    "peek": look_up,
+    "guess": guess,
+}
+"""What is registered for all libraries; `peek` is declared without `:reads`."""
+
+
+def _seen(memory: HandlerMemory, datum: Fact) -> None:
+    """The handler of the datum `seen`."""
+    memory.assert_fact("p", *datum[1:])
+
+
+def _solvers(case: Case) -> dict[str, Callable[..., list[nodes.Method]]]:
+    found: dict[str, Callable[..., list[nodes.Method]]] = {}
+    for name, methods in case.solvers:
+        text = _print(("define-rap", ("index", ("solved",)), *methods), 0)
+        form = parse(SourceFile("solver.rap", text)).forms[0]
+        assert isinstance(form, nodes.DefineRap)
+        found[name] = functools.partial(_solve, form.methods)
+    return found
+
+
+def _solve(methods: Sequence[nodes.Method], _: Fact, view: Any) -> list[nodes.Method]:
+    return list(methods[:1] if view.value("p", "a") == 1 else methods)
+
+
+def _act(interpreter: Any, kind: str, text: str) -> None:
+    """What a host does to either interpreter in the course of a run."""
+    if kind == "submit":
+        interpreter.submit(read_submission(text))
+    elif kind == "cancel":
+        interpreter.cancel(read_words(text))
+    else:
+        act = {"assert": "assert_fact"}.get(kind, kind)
+        getattr(interpreter, act)(*read_words(text))
+
+
+def read_words(text: str) -> Fact:
+    """A flat list of words as a fact, prefix, signal or goal with variables."""
+    return tuple(read_atom(word) for word in text.strip("()").split())
+
+
+def read_atom(word: str) -> Atom:
+    """A word as a number, string or symbol."""
+    if word.startswith('"'):
+        return Text(word.strip('"'))
+    try:
+        return number(float(word))
+    except ValueError:
+        return word
+
+
+# --- running -----------------------------------------------------------------------
+
+
+def _world(case: Case, library: Library) -> ScriptedWorld:
+    return ScriptedWorld(
+        case.rows, case.at, declared=library, data_handlers={"seen": _seen}
+    )
+
+
+def run_rapc(case: Case) -> Sequence[events.Event]:
+    """The trace of rapc's interpreter, without `run-started`."""
+    library = read_library(case.text)
+    interpreter = Interpreter(
+        CompiledLibrary(library),
+        _world(case, library),
+        case.seed,
+        case.settings,
+        functions=FUNCTIONS,
+        solvers=_solvers(case),
+    )
+    found: list[events.Event] = []
+    interpreter.listen(found.append)
+    interpreter.start()
+    for fact in case.facts:
+        interpreter.assert_fact(*parse_fact(fact))
+    for time, kind, what in case.host:
+        interpreter.at(time, functools.partial(_act, interpreter, kind, what))
+    for task in case.tasks:
+        interpreter.submit(read_submission(task))
+    interpreter.run(case.until, case.cycles)
+    return found[1:]
+
+
+def run_reference(case: Case) -> Sequence[events.Event]:
+    """The trace of the reference interpreter."""
+    library = read_library(case.text)
+    settings = case.settings
+    limits = Limits(
+        case.until,
+        case.cycles,
+        settings.futile_limit,
+        settings.idle_cycles,
+        settings.cycle_cost,
+    )
+    world, solvers = _world(case, library), _solvers(case)
+    reference = Reference(library, world, case.seed, limits, FUNCTIONS, solvers)
+    for fact in case.facts:
+        reference.assert_fact(*parse_fact(fact))
+    for time, kind, what in case.host:
+        reference.at(time, functools.partial(_act, reference, kind, what))
+    for task in case.tasks:
+        reference.submit(read_submission(task))
+    reference.run()
+    return reference.events

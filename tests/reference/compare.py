@@ -1,0 +1,135 @@
+"""Run random programs through both interpreters and compare the traces.
+
+By hand: `python -m tests.reference.compare --seeds 100000`; `--seed N` shows one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.runtime import events
+from tests.reference.case import Case, run_rapc, run_reference
+from tests.reference.generate import generate
+from tests.reference.shrink import shrink
+
+Row = dict[str, Any]
+
+
+def rows(trace: Sequence[events.Event]) -> list[Row]:
+    """A trace as it is compared: without serials, which say nothing of their own.
+
+    Faults of monitors are left out: how often a monitor is tested is not laid down.
+    """
+    found = []
+    for event in trace:
+        row = msgspec.to_builtins(event)
+        del row["n"]
+        row.pop("waiting", None)
+        monitor = str(row.get("what")).startswith("monitor-state")
+        if row["event"] != "query-faulted" or not monitor:
+            found.append(row)
+    return found
+
+
+class Outcome(msgspec.Struct, frozen=True):
+    """What came of a case: `agree`, `differ`, or who raised what; and the traces."""
+
+    verdict: str
+    rapc: list[Row]
+    reference: list[Row]
+
+    @property
+    def common(self) -> int:
+        """How many events the traces share from the start."""
+        pairs = zip(self.rapc, self.reference, strict=False)
+        return next(
+            (n for n, (one, other) in enumerate(pairs) if one != other),
+            min(len(self.rapc), len(self.reference)),
+        )
+
+
+def compare(case: Case) -> Outcome:
+    """Run a case through both. What either raises is a verdict of its own."""
+    traces: list[list[Row]] = []
+    for name, run in (("reference", run_reference), ("rapc", run_rapc)):
+        try:
+            traces.append(rows(run(case)))
+        except Exception as error:  # any fault of either is what is looked for
+            return Outcome(f"{name} raised {type(error).__name__}: {error}", [], [])
+    verdict = "agree" if traces[0] == traces[1] else "differ"
+    return Outcome(verdict, traces[1], traces[0])
+
+
+def report(case: Case, outcome: Outcome) -> str:
+    """A mismatch as a person reads it: program, script, and where they part."""
+    raps = case.text[case.text.find("(define-rap") :]
+    lines = [f"seed {case.seed}: {outcome.verdict}", raps]
+    lines += [f"row {row}" for row in case.rows] + [f"{at}" for at in case.at]
+    lines += [f"fact {fact}" for fact in case.facts]
+    lines += [f"task {task}" for task in case.tasks]
+    lines += [f"host {entry}" for entry in case.host]
+    lines += [f"solver {entry}" for entry in case.solvers]
+    lines.append(f"until {case.until}, cycles {case.cycles}, {case.settings}")
+    common = outcome.common
+    first = max(0, common - 25)
+    lines += [f"  both {_short(row)}" for row in outcome.rapc[first:common]]
+    lines += [f"  rapc {_short(r)}" for r in outcome.rapc[common : common + 4]]
+    lines += [f"  ref  {_short(r)}" for r in outcome.reference[common : common + 4]]
+    return "\n".join(lines)
+
+
+def _short(row: Row) -> str:
+    keys = {k: v for k, v in row.items() if k not in ("event", "cycle", "time")}
+    words = " ".join(f"{key}={value}" for key, value in keys.items())
+    return f"c{row['cycle']} t{row['time']} {row['event']} {words}"
+
+
+def main() -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=1000)
+    parser.add_argument("--from", type=int, default=0, dest="start")
+    parser.add_argument("--seed", type=int)
+    parser.add_argument("--stop-after", type=int, default=5)
+    options = parser.parse_args()
+    seeds = range(options.start, options.start + options.seeds)
+    if options.seed is not None:
+        seeds = range(options.seed, options.seed + 1)
+    kinds: Counter[str] = Counter()
+    runs: Counter[str] = Counter()
+    failed: list[int] = []
+    begun = time.monotonic()
+    for seed in seeds:
+        case = generate(seed)
+        outcome = compare(case)
+        here = Counter(_kind(row) for row in outcome.reference)
+        kinds.update(here)
+        runs.update(dict.fromkeys(here, 1))
+        if outcome.verdict != "agree":
+            failed.append(seed)
+            small = shrink(case, lambda other: compare(other).verdict)
+            print(report(small, compare(small)), flush=True)
+            if len(failed) >= options.stop_after:
+                break
+    spent = time.monotonic() - begun
+    print(f"{len(failed)} of {len(seeds)} seeds disagree, {spent:.0f} s: {failed}")
+    for kind, count in sorted(kinds.items()):
+        print(f"{count:9} {kind} in {runs[kind]} runs")
+
+
+def _kind(row: Row) -> str:
+    """An event's kind, split by what distinguishes its cases."""
+    for key in ("reason", "cause"):
+        if key in row:
+            return f"{row['event']} {row[key]}"
+    return str(row["event"])
+
+
+if __name__ == "__main__":
+    main()

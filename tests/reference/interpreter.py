@@ -1,0 +1,188 @@
+"""The reference interpreter: the loop of taking in, looking, choosing, processing.
+
+For tests only: it makes the trace that semantics 2 to 6 ask for, as slowly as it
+likes. Items, rules and skills are not in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from rapc.library import Library
+from rapc.runtime import events
+from rapc.runtime.submission import Submission
+from rapc.runtime.world import Time, World
+from rapc.terms import Atom, Fact, match
+from tests.reference.agenda import choose, tell_family
+from tests.reference.cycle import process
+from tests.reference.endings import remove
+from tests.reference.methods import announce, create
+from tests.reference.primitives import take_in
+from tests.reference.queries import Functions
+from tests.reference.run import Limits, Run
+from tests.reference.signals import hear
+from tests.reference.tasks import Task
+from tests.reference.waking import look, next_time
+
+
+class Reference:
+    """One run of a library against a world; `events` is its trace."""
+
+    def __init__(
+        self,
+        library: Library,
+        world: World,
+        seed: int,
+        limits: Limits,
+        functions: Functions,
+        solvers: Functions,
+    ) -> None:
+        self._run = Run(library, world, seed, limits, functions, solvers)
+        self._later: list[Submission] = []
+
+    @property
+    def events(self) -> list[events.Event]:
+        """The trace, without `run-started`."""
+        return self._run.events
+
+    def assert_fact(self, *fact: Atom) -> None:
+        """Assert a fact on behalf of the user."""
+        self._run.memory.assert_fact(fact, "user")
+
+    def erase(self, *prefix: Atom) -> None:
+        """Erase every fact that starts so, on behalf of the user."""
+        self._run.memory.erase(prefix, "user")
+
+    def signal(self, *content: Atom) -> None:
+        """Send a signal now."""
+        hear(self._run, content)
+
+    def at(self, time: Time, action: Callable[[], None]) -> None:
+        """Do something at a time, first of all that falls on it."""
+        self._run.appointments.append((time, action))
+
+    def cancel(self, goal: Fact) -> None:
+        """Cancel every live top-level task that a goal matches."""
+        for task in self._run.given:
+            if task.live and match(goal, (task.rap.name, *task.args)) is not None:  # type: ignore[arg-type]
+                remove(self._run, task, "cancelled")
+
+    def submit(self, submission: Submission) -> None:
+        """Give a task, now or for later."""
+        if submission.at is not None and submission.at > self._run.time:
+            self._later.append(submission)
+            return
+        run = self._run
+        rap = run.library.raps[str(submission.goal[0])]
+        task = create(run, rap, None, None)
+        task.args = list(submission.goal[1:])
+        task.priority = submission.priority
+        task.background = submission.background
+        task.given_deadline = submission.deadline
+        run.given.append(task)
+        announce(run, task)
+
+    def run(self) -> str:
+        """Run to the end; returns the reason."""
+        run = self._run
+        cycles = run.limits.cycles
+        while True:
+            if cycles is not None and run.cycle >= cycles:
+                return self._end("cycles")
+            reason = self._step()
+            if reason is not None:
+                return self._end(reason)
+
+    def _step(self) -> str | None:
+        """One cycle, waiting for its time to come; a reason if the run is over."""
+        run = self._run
+        while True:
+            run.look_at_clock()
+            if not run.late:
+                self._take_in()
+            reason = self._over()
+            if reason is not None:
+                return reason
+            chosen = choose(run)
+            if chosen is not None:
+                self._cycle(chosen)
+                return None
+            reason = self._wait()
+            if reason is not None:
+                return reason
+
+    def _take_in(self) -> None:
+        """What falls on this time: the world's messages, new tasks, wake-ups."""
+        run = self._run
+        run.keep_appointments()
+        take_in(run)
+        due = [s for s in self._later if s.at is not None and s.at <= run.time]
+        for submission in sorted(due, key=lambda s: s.at or 0):
+            self._later.remove(submission)
+            self.submit(submission)
+        for task in run.live():
+            look(run, task)
+
+    def _over(self) -> str | None:
+        run = self._run
+        if run.late:
+            return "until"
+        if run.world.ended() is not None:
+            return "world"
+        waiting = [task for task in run.given if task.live and not task.background]
+        if not waiting and all(later.background for later in self._later):
+            if not run.appointments:
+                return "done"
+        if run.idle > run.limits.idle_cycles:
+            return "runaway"
+        return None
+
+    def _cycle(self, task: Task) -> None:
+        run = self._run
+        before = run.time
+        run.cycle += 1
+        tell_family(run, task)
+        run.tell(events.TaskSelected, task=task.number, goal=task.goal())
+        process(run, task)
+        if run.limits.cycle_cost:
+            run.world.advance(run.world.now() + run.limits.cycle_cost)
+        run.look_at_clock()
+        run.idle = run.idle + 1 if run.time == before else 0
+
+    def _wait(self) -> str | None:
+        run = self._run
+        times = [next_time(run), run.world.next_time(), *(s.at for s in self._later)]
+        known = [time for time in times if time is not None]
+        known += [time for time, _ in run.appointments]
+        if not known:
+            return "stuck"
+        target = max(min(known), run.time)
+        if run.limits.until is not None and target > run.limits.until:
+            if run.time == run.limits.until:
+                return "until"
+            target = run.limits.until
+        run.idle = run.idle + 1 if target == run.time else 0
+        run.world.advance(target)
+        return None
+
+    def _end(self, reason: str) -> str:
+        results = self._results()
+        for task in self._run.given:
+            if task.live:
+                remove(self._run, task, "run-over")
+        self._run.tell(
+            events.RunEnded, reason=reason, results=tuple(results), waiting=()
+        )
+        return reason
+
+    def _results(self) -> Sequence[events.TaskResult]:
+        return [
+            events.TaskResult(
+                task=task.number,
+                goal=task.goal(),
+                outcome=task.outcome or "unfinished",
+                result=task.last_result if task.outcome else None,
+                background=task.background,
+            )
+            for task in self._run.given
+        ]

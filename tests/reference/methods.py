@@ -1,0 +1,173 @@
+"""Choosing a method and starting it: steps 6 to 9 of semantics 3."""
+
+from __future__ import annotations
+
+import msgspec
+
+from rapc.ir import nodes
+from rapc.resources import Counter, SetResource, Value, frozen
+from rapc.runtime import events
+from rapc.terms import Fact, format_atom
+from tests.reference.endings import fail, follow, method_badly, method_well, repeats
+from tests.reference.primitives import request
+from tests.reference.queries import Bindings
+from tests.reference.run import Run
+from tests.reference.tasks import Place, Running, Task, method_name
+from tests.reference.waking import listen, read_inputs
+
+Held = list[tuple[nodes.Method, Bindings]]
+"""Methods that hold, with their first bindings."""
+
+# --- steps 6 and 7 -----------------------------------------------------------------------
+
+
+def holding(run: Run, task: Task) -> Held:
+    """The methods of a task that hold now."""
+    held: Held = []
+    for method in run.methods[task.rap.name]:
+        parts = [f for f in (task.rap.repeat_while, method.context) if f is not None]
+        clause = f"context of method `{method_name(method)}`"
+        where = parts[0] if len(parts) == 1 else method
+        found = run.holds(task, nodes.And(tuple(parts)), task.own, clause, where)
+        if found is not None:
+            held.append((method, found))
+    return held
+
+
+def solve(run: Run, task: Task) -> bool:
+    """Ask the problem solver of a RAP; whether it returned any method."""
+    solver = run.solvers.get(task.rap.name)
+    if solver is None:
+        return False
+    known = run.methods[task.rap.name]
+    returned = list(solver((task.rap.name, *task.args), run.memory))
+    for method in returned:
+        if not any(same(method, other) for other in known):
+            known.append(msgspec.structs.replace(method, position=len(known) + 1))
+    run.tell(
+        events.SolverCalled,
+        task=task.number,
+        goal=task.goal(),
+        methods=len(returned),
+    )
+    return bool(returned)
+
+
+def same(one: nodes.Method, other: nodes.Method) -> bool:
+    """Whether two methods are one, wherever they stand."""
+    return all(
+        getattr(one, field) == getattr(other, field)
+        for field in ("name", "context", "notations", "body")
+    )
+
+
+def choose_method(run: Run, task: Task) -> None:
+    """Step 6: the methods that hold; failed least, chosen least, then chance."""
+    held = holding(run, task)
+    if not held and solve(run, task):
+        held = holding(run, task)
+    if not held:
+        fail(run, task, "no-method")
+        return
+    least = min(task.failures.get(method.position, 0) for method, _ in held)
+    held = [row for row in held if task.failures.get(row[0].position, 0) == least]
+    least = min(task.chosen.get(choice(*row), 0) for row in held)
+    held = [row for row in held if task.chosen.get(choice(*row), 0) == least]
+    method, found = held[0]
+    if len(held) > 1:
+        method, found = held[run.random.randrange(len(held))]
+    if least >= run.limits.futile_limit:
+        fail(run, task, "futile-loop")
+        return
+    task.chosen[choice(method, found)] = least + 1
+    start(run, task, method, found)
+
+
+def choice(method: nodes.Method, env: Bindings) -> tuple[object, ...]:
+    """A method and every binding alive, as the futile-loop detector sees them."""
+    bound = sorted((name, frozen(value)) for name, value in env.items())
+    return (method.position, *bound)
+
+
+# --- steps 8 and 9 ------------------------------------------------------------------------
+
+
+def start(run: Run, task: Task, method: nodes.Method, env: Bindings) -> None:
+    """The method starts, unless it would ask for what is being done already."""
+    running = Running(task, method, dict(env), run.time)
+    if any(repeats(run, running, place) for place in running.places):
+        fail(run, task, "futile-loop")
+        return
+    task.running = running
+    task.tried[method.name] = None
+    run.tell(
+        events.MethodChosen,
+        task=task.number,
+        rap=task.rap.name,
+        method=method_name(method),
+        bindings={name: format_atom(value) for name, value in env.items()},
+    )
+    if not note(run, running):
+        method_badly(run, running, "interference", "sibling-failed")
+    elif isinstance(method.body, nodes.Primitive):
+        request(run, running, method.body)
+    elif not running.places:
+        method_well(run, running)
+    else:
+        spawn(run, running)
+
+
+def note(run: Run, running: Running) -> bool:
+    """Assert the notations; False if one is unbound."""
+    for pattern in running.method.notations:
+        values: list[Value] = []
+        for term in pattern.args:
+            value, why = run.value(running.task, term, running.env)
+            if value is None or isinstance(value, Counter | SetResource):
+                why = why or f"`{format_atom(value)}` is not a symbol, number or string"
+                run.fault(running.task, "notation", pattern, why)
+                return False
+            values.append(value)
+        fact: Fact = (pattern.name, *values)  # type: ignore[arg-type]
+        run.memory.note(fact, running)
+        running.noted.append(fact)
+    return True
+
+
+def spawn(run: Run, running: Running) -> None:
+    """The subtasks join the agenda, in the order of the text."""
+    for place in running.places:
+        create(run, run.library.raps[place.step.goal.name], running, place)
+    for place in running.places:
+        listen(run, place)
+        follow(run, running)
+
+
+def create(
+    run: Run, rap: nodes.DefineRap, running: Running | None, place: Place | None
+) -> Task:
+    """A task is made."""
+    task = Task(len(run.tasks) + 1, rap, running, place, run.time)
+    run.tasks.append(task)
+    if running is not None and place is not None:
+        place.task = task
+        task.priority = running.task.priority + place.step.priority
+        announce(run, task)
+    return task
+
+
+def announce(run: Run, task: Task) -> None:
+    """Read a task's inputs and trace that it was made."""
+    if task.parent is not None and task.place is not None:
+        task.args = run.inputs(task.parent, task.place.step.goal.args)
+    run.tell(
+        events.TaskCreated,
+        task=task.number,
+        goal=task.goal(),
+        parent=None if task.parent is None else task.parent.task.number,
+        family=task.family,
+        priority=task.priority,
+        step=None if task.place is None else task.place.step.tag,
+    )
+    read_inputs(run, task)
+    task.compared = task.bound_as is not None

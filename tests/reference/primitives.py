@@ -1,0 +1,102 @@
+"""Requests to the world, and what comes back (semantics 3 and 7, handlers)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rapc.ir import nodes
+from rapc.resources import Counter, SetResource
+from rapc.runtime import events
+from rapc.runtime.world import OKAY, Datum, Finished, Reply
+from rapc.terms import Atom, Fact, format_atom, format_list
+from tests.reference.endings import method_badly, method_well
+from tests.reference.run import Run
+from tests.reference.signals import hear
+from tests.reference.tasks import Running, Task
+
+
+class Access:
+    """What a handler may do to memory; items are not in sections 1 to 6."""
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self.now = run.time
+        self.query = run.memory.query
+        self.value = run.memory.value
+
+    def assert_fact(self, *fact: Atom) -> None:
+        """Assert a fact now."""
+        self.run.memory.assert_fact(fact, "handler")
+
+    def erase(self, *prefix: Atom) -> None:
+        """Erase every fact that starts so."""
+        self.run.memory.erase(prefix, "handler")
+
+
+def request(run: Run, running: Running, body: nodes.Primitive) -> None:
+    """Ask the world for a primitive; an atomic one holds the interpreter."""
+    values: list[Any] = []
+    for term in body.request.args:
+        value, why = run.value(running.task, term, running.env)
+        if value is None or isinstance(value, Counter | SetResource):
+            why = why or f"`{format_atom(value)}` is not a symbol, number or string"
+            run.fault(running.task, "primitive", body.request, why)
+            method_badly(run, running, "interference", "sibling-failed")
+            return
+        values.append(value)
+    fact: Fact = (body.request.name, *values)
+    text = format_list(fact)
+    number = running.task.number
+    run.tell(events.PrimitiveRequested, task=number, request=text, sent=text)
+    run.tickets.append((fact, running.task))
+    ticket = len(run.tickets) - 1
+    reply = run.world.perform(ticket, fact)
+    run.look_at_clock()
+    if reply is not None and not run.late:
+        run.keep_appointments()
+        finish(run, ticket, reply)
+
+
+def finish(run: Run, ticket: int, reply: Reply) -> None:
+    """A primitive has ended: handlers first, then the method that asked for it."""
+    asked, _ = run.tickets[ticket]
+    access: Any = Access(run)
+    run.handlers.results[str(asked[0])](access, asked, reply.result)
+    for datum in reply.data:
+        run.handlers.data[str(datum[0])](access, datum)
+    task = run.tickets[ticket][1]
+    run.tell(
+        events.PrimitiveEnded,
+        task=None if task is None else task.number,
+        request=format_list(asked),
+        result=reply.result,
+        data=tuple(format_list(datum) for datum in reply.data),
+    )
+    run.tickets[ticket] = (asked, None)
+    if task is not None:
+        ended(run, task, reply.result)
+
+
+def ended(run: Run, task: Task, result: str) -> None:
+    """The task hears how its primitive ended."""
+    assert task.running is not None
+    if result == OKAY:
+        method_well(run, task.running)
+    else:
+        task.symbol = result
+        method_badly(run, task.running, result, "sibling-failed")
+
+
+def take_in(run: Run) -> None:
+    """What the world has sent: results first, then the rest in its order."""
+    messages = run.world.messages()
+    for message in messages:
+        if isinstance(message, Finished):
+            finish(run, message.ticket, message.reply)
+    for message in messages:
+        if isinstance(message, Datum):
+            access: Any = Access(run)
+            run.handlers.data[str(message.content[0])](access, message.content)
+            run.tell(events.DataReceived, data=format_list(message.content))
+        elif not isinstance(message, Finished):
+            hear(run, message.content)

@@ -1,0 +1,49 @@
+"""What all random libraries share: declarations, and words to choose from."""
+
+from __future__ import annotations
+
+DECLARATIONS: tuple[tuple[object, ...], ...] = (
+    ("declare-memory-property", "p", ("?a", "?value"), "unknown"),
+    ("declare-memory-property", "b", ("?a", "?value"), "false"),
+    ("declare-memory-property", "k", ("?a", "?b", "?value"), "true"),
+    ("declare-memory-property", "g", ("?a", "?value"), "guess"),
+    ("declare-memory-property", "mode", ("?value",), "unknown"),
+    ("declare-memory-proposition", "q", ("?a",)),
+    ("declare-memory-proposition", "r", ("?a", "?b")),
+    ("declare-memory-function", "twice", ("?a",), ":reads", ()),
+    ("declare-memory-function", "odd", ("?a",), ":reads", ()),
+    ("declare-memory-function", "look-up", ("?a",), ":reads", ("p",)),
+    ("declare-memory-function", "peek", ("?a",)),
+    ("declare-primitive", "act", ("?x",), ("okay", "bad", "worse")),
+    ("declare-primitive", "pair", ("?x", "?y"), ("okay", "slip")),
+    ("declare-primitive", "rest", (), ("okay",)),
+    ("declare-primitive", "slow", ("?x",), ("okay", "lost"), ":atomic", "false"),
+    ("declare-sensor-datum", "seen", ("?x", "?y")),
+    ("declare-event", ":go", ("?a",)),
+    ("declare-event", ":stop", ()),
+)
+
+PROPERTIES = {"p": 1, "b": 1, "k": 2, "g": 1, "mode": 0}
+"""The properties, with the number of arguments before the value."""
+
+PROPOSITIONS = {"q": 1, "r": 2}
+
+PRIMITIVES = {
+    "act": (1, ("okay", "bad", "worse")),
+    "pair": (2, ("okay", "slip")),
+    "rest": (0, ("okay",)),
+    "slow": (1, ("okay", "lost")),
+}
+
+SIGNALS = {":go": 1, ":stop": 0}
+
+SYMBOLS = ("a", "c", "d")
+
+VALUES = ("a", "c", "1", "2", "3", "unknown", "true")
+
+WILD = ("2.5", '"a"', "false", "-1", "0", "box")
+"""Values that come up now and then."""
+
+NUMBERS = ("0", "1", "2", "3", "4", "6", "9")
+
+RESULTS = ("okay", "bad", "slip", "lost", "interference", "no-method", "futile-loop")
