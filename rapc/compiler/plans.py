@@ -113,9 +113,20 @@ class MethodPlan:
     """A method. `choice` is `repeat-while` and context as one query.
 
     `name` is what the trace prints, and `index` the place in the order of choice.
+    `users` are, for each variable, the positions of the steps whose inputs or windows
+    use it.
     """
 
-    __slots__ = ("choice", "index", "name", "node", "notations", "request", "steps")
+    __slots__ = (
+        "choice",
+        "index",
+        "name",
+        "node",
+        "notations",
+        "request",
+        "steps",
+        "users",
+    )
 
     def __init__(
         self, compiler: Compiler, rap: nodes.DefineRap, node: nodes.Method, index: int
@@ -138,6 +149,7 @@ class MethodPlan:
             self.request = compiler.assertion(node.body.request, "primitive")
         elif isinstance(node.body, nodes.TaskNet):
             self.steps = _steps(compiler, node.body)
+        self.users = _users(self.steps)
 
 
 class RequestPlan:
@@ -303,6 +315,15 @@ def _annotate(
         plan.waits.append(WaitPlan(annotation, where))
     elif isinstance(annotation, nodes.ResourceEffect):
         plan.effects.append(EffectPlan(compiler, annotation))
+
+
+def _users(steps: Sequence[StepPlan]) -> Mapping[str, Sequence[int]]:
+    users: dict[str, list[int]] = {}
+    for step in steps:
+        used = variables_of(step.node.goal.args)
+        for name in used.union(*(window.uses for window in step.windows)):
+            users.setdefault(name, []).append(step.position)
+    return users
 
 
 def _order(first: StepPlan, then: StepPlan) -> None:

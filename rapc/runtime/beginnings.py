@@ -27,7 +27,7 @@ def create_top(machine: Machine, submission: Submission) -> Task:
     task = Task(plan, None)
     task.goal_args = tuple(args)
     fix_inputs(task)
-    repeats_ancestor(task)
+    repeats_ancestor(machine, task)
     task.priority = submission.priority
     task.background = submission.background
     machine.foreground += not task.background
@@ -108,7 +108,7 @@ def fix_inputs(task: Task) -> None:
     task.bound = None not in task.goal_args
 
 
-def repeats_ancestor(task: Task) -> bool:
+def repeats_ancestor(machine: Machine, task: Task) -> bool:
     """Whether a task asks for what an ancestor of it asks for (T 3.2.5).
 
     Asked once, when its inputs are first all bound: this is who it is from now.
@@ -116,11 +116,13 @@ def repeats_ancestor(task: Task) -> bool:
     values = [frozen(value) for value in task.goal_args if value is not None]
     task.identity = (task.plan.name, *values)
     above = task.parent
-    while above is not None:
-        if above.identity == task.identity:
-            return True
+    if above is not None and above.identity == task.identity:
+        return True
+    if task.identity not in machine.under_way:
+        return False
+    while above is not None and above.identity != task.identity:
         above = above.parent
-    return False
+    return above is not None
 
 
 def let_go(machine: Machine, task: Task) -> None:

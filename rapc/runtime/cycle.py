@@ -90,13 +90,13 @@ def _misses_inputs(machine: Machine, task: Task) -> bool:
     run, step = task.within, task.step
     if run is not None and step is not None:
         machine.context.task = run.task
+        bound: list[str] = []
         for carrier, query in step.conditions:
-            found = None
             if carrier not in run.lapsed:
-                found = query.first(machine.context, run.env)
-            if found:
+                found = query.first(machine.context, run.env) or {}
                 run.env.update(found)
-        if late_recursion(machine, run):
+                bound.extend(found)
+        if late_recursion(machine, run, bound, step.position):
             return True
         machine.context.task = run.task
         for arg, value in zip(step.args, task.goal_args, strict=True):
@@ -123,20 +123,21 @@ def _conditions_hold(machine: Machine, task: Task) -> bool:
                 return False
             if found:
                 run.env.update(found)
-                if late_recursion(machine, run):
+                if late_recursion(machine, run, found):
                     return False
     context.task = task
     own = task.plan.preconditions
     if own is not None and not own.holds(context, task.env):
         return False
-    above: Task | None = task
-    while above is not None:
-        constraints = above.plan.constraints
-        if constraints is not None:
-            context.task = above
-            if not constraints.holds(context, above.env):
-                return False
-        above = above.parent
+    stated: Task | None = (
+        task if task.plan.constraints is not None else task.constrained
+    )
+    while stated is not None:
+        context.task = stated
+        constraints = stated.plan.constraints
+        if constraints is not None and not constraints.holds(context, stated.env):
+            return False
+        stated = stated.constrained
     return True
 
 
@@ -178,7 +179,7 @@ def _spawn(machine: Machine, run: MethodRun) -> list[Task] | None:
     run.steps = tasks
     for task in tasks:
         fill_inputs(machine, task)
-        if task.bound and repeats_ancestor(task):
+        if task.bound and repeats_ancestor(machine, task):
             return None
     return tasks
 
@@ -187,6 +188,7 @@ def _start(machine: Machine, run: MethodRun, steps: list[Task], choice: Choice) 
     """Step 9: the method starts and the task waits for it."""
     task, method = run.task, run.plan
     task.run = run
+    machine.under_way[task.identity] += 1
     task.state = State.RUNNING
     task.timer = None
     task.tried.add(method.node.name)

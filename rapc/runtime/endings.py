@@ -71,7 +71,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     run.env.update(bound)
     for change in changes:
         _apply(machine, task, *change)
-    step_ended(machine, run, step.position, bool(bound))
+    step_ended(machine, run, step.position, bound)
 
 
 def _outputs(task: Task, found: Env) -> Env:
@@ -152,15 +152,18 @@ def _apply(
 
 
 def step_ended(
-    machine: Machine, run: MethodRun, position: int, bound: bool = False
+    machine: Machine, run: MethodRun, position: int, bound: Iterable[str] = ()
 ) -> None:
-    """A step has ended by itself: `until`s, then its followers or the method's end."""
+    """A step has ended by itself: `until`s, then its followers or the method's end.
+
+    `bound` are the variables of its method that its outputs have bound.
+    """
     run.ends[position] = machine.recorder.time
     run.left -= 1
     for target, at_end in run.plan.steps[position].until:
         if at_end:
             until(machine, run, target)
-    if bound and late_recursion(machine, run):
+    if late_recursion(machine, run, bound):
         return
     _followers(machine, run, position)
     if run.left == 0:
@@ -190,12 +193,19 @@ def until(machine: Machine, run: MethodRun, position: int) -> None:
     _followers(machine, run, position)
 
 
-def late_recursion(machine: Machine, run: MethodRun) -> bool:
-    """New bindings reach the steps that miss inputs; one may repeat an ancestor.
+def late_recursion(
+    machine: Machine, run: MethodRun, bound: Iterable[str], *positions: int
+) -> bool:
+    """New bindings reach the steps that use them; one may repeat an ancestor.
 
-    Then the method has ended badly and its task has failed, `futile-loop`.
+    Then the method has ended badly and its task has failed, `futile-loop`. The steps
+    at `positions` are looked at whatever has been `bound`.
     """
-    for task in run.steps:
+    users = run.plan.users
+    for at in sorted(
+        {*positions, *(at for name in bound for at in users.get(name, ()))}
+    ):
+        task = run.steps[at]
         if not task.live:
             continue
         read_windows(machine, task)
@@ -203,7 +213,7 @@ def late_recursion(machine: Machine, run: MethodRun) -> bool:
             continue
         if not task.bound:
             fill_inputs(machine, task)
-        if task.bound and task.identity is None and repeats_ancestor(task):
+        if task.bound and task.identity is None and repeats_ancestor(machine, task):
             end_method(machine, run, FUTILE_LOOP, "parent-failed")
             fail(machine, run.task, FUTILE_LOOP)
             return True
@@ -242,7 +252,7 @@ def end_method(
 ) -> None:
     """A method ends; steps still live leave, and its task comes up again."""
     task = run.task
-    task.run = None
+    _stop(machine, task)
     for step in run.steps:
         if step.live:
             remove(machine, step, cause)
@@ -276,7 +286,7 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
         if top.run is not None:
             stack.extend(step for step in top.run.steps if step.live)
     for gone in reversed(leaving):
-        run, gone.run = gone.run, None
+        run = _stop(machine, gone)
         _leave(machine, gone)
         if run is not None:
             _drop(machine, run)
@@ -287,7 +297,7 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
 
 def end_by_signal(machine: Machine, task: Task, mode: str) -> None:
     """A signal ends a step, waiting or running; what it spawned leaves."""
-    run, task.run = task.run, None
+    run = _stop(machine, task)
     if run is not None:
         for step in run.steps:
             if step.live:
@@ -297,6 +307,16 @@ def end_by_signal(machine: Machine, task: Task, mode: str) -> None:
         succeed(machine, task, {})
     else:
         fail(machine, task, SIGNAL)
+
+
+def _stop(machine: Machine, task: Task) -> MethodRun | None:
+    """A task is at work no longer; what it was at."""
+    run, task.run = task.run, None
+    if run is not None:
+        machine.under_way[task.identity] -= 1
+        if not machine.under_way[task.identity]:
+            del machine.under_way[task.identity]
+    return run
 
 
 def _drop(machine: Machine, run: MethodRun) -> None:

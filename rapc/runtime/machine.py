@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import heapq
 import random
+from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Annotated, Any
@@ -80,7 +81,8 @@ class Machine:
 
     `tasks` are the live tasks by number; `pending` the tasks whose requests are under
     way, by ticket (None once the task is gone); `listening` the steps that wait for a
-    signal, by the signal's name; `foreground` counts the live top-level tasks that
+    signal, by the signal's name; `under_way` how many tasks of each identity are at
+    work on a method; `foreground` counts the live top-level tasks that
     keep the run going.
     """
 
@@ -118,6 +120,7 @@ class Machine:
         self.tasks: dict[int, Task] = {}
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}
+        self.under_way: Counter[object] = Counter()
         self.foreground = 0
         self.until: Time | None = None
         self.late = False
@@ -143,6 +146,11 @@ class Machine:
         due = self.appointments
         while due and due[0][0] <= self.recorder.time:
             heapq.heappop(due)[2]()
+
+    def recount(self) -> None:
+        """Count anew which identities are at work: items have got other names."""
+        at_work = [task for task in self.tasks.values() if task.run is not None]
+        self.under_way = Counter(task.identity for task in at_work)
 
     def next_number(self) -> int:
         """The number of a new task, from 1."""

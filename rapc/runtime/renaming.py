@@ -19,6 +19,9 @@ class Tasks(Protocol):
     tasks: dict[int, Task]
     monitors: Monitors
 
+    def recount(self) -> None:
+        """Tasks at work are known by other identities than before."""
+
 
 def rename(run: Tasks, lost: str, kept: str) -> None:
     """Every live task holds `kept` wherever it held `lost`."""
@@ -31,6 +34,7 @@ def rename(run: Tasks, lost: str, kept: str) -> None:
             sets.update((id(v), v) for v in env.values() if isinstance(v, SetResource))
         if _in_task(task, environments, lost, kept):
             run.monitors.rebind(task)
+    run.recount()
     for resource in sets.values():
         if lost in resource.members:
             _in_set(resource, lost, kept)

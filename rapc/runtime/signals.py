@@ -37,7 +37,7 @@ def _decide(machine: Machine, task: Task, content: Fact) -> None:
         if found is None:
             continue
         run.env.update(found)
-        if found and late_recursion(machine, run):
+        if late_recursion(machine, run, found):
             return
         if wait.mode == "proceed":
             _proceed(machine, task, content)

@@ -35,7 +35,8 @@ class Task:
     """One goal under way; it has no number until it joins the run.
 
     `env` holds inputs and resources, once `bound`; `identity` the RAP with its input
-    values, for the recursion test; `family` is the number of its top-level task.
+    values, for the recursion test; `constrained` is the nearest ancestor that states
+    constraints; `family` is the number of its top-level task.
     `deadline` is its own, `limit` the nearest of its own and its ancestors', `missed`
     the one last told of as missed; `opens` is the latest start of its windows,
     `windows` those whose times are not yet known. `begun`
@@ -51,6 +52,7 @@ class Task:
         "blocked_on",
         "bound",
         "choices",
+        "constrained",
         "duration",
         "env",
         "failed",
@@ -95,6 +97,7 @@ class Task:
         self.within = within
         self.parent = within.task if within is not None else None
         self.family: int = 0 if within is None else within.task.family
+        self.constrained = _constrained(self.parent)
         self.step: StepPlan | None = None
         self.goal_args: tuple[Value | None, ...] = ()
         self.priority = 0
@@ -167,6 +170,12 @@ class Task:
                 known = self.outputs.get(name)
                 words.append(name if known is None else format_atom(known))
         return f"({' '.join(words)})"
+
+
+def _constrained(parent: Task | None) -> Task | None:
+    if parent is None or parent.plan.constraints is not None:
+        return parent
+    return parent.constrained
 
 
 class MethodRun:
