@@ -21,6 +21,7 @@ from rapc.runtime.endings import (
     NO_METHOD,
     end_method,
     fail,
+    followers,
     late_recursion,
     succeed,
     until,
@@ -37,6 +38,8 @@ from rapc.terms import format_atom
 def run_cycle(machine: Machine, task: Task) -> None:
     """Process the task that the agenda has chosen."""
     machine.recorder.cycle += 1
+    if not task.bound:
+        fill_inputs(machine, task)
     _tell_selected(machine, task)
     task.after_method = False
     if not task.begun and not task.plan.monitored:
@@ -80,9 +83,7 @@ def _begin(machine: Machine, task: Task) -> None:
     if task.plan.monitored and not machine.monitors.holds(task):
         return
     task.begun = True
-    for target, at_end in step.until:
-        if not at_end:
-            until(machine, run, target)
+    followers(machine, run, until(machine, run, step.position, at_end=False))
 
 
 def _misses_inputs(machine: Machine, task: Task) -> bool:

@@ -160,37 +160,48 @@ def step_ended(
     """
     run.ends[position] = machine.recorder.time
     run.left -= 1
-    for target, at_end in run.plan.steps[position].until:
-        if at_end:
-            until(machine, run, target)
+    ended = [position, *until(machine, run, position, at_end=True)]
     if late_recursion(machine, run, bound):
         return
-    _followers(machine, run, position)
+    followers(machine, run, ended)
     if run.left == 0:
         end_method(machine, run, OKAY)
 
 
-def _followers(machine: Machine, run: MethodRun, position: int) -> None:
-    for behind in run.plan.steps[position].after:
-        task = run.steps[behind]
-        if not task.live:
+def followers(machine: Machine, run: MethodRun, ended: Iterable[int]) -> None:
+    """Let go what follows steps that have ended, in the order of the text."""
+    freed = []
+    for position in ended:
+        for behind in run.plan.steps[position].after:
+            task = run.steps[behind]
+            if not task.live:
+                continue
+            read_windows(machine, task)
+            task.waiting -= 1
+            if task.waiting == 0:
+                freed.append(behind)
+    for behind in sorted(freed):
+        let_go(machine, run.steps[behind])
+
+
+def until(
+    machine: Machine, run: MethodRun, position: int, *, at_end: bool
+) -> list[int]:
+    """A step's start or end ends others by `until`: they leave and count as ended.
+
+    Returns which, so that what follows them can be let go.
+    """
+    ended = []
+    for target, when in run.plan.steps[position].until:
+        task = run.steps[target]
+        if when != at_end or not task.live:
             continue
-        read_windows(machine, task)
-        task.waiting -= 1
-        if task.waiting == 0:
-            let_go(machine, task)
-
-
-def until(machine: Machine, run: MethodRun, position: int) -> None:
-    """An `until` ends a step: it leaves with all it spawned, and counts as ended."""
-    task = run.steps[position]
-    if not task.live:
-        return
-    remove(machine, task, "until")
-    run.lapsed.add(position)
-    run.ends[position] = machine.recorder.time
-    run.left -= 1
-    _followers(machine, run, position)
+        remove(machine, task, "until")
+        run.lapsed.add(target)
+        run.ends[target] = machine.recorder.time
+        run.left -= 1
+        ended.append(target)
+    return ended
 
 
 def late_recursion(

@@ -31,7 +31,7 @@ from rapc.runtime.standing import AgendaEntry
 from rapc.runtime.submission import Submission
 from rapc.runtime.task import Task
 from rapc.runtime.world import Time, World
-from rapc.terms import Atom, Fact, match
+from rapc.terms import Atom, Fact, match, number
 
 
 class Interpreter:
@@ -303,7 +303,8 @@ class Interpreter:
         """Let a cycle take its time, and count cycles in which no time passes."""
         machine = self._machine
         if machine.settings.cycle_cost:
-            machine.world.advance(machine.world.now() + machine.settings.cycle_cost)
+            cost = machine.settings.cycle_cost
+            machine.world.advance(number(machine.world.now() + cost))
             machine.look_at_clock()
         self._idle = self._idle + 1 if machine.recorder.time == before else 0
 
