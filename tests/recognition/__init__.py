@@ -1,0 +1,1 @@
+"""A second, plain memory that recognises, and what both must agree about."""

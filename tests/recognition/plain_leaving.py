@@ -1,0 +1,172 @@
+"""Which things go when an item leaves a set: every collection is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+from rapc.terms import Atom
+
+from .plain_facts import NEVER, Facts
+from .plain_matching import Look
+from .plain_parts import Expected, Thing
+
+Merge = Callable[[Thing, Thing, Thing | None], tuple[Thing, Thing]]
+"""Makes two things one, of which the third keeps its values; who is kept and gone."""
+
+Groups = list[list[Thing]]
+
+
+@dataclass
+class Left:
+    """Who has left; the other name the item has now; how sure that was."""
+
+    who: list[Thing] = field(default_factory=list)
+    other: str | None = None
+    score: float | None = None
+    rival: float | None = None
+
+    @property
+    def told(self) -> tuple[str | None, float | None, float | None]:
+        """What an event says of it."""
+        return self.other, self.score, self.rival
+
+
+def leave(thing: Thing, expected: Expected, facts: Facts, merge: Merge) -> Left:
+    """A thing leaves a set: it goes from every view, or another one for it."""
+    look = Look(expected, facts)
+    served = [layer.members for layer in expected.layers if thing not in layer.members]
+    choices = [_choices(look, thing, members) for members in served]
+    found = _collection(served, choices)
+    scored = _scored(look, thing, choices, found[1] if found else [])
+    for view in expected.views():
+        if thing in view:
+            view.remove(thing)
+    if found is None:
+        gone = [_drop(look, thing, m, c) for m, c in zip(served, choices, strict=True)]
+        alone = [each for each in gone if not expected.standing(each)]
+        return Left([thing, *dict.fromkeys(alone)], None, *scored)
+    collection, leavers = found
+    make_alike([each for each in collection if each.name], collection, facts)
+    for view in expected.views():
+        view[:] = [each for each in view if each not in leavers]
+    return _absorb(thing, leavers, merge, scored)
+
+
+def _absorb(
+    thing: Thing,
+    leavers: Sequence[Thing],
+    merge: Merge,
+    scored: tuple[float | None, float | None],
+) -> Left:
+    left = Left([thing], None, *scored)
+    for leaver in leavers:
+        mover = left.who[0]
+        keep, gone = merge(mover, leaver, mover if thing.name else None)
+        left.who = [keep]
+        if keep.name and gone.name:
+            left.other = gone.name
+    return left
+
+
+def _choices(look: Look, thing: Thing, members: list[Thing]) -> Groups:
+    """The groups of a layer to which the thing may belong."""
+    expected = look.expected
+    strangers = [d for d in members if not _known_other(expected, thing, d)]
+    groups = look.groups(strangers)
+    best = max((look.score(thing, g[0]) for g in groups), default=0)
+    if best <= 0:
+        return groups
+    return [group for group in groups if look.score(thing, group[0]) == best]
+
+
+def _known_other(expected: Expected, thing: Thing, other: Thing) -> bool:
+    """Whether they stand in one view, or one of them alone is in reach there."""
+    return expected.apart(thing, other) or other in expected.local
+
+
+def _collection(
+    served: list[list[Thing]], choices: list[Groups]
+) -> tuple[Sequence[Thing], Sequence[Thing]] | None:
+    """The smallest collection with members that serve each layer once, and these."""
+    groups = [group for layer in choices for group in layer]
+    pool = sorted({d for group in groups for d in group}, key=lambda d: d.number)
+    for size in range(len(pool) + 1):
+        found = [
+            (collection, leavers)
+            for collection in combinations(pool, size)
+            if all(any(d in collection for d in group) for group in groups)
+            for leavers in _subsets(collection)
+            if _serve(leavers, served, choices)
+        ]
+        if found:
+            return min(found, key=lambda pair: (_rank(pair[1]), _rank(pair[0])))
+    return None
+
+
+def _rank(things: Sequence[Thing]) -> tuple[int, int, list[int]]:
+    """The fewest come first, then empty ones, then the oldest."""
+    real = sum(1 for thing in things if thing.name)
+    return len(things), real, [thing.number for thing in things]
+
+
+def _subsets(things: Sequence[Thing]) -> Iterable[Sequence[Thing]]:
+    for size in range(len(things) + 1):
+        yield from combinations(things, size)
+
+
+def _serve(
+    leavers: Sequence[Thing], served: list[list[Thing]], choices: list[Groups]
+) -> bool:
+    """Whether of each layer exactly one leaves, and one that may be the item."""
+    for members, groups in zip(served, choices, strict=True):
+        leaving = [each for each in leavers if each in members]
+        if len(leaving) != 1 or not any(leaving[0] in group for group in groups):
+            return False
+    return True
+
+
+def _drop(look: Look, thing: Thing, members: list[Thing], choices: Groups) -> Thing:
+    """Where the layers cannot be served together each loses its best candidate."""
+    fit = [d for group in choices for d in group]
+    fit = fit or [d for d in members if d not in look.expected.local]
+    gone = min(fit, key=lambda d: (d.name is not None, d.number))
+    members.remove(gone)
+    return gone
+
+
+def _scored(
+    look: Look, thing: Thing, choices: list[Groups], leavers: Sequence[Thing]
+) -> tuple[float | None, float | None]:
+    """The best score of what leaves, and of what might have left as well."""
+    taken: list[float] = []
+    rivals: list[float] = []
+    for group in (group for layer in choices for group in layer):
+        to = taken if any(each in group for each in leavers) else rivals
+        to.append(look.score(thing, group[0]))
+    return max(taken, default=None), max(rivals, default=None)
+
+
+def make_alike(
+    named: Sequence[Thing], collection: Sequence[Thing], facts: Facts
+) -> None:
+    """What a collection does not share becomes unknown; the rest is as old as any."""
+    if len(collection) < 2:
+        return
+    every = [facts.of(thing) for thing in named]
+    empty = len(named) < len(collection)
+    for index in {index: None for each in every for index in each}:
+        values: list[Atom | None] = [
+            each[index][0] if index in each else None for each in every
+        ]
+        alike = not empty and len(set(values)) == 1
+        stamps = [each[index][1] for each in every if index in each]
+        value = values[0] if alike and values[0] is not None else "unknown"
+        for thing in named:
+            facts.set(thing, index, value, min(stamps) if alike else NEVER)
+    for index in (("class", named[0].kind), ("location",)) if named else ():
+        oldest = min(facts.stamp(each, *index) for each in named)
+        for thing in named:
+            at = facts.value(index[0], str(thing.name), *index[1:])
+            facts.set(thing, index, at or "unknown", oldest)

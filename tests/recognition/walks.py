@@ -1,0 +1,140 @@
+"""Random walks through a small world of boxes, drums and guns.
+
+The walk keeps its own list of what is there, so that items are mostly seen again as
+they were; yet it also lies: things come, go and change unseen.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+from rapc.terms import Atom
+
+from .driving import Operation
+from .plain_parts import Comparator, Declared
+
+PLACES = ("dock", "depot", "bay")
+VALUES: dict[str, tuple[Atom, ...]] = {
+    "color": ("red", "blue", "unknown"),
+    "size": (1, 2),
+    "is-empty": ("true", "false"),
+}
+
+WORLD = Declared(
+    properties=("class", "location", "color", "size", "is-empty", "contains"),
+    indistinct=("drum", "box"),
+    excludes=(("is-empty", "true", "contains", "true"),),
+    comparators={
+        ("drum", "depot"): Comparator(veto=("color",), weights={"size": 30}),
+        ("box", None): Comparator(veto=("size",), ignored=("is-empty",)),
+    },
+    max_layers=3,
+)
+
+Step = tuple[int, list[Operation]]
+
+
+class Walk:
+    """A walk: batches of operations with the time at which they happen.
+
+    `reach` holds the items in reach as their labels with class and place; `most` how
+    many of a class may be at a place.
+    """
+
+    def __init__(self, seed: int, most: int = 3) -> None:
+        self._dice = random.Random(seed)
+        self._most = most
+        self._time = 0
+        self._seen = 0
+        self.reach: dict[str, tuple[str, Atom]] = {}
+        self.known: list[str] = []
+
+    def steps(self, count: int) -> Iterator[Step]:
+        """So many batches of one to four operations."""
+        for _ in range(count):
+            self._time += self._dice.choice((0, 1, 1, 5))
+            size = self._dice.choice((1, 1, 1, 2, 3, 4))
+            batch = [each for _ in range(size) for each in self._operation()]
+            yield self._time, batch
+
+    def _operation(self) -> list[Operation]:
+        dice = self._dice
+        kinds = (self._introduce, self._assert, self._erase, self._move, self._lose)
+        what = dice.choices((*kinds, self._fix, self._expire), (8, 9, 1, 2, 1, 1, 2))
+        return what[0]()
+
+    def _introduce(self) -> list[Operation]:
+        dice = self._dice
+        kind, place = dice.choice(("drum", "drum", "box", "gun")), self._somewhere()
+        there = [each for each in self.reach.values() if each == (kind, place)]
+        if kind == "gun":
+            sensor = f"g{dice.randrange(3)}"
+            return [("introduce", sensor, kind, place)]
+        if len(there) >= self._most:
+            return []
+        self._seen += 1
+        label = f"@s{self._seen}"
+        self.reach[label] = (kind, place)
+        self.known.append(label)
+        return [("introduce", label[1:], kind, place)]
+
+    def _somewhere(self) -> Atom:
+        return self._dice.choice(PLACES)
+
+    def _anything(self) -> str | None:
+        """An item, in reach or not, or a gun or a plain symbol at times."""
+        dice = self._dice
+        if self.reach and dice.random() < 0.85:
+            return dice.choice(list(self.reach))
+        if self.known and dice.random() < 0.7:
+            return dice.choice(self.known[-8:])
+        return dice.choice(("tower", None))
+
+    def _assert(self) -> list[Operation]:
+        dice, item = self._dice, self._anything()
+        if item is None:
+            return []
+        name = dice.choice(("color", "color", "size", "is-empty", "contains", "near"))
+        if name == "contains":
+            inside = dice.choice(("bars", "papers", self._anything() or "bars"))
+            return [("assert", name, item, inside, dice.choice(("true", "false")))]
+        if name == "near":
+            return [("assert", name, "tower", item)]
+        return [("assert", name, item, dice.choice(VALUES[name]))]
+
+    def _erase(self) -> list[Operation]:
+        item = self._anything()
+        return (
+            []
+            if item is None
+            else [("erase", self._dice.choice(("color", "size", "contains")), item)]
+        )
+
+    def _one_in_reach(self) -> str | None:
+        return self._dice.choice(list(self.reach)) if self.reach else None
+
+    def _move(self) -> list[Operation]:
+        item, place = self._one_in_reach(), self._somewhere()
+        if item is None:
+            return []
+        kind, _ = self.reach[item]
+        there = [each for each in self.reach.values() if each == (kind, place)]
+        if len(there) >= self._most:
+            return []
+        self.reach[item] = (kind, place)
+        return [("move", item, place)]
+
+    def _lose(self) -> list[Operation]:
+        item = self._one_in_reach()
+        if item is None:
+            return []
+        del self.reach[item]
+        return [("lose", item)]
+
+    def _fix(self) -> list[Operation]:
+        return [("fix", self._somewhere())]
+
+    def _expire(self) -> list[Operation]:
+        self.reach.clear()
+        return [("expire",)]
