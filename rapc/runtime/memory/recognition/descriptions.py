@@ -6,6 +6,8 @@ Structure only: what is alike is for `scoring` and `matching`, what leaves for
 
 from __future__ import annotations
 
+from typing import Any
+
 from rapc.runtime.memory.items import Item
 from rapc.terms import Atom, Fact
 
@@ -76,14 +78,16 @@ class View:
     """A layer of an expectation set, or its part of the local model.
 
     `bit` is its own among the views of its set; members stand in the order in which
-    they came.
+    they came. `version` is another one whenever a member comes, goes, or changes in
+    what it is known by or where else it stands.
     """
 
-    __slots__ = ("bit", "members")
+    __slots__ = ("bit", "members", "version")
 
     def __init__(self, bit: int) -> None:
         self.bit = bit
         self.members: dict[Description, None] = {}
+        self.version = 0
 
     def __len__(self) -> int:
         return len(self.members)
@@ -93,16 +97,27 @@ class ExpectationSet:
     """The items of one class that are expected at one place.
 
     `layers` stand oldest first and all hold equally many descriptions; `local` holds
-    the accessible ones, at most as many.
+    the accessible ones, at most as many. `settled` has the pairs of views that were
+    found without a match, as they then were; `offers` what views offered for matches.
     """
 
-    __slots__ = ("kind", "layers", "local", "place")
+    __slots__ = ("_changes", "kind", "layers", "local", "offers", "place", "settled")
 
     def __init__(self, kind: str, place: Atom) -> None:
         self.kind = kind
         self.place = place
         self.local = View(1)
         self.layers: list[View] = []
+        self.settled: dict[tuple[int, int], tuple[int, int, bool]] = {}
+        self.offers: dict[tuple[int, int], tuple[int, Any]] = {}
+        self._changes = 0
+
+    def changed(self, mask: int) -> None:
+        """Something has changed about a member of the views with these bits."""
+        self._changes += 1
+        for view in (self.local, *self.layers):
+            if view.bit & mask:
+                view.version = self._changes
 
     @property
     def size(self) -> int:
@@ -118,12 +133,14 @@ class ExpectationSet:
         found = dict.fromkeys(d for view in self.views() for d in view.members)
         return sorted(found, key=lambda d: d.number)
 
-    def new_layer(self, at: int | None = None) -> View:
-        """A further layer, the latest unless its position is given."""
+    def new_layer(self) -> View:
+        """A further layer, the latest."""
         taken = sum(layer.bit for layer in self.layers) | 1
         bit = (taken + 1) & ~taken
         layer = View(bit)
-        self.layers.insert(len(self.layers) if at is None else at, layer)
+        self.layers.append(layer)
+        self._changes += 1
+        layer.version = self._changes
         return layer
 
     def add(self, view: View, member: Description) -> None:
@@ -131,12 +148,14 @@ class ExpectationSet:
         view.members[member] = None
         member.mask |= view.bit
         member.home = self
+        self.changed(member.mask)
 
     def discard(self, view: View, member: Description) -> None:
         """A description no longer stands in a view."""
         if member not in view.members:
             return
         del view.members[member]
+        self.changed(member.mask)
         member.mask &= ~view.bit
         if not member.mask:
             member.home = None
@@ -150,13 +169,14 @@ class ExpectationSet:
                 }
         new.mask |= old.mask
         new.home = self
+        self.changed(new.mask)
         old.mask = 0
         old.home = None
 
     def drop_layer(self, layer: View) -> list[Description]:
         """Take a layer away; returns what now stands in no view, oldest first."""
-        self.layers.remove(layer)
         members = sorted(layer.members, key=lambda d: d.number)
         for member in members:
             self.discard(layer, member)
+        self.layers.remove(layer)
         return [member for member in members if not member.mask]

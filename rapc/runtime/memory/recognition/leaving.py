@@ -17,9 +17,9 @@ import msgspec
 from rapc.runtime.memory.recognition.descriptions import (
     Description,
     ExpectationSet,
+    Key,
     View,
 )
-from rapc.runtime.memory.recognition.matching import groups
 from rapc.runtime.memory.recognition.scoring import Score
 from rapc.terms import Number
 
@@ -70,12 +70,15 @@ def candidate_groups(
     all groups are ruled out, those that hold no such member are taken.
     """
     free = {d for d in layer.members if not d.mask & outside}
-    grouped = list(groups(layer.members).values())
+    by_key: dict[Key, list[Description]] = {}
+    for member in layer.members:
+        by_key.setdefault(member.key, []).append(member)
+    grouped = list(by_key.values())
     scored = []
     for group in grouped:
         found = [d for d in group if d in free]
         if found:
-            scored.append((score(item, found[0]), found))
+            scored.append((score.of(item, found[0]), found))
     best = max((s for s, _ in scored), default=0)
     if best > 0:
         return best, [group for s, group in scored if s == best]

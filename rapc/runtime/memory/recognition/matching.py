@@ -7,20 +7,22 @@ and how the two become one is for `recognizer` to say.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable
 
 import msgspec
 
+from rapc.runtime.memory.recognition.candidates import Group, Kind, Offer
 from rapc.runtime.memory.recognition.descriptions import (
     Description,
     ExpectationSet,
-    Key,
     View,
 )
-from rapc.runtime.memory.recognition.scoring import Score
-from rapc.terms import Number
+from rapc.runtime.memory.recognition.scoring import SHARED, Score
+from rapc.terms import Atom, Fact, Number
 
-Members = tuple[Description, ...]
+Profile = tuple[frozenset[tuple[Fact, Atom]], int]
+"""What descriptions of one view have in common that stand alike to all others."""
 
 
 class Match(msgspec.Struct, frozen=True):
@@ -36,6 +38,10 @@ class Match(msgspec.Struct, frozen=True):
     rival: Number | None
 
 
+def _age(description: Description) -> int:
+    return description.number
+
+
 class _Standing(msgspec.Struct, frozen=True):
     """How a description stands to the candidate groups of another view.
 
@@ -44,122 +50,165 @@ class _Standing(msgspec.Struct, frozen=True):
     """
 
     best: Number
-    group: Key | None
+    group: Group | None
     rival: Number | None
     only: bool
 
 
-def groups(members: Iterable[Description]) -> dict[Key, list[Description]]:
-    """Candidate groups: descriptions that are identical, stamps aside."""
-    found: dict[Key, list[Description]] = {}
-    for member in members:
-        found.setdefault(member.key, []).append(member)
-    return found
-
-
-def rank(member: Description) -> tuple[int, bool, int]:
-    """The order in which a group's members are taken: the smallest first."""
-    return (-member.mask.bit_count(), member.empty, member.number)
-
-
 def best_match(of: ExpectationSet, score: Score) -> Match | None:
-    """The identification to be made next, or None: then all wait."""
+    """The identification to be made next, or None: then all wait.
+
+    Pairs of views in which nothing has changed since they were last looked at are
+    passed over.
+    """
     views = [view for view in of.views() if view.members]
     for one in views:
         for other in views:
-            if one is not other:
-                complete = other is not of.local or len(other) == of.size
-                found = _best_of_pair(one, other, score, complete)
-                if found is not None:
-                    return found
+            if one is other:
+                continue
+            complete = other is not of.local or len(other) == of.size
+            now = (one.version, other.version, complete)
+            if of.settled.get((one.bit, other.bit)) == now:
+                continue
+            found = _best_of_pair(_Table(of, one, other, score), complete)
+            if found is not None:
+                return found
+            of.settled[one.bit, other.bit] = now
     return None
 
 
-def _best_of_pair(one: View, other: View, score: Score, complete: bool) -> Match | None:
-    seeking = [x for x in one.members if not x.mask & other.bit]
-    offered = groups(y for y in other.members if not y.mask & one.bit)
-    if not seeking or not offered:
-        return None
-    table = _Table(seeking, offered, score)
+def _best_of_pair(table: _Table, complete: bool) -> Match | None:
     best: tuple[Number, int] | None = None
     match = None
-    for x in seeking:
-        standing = table.standing(x)
+    for profile, x in table.seeking():
+        standing = table.standing(profile, x)
         order = (-standing.best, x.number)
         if standing.group is None or (best is not None and order > best):
             continue
-        if table.has_room(x, standing, complete):
-            found = [y for y in offered[standing.group] if x.may_be(y)]
-            y = min(found, key=rank)
+        if table.has_room(profile, standing, complete):
             best = order
+            y = standing.group.member(x.mask)
             match = Match(x, y, standing.best, standing.rival)
     return match
+
+
+def _offer(of: ExpectationSet, view: View, one: View) -> Offer:
+    """What a view offers to another, made anew only when it has changed."""
+    shared = one.bit if any(y.mask & one.bit for y in view.members) else 0
+    known = of.offers.get((view.bit, shared))
+    if known is not None and known[0] == view.version:
+        found: Offer = known[1]
+        return found
+    offer = Offer(y for y in view.members if not y.mask & shared)
+    of.offers[view.bit, shared] = (view.version, offer)
+    return offer
 
 
 class _Table:
     """The scores of a view's descriptions with another view's candidate groups.
 
-    Descriptions that are alike and stand in the same views stand alike to all.
+    Descriptions that are known by the same and stand in the same views stand alike
+    to all groups: each such profile is compared once, by its oldest description.
     """
 
     def __init__(
-        self,
-        seeking: list[Description],
-        offered: dict[Key, list[Description]],
-        score: Score,
+        self, of: ExpectationSet, one: View, other: View, score: Score
     ) -> None:
-        self._seeking = seeking
-        self._offered = offered
+        self._profiles: dict[Profile, list[Description]] = {}
+        for x in one.members:
+            if not x.mask & other.bit:
+                self._profiles.setdefault((x.known, x.mask), []).append(x)
+        self._offer = _offer(of, other, one)
         self._score = score
-        self._standings: dict[tuple[Key, int], _Standing] = {}
+        self._standings: dict[Profile, _Standing] = {}
+        self._strange: dict[int, _Standing] = {}
+        self._on: dict[tuple[Kind, int], list[Number]] = {}
 
-    def standing(self, x: Description) -> _Standing:
-        """How x stands to the groups."""
-        profile = (x.key, x.mask)
+    def seeking(self) -> list[tuple[Profile, Description]]:
+        """Each profile with its oldest description."""
+        return [
+            (profile, min(members, key=_age) if len(members) > 1 else members[0])
+            for profile, members in self._profiles.items()
+        ]
+
+    def standing(self, profile: Profile, x: Description) -> _Standing:
+        """How the descriptions of a profile, x among them, stand to the groups."""
         found = self._standings.get(profile)
         if found is None:
             found = self._standings[profile] = self._compared(x)
         return found
 
     def _compared(self, x: Description) -> _Standing:
-        best: Number = 0
-        rival: Number | None = None
-        group: Key | None = None
-        possible = 0
-        for key in self._offered:
-            score = self._of(x, key)
-            if score <= 0:
-                continue
-            possible += 1
-            if score > best:
-                best, rival, group = score, best or None, key
-            else:
-                rival = score if rival is None else max(rival, score)
-                if score == best:
-                    group = None
-        return _Standing(best, group, rival, possible == 1)
+        """Compare x with all kinds, or with those that share something with it."""
+        if not self._score.sparse:
+            return self._scored(x, self._offer.kinds())
+        sharing = self._offer.sharing(x)
+        if sharing:
+            return self._scored(x, sharing)
+        found = self._strange.get(x.mask)
+        if found is None:
+            found = self._strange[x.mask] = self._scored(x, ())
+        return found
 
-    def _of(self, x: Description, group: Key) -> Number:
-        """The score of x with the members of a group that it may be, else 0."""
-        for y in self._offered[group]:
-            if x.may_be(y):
-                return self._score(x, y)
-        return 0
+    def _scored(self, x: Description, kinds: Iterable[Kind]) -> _Standing:
+        """Compare x with kinds; others score `SHARED` if the comparator is sparse."""
+        scored: list[tuple[Number, int, Kind | None]] = []
+        plain = self._offer.count(x.mask)
+        for kind in kinds:
+            y = kind.first(x.mask)
+            if y is not None:
+                number = kind.count(x.mask)
+                plain -= number
+                scored.append((self._score.of(x, y), number, kind))
+        if self._score.sparse and plain:
+            scored.append((SHARED, plain, None))
+        return self._standing([s for s in scored if s[0] > 0], x)
 
-    def has_room(self, x: Description, standing: _Standing, complete: bool) -> bool:
+    def _standing(
+        self, scored: list[tuple[Number, int, Kind | None]], x: Description
+    ) -> _Standing:
+        if not scored:
+            return _Standing(0, None, None, False)
+        best = max(score for score, _, _ in scored)
+        top = [(number, kind) for score, number, kind in scored if score == best]
+        others = [score for score, _, _ in scored if score != best]
+        if len(top) > 1 or top[0][0] > 1:
+            return _Standing(best, None, best, False)
+        kind = top[0][1]
+        if kind is None:
+            shared = self._offer.sharing(x)
+            kind = next(
+                k for k in self._offer.kinds() if k not in shared and k.first(x.mask)
+            )
+        rival = max(others, default=None)
+        return _Standing(best, kind.group(x.mask), rival, rival is None)
+
+    def has_room(self, profile: Profile, standing: _Standing, complete: bool) -> bool:
         """Whether the group takes x with all others that compete for it."""
         group = standing.group
-        if group is None:
-            return False
-        room = sum(1 for y in self._offered[group] if x.may_be(y))
-        rivals = sum(1 for o in self._seeking if self._of(o, group) >= standing.best)
-        if rivals <= room:
+        assert group is not None
+        room = group.room(profile[1])
+        if self._competing(group, standing.best) <= room:
             return True
         if not standing.only or not complete:
             return False
-        bound = sum(1 for o in self._seeking if self._bound_to(o, group))
+        bound = 0
+        for other, x in self.seeking():
+            rival = self.standing(other, x)
+            if rival.only and rival.group is not None and rival.group.same(group):
+                bound += len(self._profiles[other])
         return bound <= room
 
-    def _bound_to(self, x: Description, group: Key) -> bool:
-        standing = self.standing(x)
-        return standing.only and standing.group == group
+    def _competing(self, group: Group, least: Number) -> int:
+        """How many descriptions score so much on a group, or more."""
+        key = (group.kind, group.number)
+        scores = self._on.get(key)
+        if scores is None:
+            scores = []
+            for (_, mask), members in self._profiles.items():
+                if group.room(mask):
+                    score = self._score.of(members[0], group.member(mask))
+                    scores.extend([score] * len(members))
+            scores.sort()
+            self._on[key] = scores
+        return len(scores) - bisect_left(scores, least)

@@ -91,7 +91,9 @@ class Recognizer:
         index, value = (fact[0], *fact[2:-1]), fact[-1]
         if relation.is_property and item.values.get(index) != (value if there else ""):
             item.learn(index, value if there else None)
-            self._touch(item.home)
+            if item.home is not None:
+                item.home.changed(item.mask)
+                self._touch(item.home)
 
     def _touch(self, changed: ExpectationSet | None) -> None:
         if changed is not None:

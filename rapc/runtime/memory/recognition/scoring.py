@@ -35,12 +35,30 @@ class Described(msgspec.Struct, frozen=True):
 Comparator = Callable[[Described, Described], Number]
 """A comparator in Python, registered under a name."""
 
-Score = Callable[[Description, Description], Number]
+
+class Score:
+    """How a set compares its descriptions.
+
+    `of` gives the score of two. `sparse` says that two which share no known property
+    always score `SHARED`, so that only those that do share one need be compared.
+    """
+
+    __slots__ = ("of", "sparse")
+
+    def __init__(
+        self, of: Callable[[Description, Description], Number], sparse: bool
+    ) -> None:
+        self.of = of
+        self.sparse = sparse
 
 
-def plain(a: Description, b: Description) -> Number:
-    """The score where nothing is declared."""
-    return SHARED + SHARED * len(a.known & b.known)
+def plain() -> Score:
+    """The comparator where nothing is declared."""
+
+    def score(a: Description, b: Description) -> Number:
+        return SHARED + SHARED * len(a.known & b.known)
+
+    return Score(score, True)
 
 
 def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
@@ -62,7 +80,7 @@ def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
                 return 0
         return total
 
-    return score
+    return Score(score, not vetoing)
 
 
 def named(compare: Comparator) -> Score:
@@ -73,7 +91,7 @@ def named(compare: Comparator) -> Score:
             return SHARED
         return compare(_described(a), _described(b))
 
-    return score
+    return Score(score, False)
 
 
 def _described(of: Description) -> Described:
@@ -83,7 +101,7 @@ def _described(of: Description) -> Described:
 
 def _found(name: str, registered: Mapping[str, Comparator]) -> Score:
     compare = registered.get(name)
-    return plain if compare is None else named(compare)
+    return plain() if compare is None else named(compare)
 
 
 class Scores:
@@ -102,6 +120,7 @@ class Scores:
         comparators: Sequence[nodes.DeclareComparator],
         registered: Mapping[str, Comparator],
     ) -> None:
+        self._plain = plain()
         self._by_place: dict[tuple[str, Atom], Score] = {}
         self._by_class: dict[str, Score] = {}
         for declared in classes:
@@ -118,4 +137,4 @@ class Scores:
     def of(self, kind: str, place: Atom) -> Score:
         """The comparator of a set."""
         found = self._by_place.get((kind, place))
-        return found or self._by_class.get(kind) or plain
+        return found or self._by_class.get(kind) or self._plain
