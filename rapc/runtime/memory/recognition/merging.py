@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.recognition.descriptions import UNKNOWN, Description
+from rapc.runtime.world import Time
 from rapc.terms import Atom, Fact
 
 
@@ -80,7 +81,7 @@ def _keep_newer(memory: Memory, sources: dict[Fact, str], first: str, own: str) 
 def make_alike(memory: Memory, members: Sequence[Description]) -> None:
     """What descriptions do not share becomes unknown, as if never asserted.
 
-    What they share keeps the oldest stamp.
+    What they share, class and place among it, keeps the oldest stamp.
     """
     if len(members) < 2:
         return
@@ -92,9 +93,25 @@ def make_alike(memory: Memory, members: Sequence[Description]) -> None:
         value: Atom = values[0] if values else UNKNOWN
         facts = [_fact(m, index, value) for m in members if not m.empty]
         stamp = min(stamps[fact] for fact in facts) if values else NEVER
-        for fact in facts:
-            if stamps.get(fact) != stamp:
-                memory.put(fact, stamp)
+        _stamp(memory, facts, stamp)
+    named = [member for member in members if not member.empty]
+    for of_all in ([_class(m) for m in named], [_place(m) for m in named]):
+        _stamp(memory, of_all, min((stamps[fact] for fact in of_all), default=NEVER))
+
+
+def _stamp(memory: Memory, facts: Sequence[Fact], stamp: Time) -> None:
+    for fact in facts:
+        if memory.facts.stamps.get(fact) != stamp:
+            memory.put(fact, stamp)
+
+
+def _class(member: Description) -> Fact:
+    return ("class", member.name, member.kind, "true")
+
+
+def _place(member: Description) -> Fact:
+    assert member.home is not None
+    return ("location", member.name, member.home.place)
 
 
 def _fact(member: Description, index: Fact, value: Atom) -> Fact:
