@@ -1,6 +1,6 @@
 """Run all benchmarks, or those named, and print their figures as a table.
 
-python -m bench.run [--quick] [parse|queries|agenda|monitors|order]...
+python -m bench.run [--quick] [parse|queries|agenda|monitors|order|memory]...
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-from bench import agenda, monitors, order, parse, queries
+from bench import agenda, memory, monitors, order, parse, queries
 from bench.common import Figure, table
 
 BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
@@ -19,6 +19,7 @@ BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
     "monitors": monitors.figures,
     "agenda": agenda.figures,
     "order": order.figures,
+    "memory": memory.figures,
 }
 
 
