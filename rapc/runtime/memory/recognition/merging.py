@@ -85,14 +85,14 @@ def make_alike(memory: Memory, members: Sequence[Description]) -> None:
     """
     if len(members) < 2:
         return
-    shared = frozenset.intersection(*[member.known for member in members])
     indexes = dict.fromkeys(i for member in members for i in member.values)
     stamps = memory.facts.stamps
     for index in indexes:
-        values = [value for at, value in shared if at == index]
-        value: Atom = values[0] if values else UNKNOWN
+        values = {member.values.get(index) for member in members}
+        shared = values.pop() if len(values) == 1 else None
+        value: Atom = UNKNOWN if shared is None else shared
         facts = [_fact(m, index, value) for m in members if not m.empty]
-        stamp = min(stamps[fact] for fact in facts) if values else NEVER
+        stamp = NEVER if shared is None else min(stamps[fact] for fact in facts)
         _stamp(memory, facts, stamp)
     named = [member for member in members if not member.empty]
     for of_all in ([_class(m) for m in named], [_place(m) for m in named]):
