@@ -98,10 +98,10 @@ class Facts:
 
         If `wins`, those facts stay at any time, except what was never asserted.
         """
-        mine = {f: s for f, s in self.stamps.items() if keep in f[1:]}
         its = {f: s for f, s in self.stamps.items() if gone in f[1:]}
         for fact in its:
             del self.stamps[fact]
+        mine = {f: s for f, s in self.stamps.items() if keep in f[1:]}
         self.aliases[gone] = keep
         renamed = {tuple(map(self.name, f)): s for f, s in its.items()}
         strong, weak = (renamed, mine) if gone_is_stronger else (mine, renamed)

@@ -65,8 +65,9 @@ def _absorb(
         mover = left.who[0]
         keep, gone = merge(mover, leaver, mover if thing.name else None)
         left.who = [keep]
-        if keep.name and gone.name:
-            left.other = gone.name
+        left.other = left.other or gone.name
+    if thing.name and left.who[0] is not thing:
+        left.other = thing.name
     return left
 
 
@@ -77,7 +78,8 @@ def _choices(look: Look, thing: Thing, members: list[Thing]) -> Groups:
     groups = look.groups(strangers)
     best = max((look.score(thing, g[0]) for g in groups), default=0)
     if best <= 0:
-        return groups
+        whole = look.groups(members)
+        return [g for g in whole if all(d in strangers for d in g)] or groups
     return [group for group in groups if look.score(thing, group[0]) == best]
 
 

@@ -128,7 +128,7 @@ def _match(
         return None
     standing = look.expected.standing
     taken = min(group, key=lambda d: (-standing(d), d.name is None, d.number))
-    return Match(thing, taken, best, rival)
+    return Match(thing, taken, best, rival if (rival or 0) > 0 else None)
 
 
 def _best(look: Look, thing: Thing, group: list[Thing]) -> float | None:
