@@ -67,7 +67,8 @@ class Run:
 
     `answers` counts the results of each primitive, `requests` holds them all as text;
     `places` has the last place that memory gave each item, `moves` how often one of a
-    class was moved to a place, `faults` every query that could not be asked.
+    class was moved to a place, `put_down` the memory name that each sensor name had when
+    an arm last put it down, `faults` every query that could not be asked.
     """
 
     def __init__(
@@ -81,6 +82,7 @@ class Run:
         self.requests: list[str] = []
         self.places: dict[str, str] = {}
         self.moves: Counter[tuple[str, str]] = Counter()
+        self.put_down: dict[str, str] = {}
         self.faults: list[str] = []
         world = build_world(TruckWorld, seed, options or {})
         assert isinstance(world, TruckWorld)
@@ -96,6 +98,12 @@ class Run:
             self.places[event.item] = event.location
             if isinstance(event, events.ItemMoved):
                 self.moves[event.kind, event.location] += 1
+        elif isinstance(event, events.PrimitiveRequested):
+            if event.request.startswith("(arm-ungrasp "):
+                named, sent = (
+                    t.strip("()").split()[-1] for t in (event.request, event.sent)
+                )
+                self.put_down[sent] = named
         elif isinstance(event, events.PrimitiveEnded):
             self.requests.append(event.request)
             self.answers[event.request.strip("()").split()[0], event.result] += 1
