@@ -25,6 +25,7 @@ from rapc.runtime.machine import ContextListener, Machine, Settings
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused, refusals, refuse_extension, refuse_tasks
+from rapc.runtime.renaming import with_names
 from rapc.runtime.requests import take_in
 from rapc.runtime.signals import signal
 from rapc.runtime.standing import AgendaEntry
@@ -142,7 +143,7 @@ class Interpreter:
 
     def signal(self, *content: Atom) -> None:
         """Send a signal `(:name arg...)` now."""
-        signal(self._machine, content)
+        signal(self._machine, self._machine.memory.canonical(content))
 
     def at(self, time: Time, action: Callable[[], None]) -> None:
         """Do something at a time: first of all that falls on it.
@@ -362,6 +363,8 @@ class Interpreter:
     def holds(self, formula: Formula) -> bool:
         """Whether a formula has a solution in memory now; no task asks it."""
         context, compiler = self._machine.context, self._machine.library.compiler
+        if self._machine.memory.items.aliases:
+            formula = with_names(formula, self._machine.memory.items.canonical)
         asking, context.task = context.task, None
         holds = compiler.query(formula, "question", formula.span).holds(context, {})
         context.task = asking

@@ -118,6 +118,8 @@ class Monitors:
         task.watching = False
         self._listen(task)
         self._dirty[task.number] = task
+        if task.state is State.BLOCKED and self._recorder.on:
+            task.blocked_on = self.reason(task)
 
     # --- times -----------------------------------------------------------------
 

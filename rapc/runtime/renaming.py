@@ -1,16 +1,20 @@
 """What live tasks hold gets another name when two items turn out to be one.
 
 Bindings, inputs, sets, the recursion test and the futile-loop detector know an item
-by its older name only, from the moment of the merge (semantics 7).
+by its older name only, from the moment of the merge (semantics 7); a host may still
+ask with the other.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
+from rapc.ir import nodes
 from rapc.resources import SetResource
 from rapc.runtime.monitors import Monitors
 from rapc.runtime.task import Env, Task
+from rapc.terms import Atom
 
 
 class Tasks(Protocol):
@@ -62,6 +66,22 @@ def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
 def _in_set(resource: SetResource, lost: str, kept: str) -> None:
     members = [kept if member == lost else member for member in resource.members]
     resource.members = dict.fromkeys(members)
+
+
+def with_names(node: Any, name_of: Callable[[Atom], Atom]) -> Any:
+    """A formula in which every constant has the name that stands for it now.
+
+    Formulas nest as deep as the reader allows, a hundred levels.
+    """
+    if isinstance(node, nodes.Const):
+        return nodes.Const(name_of(node.value), node.span)
+    if isinstance(node, tuple):
+        return tuple([with_names(part, name_of) for part in node])
+    if isinstance(node, nodes.Node):
+        fields = {name: getattr(node, name) for name in node.__struct_fields__}
+        named = {key: with_names(part, name_of) for key, part in fields.items()}
+        return type(node)(**named)
+    return node
 
 
 def _in_value(value: Any, lost: str, kept: str) -> Any:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from rapc.compiler.plans import CompiledLibrary
 from rapc.loader import load_text
+from rapc.parser.parse import parse_pattern
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
@@ -178,6 +179,9 @@ def test_an_older_name_serves_whoever_comes_with_the_younger() -> None:
     assert memory.value("color", merge.with_ or "") == "red"
     interpreter.assert_fact("known", merge.with_ or "")
     assert memory.query("known", None) == [("known", merge.item)]
+    asked = parse_pattern(f"(color {merge.with_} red)")
+    assert interpreter.holds(asked)
+    assert not interpreter.holds(parse_pattern("(color item-99 red)"))
 
 
 def test_who_waits_for_something_of_the_younger_name_is_woken_by_the_older() -> None:
@@ -185,5 +189,7 @@ def test_who_waits_for_something_of_the_younger_name_is_woken_by_the_older() -> 
     (merge,) = [e for e in seen if isinstance(e, events.ItemMerged)]
     blocked = [e.on for e in seen if isinstance(e, events.TaskBlocked)]
     assert f"(same {merge.with_})" in blocked
+    woken = [e.on for e in seen if isinstance(e, events.TaskWoken)]
+    assert f"(same {merge.item})" in woken
     assert interpreter.reason == "done"
     assert [r.outcome for r in interpreter.results()] == ["succeeded", "succeeded"]

@@ -293,6 +293,8 @@ class Recognizer:
 
     def _merge_places(self, kept: str, lost: str) -> None:
         """The sets at one place now are at another: containers turned out to be one."""
+        if self._memory.place == lost:
+            self._memory.place = kept
         for home in [s for (_, at), s in self.sets.items() if at == lost]:
             del self.sets[home.kind, lost]
             target = self._set(home.kind, kept)
