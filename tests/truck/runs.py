@@ -67,8 +67,8 @@ class Run:
 
     `answers` counts the results of each primitive, `requests` holds them all as text;
     `places` has the last place that memory gave each item, `moves` how often one of a
-    class was moved to a place, `put_down` the memory name that each sensor name had when
-    an arm last put it down, `faults` every query that could not be asked.
+    class was moved to a place, `put_down` the memory name that each sensor name had
+    when an arm last put it down, `faults` every query that could not be asked.
     """
 
     def __init__(

@@ -29,7 +29,7 @@ def test_an_order_of_four_rocks_is_filled(color: str, first: int) -> None:
 def test_memory_has_each_rock_where_the_world_received_it(
     color: str, first: int
 ) -> None:
-    """With names that last, rock by rock: the robot's belief and the world's own log."""
+    """With names that last, rock by rock: what is believed and the world's own log."""
     for seed in range(first, first + CHUNK):
         run = Run(order(color), seed=seed, options={"lasting-names": True})
         assert run.delivered == {(color, FACTORIES[color]): 4}, f"seed {seed}"
