@@ -266,7 +266,9 @@ class Recognizer:
             merging.forget_facts(self._memory, gone.name)
             self._memory.items.forget(gone)
             for home in [s for (_, at), s in self.sets.items() if at == gone.name]:
-                stack.extend(home.members())
+                for member in home.members():
+                    stack.append(member)
+                    member.home, member.mask = None, 0
                 del self.sets[home.kind, home.place]
                 self._dirty.pop(home, None)
 
