@@ -57,7 +57,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         fail(machine, task, INTERFERENCE)
         return
     _leave(machine, task)
-    task.outputs = outputs
+    task.outputs, task.outcome = outputs, OKAY
     if machine.recorder.on:
         machine.recorder.emit(
             TaskSucceeded,
@@ -66,7 +66,6 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
             outputs={name: format_atom(value) for name, value in outputs.items()},
         )
     if step is None or run is None:
-        task.last_result = OKAY
         return
     run.env.update(bound)
     for change in changes:
@@ -241,6 +240,7 @@ def fail(machine: Machine, task: Task, reason: str) -> None:
     """A task fails: its method goes with it, its parent comes up again."""
     result = task.world_failure or reason
     _leave(machine, task)
+    task.outcome = result
     if machine.recorder.on:
         machine.recorder.emit(
             TaskFailed,
@@ -251,7 +251,6 @@ def fail(machine: Machine, task: Task, reason: str) -> None:
         )
     run = task.within
     if run is None:
-        task.last_result = result
         return
     if task.world_failure is not None:
         run.task.world_failure = task.world_failure

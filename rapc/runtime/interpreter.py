@@ -187,7 +187,6 @@ class Interpreter:
         ]
         for task in found:
             remove(self._machine, task, "cancelled")
-            task.last_result = None
         return len(found)
 
     def check(self, tasks: Sequence[Submission]) -> None:
@@ -221,7 +220,7 @@ class Interpreter:
         while self._reason is None:
             if cycles is not None:
                 if cycles <= 0:
-                    self.end("cycles")
+                    self.end(self._over() or "cycles")
                     break
                 cycles -= 1
             self.step()

@@ -11,7 +11,7 @@ import msgspec
 from rapc.runtime.events import RunStarted, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import State, Task
-from rapc.runtime.world import Time
+from rapc.runtime.world import OKAY, Time
 from rapc.terms import number
 
 FORMAT = 1
@@ -111,13 +111,13 @@ def results(given: Iterable[Task]) -> tuple[TaskResult, ...]:
 
 def _result(task: Task) -> TaskResult:
     outcome = "unfinished"
-    if not task.live and task.last_result is not None:
-        outcome = "succeeded" if task.succeeded else "failed"
+    if task.outcome is not None:
+        outcome = "succeeded" if task.outcome == OKAY else "failed"
     return TaskResult(
         task=task.number,
         goal=task.goal(),
         outcome=outcome,
-        result=task.last_result if outcome != "unfinished" else None,
+        result=task.outcome,
         background=task.background,
     )
 

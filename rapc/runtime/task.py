@@ -13,7 +13,7 @@ from rapc.compiler.plans import MethodPlan, RapPlan, StepPlan, WindowPlan
 from rapc.parser.printer import format_term
 from rapc.resources import Value
 from rapc.runtime.memory.memory import Notation
-from rapc.runtime.world import OKAY, Time
+from rapc.runtime.world import Time
 from rapc.terms import format_atom
 
 Env = dict[str, Value]
@@ -36,7 +36,8 @@ class Task:
 
     `env` holds inputs and resources, once `bound`; `identity` the RAP with its input
     values, for the recursion test; `constrained` is the nearest ancestor that states
-    constraints; `family` is the number of its top-level task.
+    constraints; `family` is the number of its top-level task. `outcome` is `okay` or
+    what the task handed up, None unless it has ended by itself.
     `deadline` is its own, `limit` the nearest of its own and its ancestors', `missed`
     the one last told of as missed; `opens` is the latest start of its windows,
     `windows` those whose times are not yet known. `begun`
@@ -70,6 +71,7 @@ class Task:
         "monitor_deadline",
         "number",
         "opens",
+        "outcome",
         "outputs",
         "parent",
         "plan",
@@ -132,6 +134,7 @@ class Task:
         self.tried: set[object] = set()
         self.results: dict[object, str] = {}
         self.last_result: str | None = None
+        self.outcome: str | None = None
         self.world_failure: str | None = None
         self.success_env: Env | None = None
         self.outputs: Env = {}
@@ -140,11 +143,6 @@ class Task:
     def live(self) -> bool:
         """Whether the task has not ended and was not removed."""
         return self.state is not State.ENDED
-
-    @property
-    def succeeded(self) -> bool:
-        """Whether a top-level task has ended well."""
-        return self.state is State.ENDED and self.last_result == OKAY
 
     @property
     def deadline(self) -> float:

@@ -20,7 +20,7 @@ class JsonTrace:
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
-        self._encode = msgspec.json.Encoder(order="deterministic").encode
+        self._encode = msgspec.json.Encoder().encode
 
     def __call__(self, event: events.Event) -> None:
         """Write one event."""
