@@ -7,7 +7,7 @@ they were; yet it also lies: things come, go and change unseen.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from rapc.terms import Atom
 
@@ -49,6 +49,7 @@ class Walk:
         self._seen = 0
         self.reach: dict[str, tuple[str, Atom]] = {}
         self.known: list[str] = []
+        self.boxes: list[str] = []
 
     def steps(self, count: int) -> Iterator[Step]:
         """So many batches of one to four operations."""
@@ -60,27 +61,42 @@ class Walk:
 
     def _operation(self) -> list[Operation]:
         dice = self._dice
+        kinds: tuple[Callable[[], list[Operation]], ...]
         kinds = (self._introduce, self._assert, self._erase, self._move, self._lose)
-        what = dice.choices((*kinds, self._fix, self._expire), (8, 9, 1, 2, 1, 1, 2))
+        kinds = (*kinds, self._fix, self._expire, self._again)
+        what = dice.choices(kinds, (8, 9, 1, 2, 1, 1, 2, 1))
         return what[0]()
 
     def _introduce(self) -> list[Operation]:
         dice = self._dice
-        kind, place = dice.choice(("drum", "drum", "box", "gun")), self._somewhere()
-        there = [each for each in self.reach.values() if each == (kind, place)]
+        kind = dice.choice(("drum", "drum", "box", "gun"))
+        place = self._somewhere(kind)
         if kind == "gun":
             sensor = f"g{dice.randrange(3)}"
             return [("introduce", sensor, kind, place)]
-        if len(there) >= self._most:
+        if list(self.reach.values()).count((kind, place)) >= self._most:
             return []
         self._seen += 1
         label = f"@s{self._seen}"
         self.reach[label] = (kind, place)
         self.known.append(label)
+        if kind == "box":
+            self.boxes.append(label)
         return [("introduce", label[1:], kind, place)]
 
-    def _somewhere(self) -> Atom:
-        return self._dice.choice(PLACES)
+    def _again(self) -> list[Operation]:
+        """An item in reach is seen again, at times in another place."""
+        item = self._one_in_reach()
+        if item is None:
+            return []
+        if self._dice.random() < 0.5:
+            self._move_to(item)
+        return [("introduce", item[1:], *self.reach[item])]
+
+    def _somewhere(self, kind: str = "") -> Atom:
+        """A place; for a drum, at times, in a box that was seen lately."""
+        boxes = self.boxes[-3:] if kind == "drum" else []
+        return self._dice.choice((*PLACES, *PLACES, *boxes))
 
     def _anything(self) -> str | None:
         """An item, in reach or not, or a gun or a plain symbol at times."""
@@ -115,15 +131,18 @@ class Walk:
         return self._dice.choice(list(self.reach)) if self.reach else None
 
     def _move(self) -> list[Operation]:
-        item, place = self._one_in_reach(), self._somewhere()
+        item = self._one_in_reach()
         if item is None:
             return []
+        self._move_to(item)
+        return [("move", item, self.reach[item][1])]
+
+    def _move_to(self, item: str) -> None:
+        """Choose where an item is moved to, if there still is room for it."""
         kind, _ = self.reach[item]
-        there = [each for each in self.reach.values() if each == (kind, place)]
-        if len(there) >= self._most:
-            return []
-        self.reach[item] = (kind, place)
-        return [("move", item, place)]
+        there = (kind, self._somewhere(kind))
+        if list(self.reach.values()).count(there) < self._most:
+            self.reach[item] = there
 
     def _lose(self) -> list[Operation]:
         item = self._one_in_reach()
@@ -133,7 +152,7 @@ class Walk:
         return [("lose", item)]
 
     def _fix(self) -> list[Operation]:
-        return [("fix", self._somewhere())]
+        return [("fix", self._somewhere("drum"))]
 
     def _expire(self) -> list[Operation]:
         self.reach.clear()
