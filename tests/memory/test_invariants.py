@@ -103,3 +103,26 @@ def test_the_outcome_does_not_depend_on_the_order_of_sets_and_dictionaries() -> 
         outcomes.append(done.stdout)
     assert "ItemMerged" in outcomes[0]
     assert outcomes[0] == outcomes[1]
+
+
+@settings(max_examples=25, suppress_health_check=list(HealthCheck))
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
+        min_size=80,
+        max_size=80,
+    )
+)
+def test_only_what_leaves_a_set_makes_properties_unknown(steps: list[Step]) -> None:
+    walk = Walk()
+    for step in steps:
+        before = _unmeasured(walk.memory)
+        walk.step(step)
+        if not 70 <= step[0] < 90:
+            assert _unmeasured(walk.memory) <= before
+
+
+def _unmeasured(memory: MemoryBench) -> int:
+    """How many properties are unknown without anybody having said so."""
+    known = _known(memory).values()
+    return sum(stamp == -1 for each in known for _, stamp in each.values())

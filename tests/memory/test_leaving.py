@@ -1,0 +1,74 @@
+"""The smallest collection, against a search through all of them."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rapc.runtime.memory.recognition import leaving
+from rapc.runtime.memory.recognition.descriptions import Description, ExpectationSet
+from rapc.runtime.memory.recognition.scoring import plain
+
+Rows = list[tuple[int, int]]
+
+
+def _set(rows: Rows, layers: int) -> ExpectationSet:
+    """A set whose descriptions each have a mark and stand in some layers, as bits."""
+    found = ExpectationSet("drum", "depot")
+    for _ in range(layers):
+        found.new_layer()
+    for number, (mark, stands) in enumerate(rows, 1):
+        name = f"item-{number}" if mark else ""
+        description = Description(number, name, "", "drum")
+        if mark:
+            description.learn(("mark",), mark)
+        for at, layer in enumerate(found.layers):
+            if stands >> at & 1:
+                found.add(layer, description)
+    return found
+
+
+def _sizes(of: ExpectationSet, item: Description) -> tuple[int, int] | None:
+    """The size of the smallest collection, and of what leaves; by trying all."""
+    served, found = leaving.collect(of, item, plain())
+    groups = [set(group) for _, grouped in found for group in grouped]
+    members = sorted(set().union(*groups), key=lambda d: d.number)
+    for size in range(len(members) + 1):
+        least = [
+            len(out)
+            for chosen in combinations(members, size)
+            if all(group.intersection(chosen) for group in groups)
+            for number in range(size + 1)
+            for out in combinations(chosen, number)
+            if all(sum(d.mask & v.bit > 0 for d in out) == 1 for v in served)
+        ]
+        if least:
+            return size, min(least)
+    return None
+
+
+@settings(max_examples=300)
+@given(st.lists(st.tuples(st.integers(0, 3), st.integers(1, 7)), max_size=7))
+def test_the_collection_is_the_smallest_and_the_fewest_leave(rows: Rows) -> None:
+    of = _set(rows, 3)
+    item = Description(99, "item-99", "s", "drum")
+    expected = _sizes(of, item)
+    served, found = leaving.collect(of, item, plain())
+    chosen = leaving.smallest(served, found)
+    if chosen is None:
+        assert expected is None
+        return
+    assert (len(chosen.members), len(chosen.leaving)) == expected
+    assert set(chosen.leaving) <= set(chosen.members)
+
+
+def test_many_groups_are_hit_greedily_and_each_layer_loses_one() -> None:
+    rows = [(number + 1, 1 << number % 2) for number in range(40)]
+    of = _set(rows, 2)
+    served, found = leaving.collect(of, Description(99, "i", "s", "drum"), plain())
+    chosen = leaving.smallest(served, found)
+    assert chosen is not None
+    assert len(chosen.members) == 40
+    assert sorted(d.number for d in chosen.leaving) == [1, 2]
