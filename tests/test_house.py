@@ -40,9 +40,14 @@ def _functions(tree: ast.AST) -> Iterator[Function]:
 
 
 def _public(tree: ast.Module | ast.ClassDef) -> Iterator[tuple[str, Definition]]:
-    """Public functions, classes and their public methods, with their full names."""
+    """Public functions, classes and their public methods, with their full names.
+
+    What sets a property is described where the property is.
+    """
     for node in tree.body:
         if isinstance(node, Definition) and not node.name.startswith("_"):
+            if any(ast.unparse(d).endswith(".setter") for d in node.decorator_list):
+                continue
             yield node.name, node
             if isinstance(node, ast.ClassDef):
                 yield from ((f"{node.name}.{name}", d) for name, d in _public(node))
