@@ -71,6 +71,7 @@ class MemoryBench:
 
     @time.setter
     def time(self, now: Time) -> None:
+        """Move the clock on."""
         self._recorder.time = now
 
     @contextmanager
