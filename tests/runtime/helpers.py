@@ -130,11 +130,12 @@ class Play:
         Tasks are called by their RAP; with `times` each line begins with the time.
         """
         lines = []
+        names = self._names()
         for event in self.events:
             entry = _LINES.get(type(event))
             if entry is None or entry[0] not in words:
                 continue
-            line = f"{entry[0]} {entry[1](event, self._names())}"
+            line = f"{entry[0]} {entry[1](event, names)}"
             lines.append(f"{event.time} {line}" if times else line)
         return lines
 

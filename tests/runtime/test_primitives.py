@@ -1,0 +1,206 @@
+"""Requests, names of items, results and data (semantics 3 and 7, T 3.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+
+from rapc.runtime import events
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.requests import PortError
+from rapc.runtime.submission import read_submission
+from rapc.runtime.world import (
+    Datum,
+    Finished,
+    HandlerMemory,
+    Handlers,
+    Message,
+    Reply,
+    Time,
+)
+from rapc.terms import Fact
+from rapc.worlds.scripted import ScriptedWorld
+
+from .helpers import ANY, Play, at, compiled, play, row
+
+USE = "(define-rap (use ?x) (method (primitive (act ?x))))"
+
+
+@pytest.mark.parametrize("arg", ["?never", "?c", "(/ 1 0)", "(+ ?x 1)"])
+def test_a_request_that_cannot_be_filled_in_fails_the_method(arg: str) -> None:
+    ran = play(
+        f"""
+        (define-rap (top ?x) (resources (counter ?c))
+          (succeed (last-result interference))
+          (method (primitive (act {arg}))))
+        """,
+        "(top word)",
+    )
+    assert ran.told("asked") == []
+    assert ran.told("ended", "succeeded") == [
+        "ended top #1 interference",
+        "succeeded (top word)",
+    ]
+    assert len(ran.told("fault")) == 1
+
+
+def test_what_an_at_does_comes_before_the_result_of_a_primitive_under_way() -> None:
+    ran = play(
+        USE,
+        "(use a)",
+        rows=[row("(act a)", takes=10, asserts=["(p result)"])],
+        times=[at(4, "(p at)")],
+    )
+    assert ran.told("asserted", "done", times=True) == [
+        "10 asserted (p at) by handler",
+        "10 asserted (p result) by handler",
+        "10 done use (act a) okay",
+    ]
+
+
+def test_a_result_changes_memory_before_it_is_told() -> None:
+    ran = play(
+        USE, "(use a)", rows=[row("(act a)", asserts=["(p x)"], erases=["(p y)"])]
+    )
+    assert ran.told("asserted", "done", "ended") == [
+        "asserted (p x) by handler",
+        "done use (act a) okay",
+        "ended use #1 okay",
+    ]
+
+
+def test_primitives_that_end_at_one_time_end_in_the_order_of_the_world() -> None:
+    text = "(define-rap (drag ?x) (method (primitive (slow ?x))))"
+    for seed in range(4):
+        ran = play(
+            text,
+            *[f"(drag {x})" for x in "abc"],
+            rows=[row("(slow ?)", after=5)],
+            seed=seed,
+        )
+        asked = [line.split("(")[1] for line in ran.told("asked")]
+        done = [line.split("(")[1].replace(") okay", ")") for line in ran.told("done")]
+        assert asked == done
+
+
+# --- items -------------------------------------------------------------------------
+
+
+class Eyes(ScriptedWorld):
+    """A world whose `look` shows `mug-1` in the kitchen; `act leave` leaves it."""
+
+    def handlers(self) -> Handlers:
+        """Handlers that introduce and expire."""
+
+        def look(memory: HandlerMemory, request: Fact, result: str) -> None:
+            memory.arrive("kitchen")
+
+        def act(memory: HandlerMemory, request: Fact, result: str) -> None:
+            if request[1] == "leave":
+                memory.expire()
+
+        def seen(memory: HandlerMemory, datum: Fact) -> None:
+            memory.introduce(str(datum[1]), "mug", "external")
+
+        return Handlers({"look": look, "act": act}, {"seen": seen})
+
+
+ITEMS = """
+(declare-memory-property location (?item ?place) unknown)
+(declare-memory-property class (?item ?kind ?value) false)
+(declare-sensor-datum seen (?item))
+(define-rap (top)
+  (method (context (not (last-result ?)))
+          (task-net (t1 (spy) (for t2)) (t2 (grab) (for t3)) (t3 (use leave) (for t4))
+                    (t4 (grab)))))
+(define-rap (spy) (method (primitive (look around))))
+(define-rap (grab)
+  (method (context (location ?x kitchen)) (primitive (act ?x))))
+"""
+
+
+def items_run() -> tuple[Interpreter, list[events.Event]]:
+    """A run in which an item is seen, used, left, and used again."""
+    library = compiled(ITEMS + USE)
+    seen: dict[str, Any] = {"seen": lambda memory, datum: None}
+    rows = [row("(look ?)", data=(("seen", "mug-1"),)), *ANY]
+    world = Eyes(rows, declared=library.library, data_handlers=seen)
+    interpreter = Interpreter(library, world)
+    heard: list[events.Event] = []
+    interpreter.listen(heard.append)
+    interpreter.submit(read_submission("(top)"))
+    interpreter.run()
+    return interpreter, heard
+
+
+def test_item_names_become_sensor_names_and_need_one() -> None:
+    interpreter, heard = items_run()
+    asked = [e for e in heard if isinstance(e, events.PrimitiveRequested)]
+    item = next(e.item for e in heard if isinstance(e, events.ItemEvent))
+    assert [(e.request, e.sent) for e in asked] == [
+        ("(look around)", "(look around)"),
+        (f"(act {item})", "(act mug-1)"),
+        ("(act leave)", "(act leave)"),
+    ]
+    failed = [e for e in heard if isinstance(e, events.TaskFailed)]
+    assert (failed[0].goal, failed[0].reason, failed[0].result) == (
+        "(grab)",
+        "futile-loop",
+        "futile-loop",
+    )
+    assert interpreter.memory.value("location", item) == "kitchen"
+
+
+def test_the_result_is_handled_before_the_data_and_both_before_the_trace() -> None:
+    _, heard = items_run()
+    kinds = [type(e).__name__ for e in heard]
+    item = kinds.index("ItemIntroduced")
+    assert kinds[item : kinds.index("PrimitiveEnded") + 1][-1] == "PrimitiveEnded"
+    ended = next(e for e in heard if isinstance(e, events.PrimitiveEnded))
+    (introduced,) = (e for e in heard if isinstance(e, events.ItemIntroduced))
+    assert introduced.location == "kitchen"  # `arrive` of the result came first
+    assert ended.data == (f"(seen {introduced.item})",)
+
+
+# --- what the world must keep to ---------------------------------------------------
+
+
+class Rude(ScriptedWorld):
+    """A world that sends what it should not."""
+
+    def __init__(self, messages: Sequence[Message], **more: Any) -> None:
+        super().__init__([*ANY], **more)
+        self.rude = list(messages)
+
+    def messages(self) -> Sequence[Message]:
+        """The rude ones first."""
+        found, self.rude = self.rude, []
+        return (*found, *super().messages())
+
+
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        (Finished(99, Reply("okay")), "not under way"),
+        (Datum(("nonsense",)), "no handler"),
+    ],
+)
+def test_a_world_that_does_not_keep_to_the_port_is_an_error(
+    message: Message, words: str
+) -> None:
+    library = compiled(USE)
+    interpreter = Interpreter(library, Rude([message], declared=library.library))
+    interpreter.submit(read_submission("(use a)"))
+    with pytest.raises(PortError, match=words):
+        interpreter.run()
+
+
+def test_a_primitive_that_ends_after_until_stays_unended() -> None:
+    times: list[Time] = []
+    ran = Play(USE, "(use a)", rows=[row("(act a)", takes=10)])
+    ran.interpreter.at_the_end(lambda: times.append(ran.interpreter.now))
+    ran.run(until=5)
+    assert ran.told("asked", "done", "over") == ["asked (act a)", "over until"]
+    assert times == [5]

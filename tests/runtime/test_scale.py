@@ -1,0 +1,140 @@
+"""Many tasks: nothing recurses, and nothing grows faster than the program does.
+
+Work is counted in lines of Python executed, so that the tests say the same on every
+machine. Twice the tasks may take little more than twice the lines.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
+
+import pytest
+
+from rapc.runtime import events
+
+from .helpers import Play, at
+
+SMALL, LARGE = 150, 300
+
+NEST = """
+(define-rap (down ?n)
+  (succeed (or (= ?n 0) (last-result okay)))
+  (method (task-net (t1 (down (- ?n 1))))))
+"""
+WAIT = "(define-rap (wait ?x) (monitor-state (p ?x)) (method (primitive (act ?x))))"
+USE = "(define-rap (use ?x) (method (primitive (act ?x))))"
+FIND = "(define-rap (find => ?x) (succeed (p ?x)))"
+
+
+def lines(run: Callable[[], object]) -> int:
+    """How many lines of Python something executes."""
+    count = 0
+
+    def step(frame: FrameType, event: str, arg: Any) -> Any:
+        nonlocal count
+        count += event == "line"
+        return step
+
+    before = sys.gettrace()
+    sys.settrace(step)
+    try:
+        run()
+    finally:
+        sys.settrace(before)
+    return count
+
+
+def nested(size: int) -> Play:
+    """Tasks within tasks."""
+    return Play(NEST, f"(down {size})")
+
+
+def dormant(size: int) -> Play:
+    """Blocked tasks, and as many changes that concern one of them each."""
+    times = [at(n + 1, f"(p w{n})") for n in range(size)]
+    return Play(WAIT, *[f"(wait w{n})" for n in range(size)], times=times)
+
+
+def undisturbed(size: int) -> Play:
+    """Blocked tasks, and as many changes that concern none of them."""
+    times = [at(n + 1, f"(p other{n})") for n in range(size)]
+    return Play(WAIT, *[f"(wait w{n})" for n in range(size)], times=times)
+
+
+def eligible(size: int) -> Play:
+    """Tasks that could all go on."""
+    return Play(USE, *[f"(use w{n})" for n in range(size)])
+
+
+def net(steps: str) -> Play:
+    """One task with many steps."""
+    text = USE + FIND + f"(define-rap (top) (method (task-net {steps})))"
+    return Play(text, "(top)", facts=["(p a)"])
+
+
+def broad(size: int) -> Play:
+    """Steps without an order."""
+    return net("".join(f"(t{n} (use w{n}))" for n in range(size)))
+
+
+def chain(size: int) -> Play:
+    """Steps one after the other."""
+    steps = (f"(t{n} (use w{n}) (for t{n + 1}))" for n in range(size))
+    return net("".join(steps) + f"(t{size} (use last))")
+
+
+def handing_on(size: int) -> Play:
+    """Steps that bind what another one each needs."""
+    steps = (
+        f"(t{n} (find => ?v{n}) (for u{n})) (u{n} (use ?v{n}))" for n in range(size)
+    )
+    return net("".join(steps))
+
+
+@pytest.mark.parametrize(
+    "make", [nested, dormant, undisturbed, eligible, broad, chain, handing_on]
+)
+def test_twice_the_tasks_take_twice_the_work(make: Callable[[int], Play]) -> None:
+    make(10).run()
+    small, large = make(SMALL), make(LARGE)
+    few = lines(lambda: small.run(until=10_000))
+    many = lines(lambda: large.run(until=10_000))
+    assert few * 1.5 < many < few * 2.3
+
+
+def test_ten_thousand_levels_of_tasks() -> None:
+    ran = nested(10_000).run()
+    assert ran.told("over") == ["over done"]
+    assert ran.events[-1].cycle == 20_001
+    assert len(ran.of(events.TaskSucceeded)) == 10_001
+
+
+def test_ten_thousand_levels_leave_descendants_first() -> None:
+    text = NEST.replace("(= ?n 0)", "(p zero)") + "(define-rap (unused))"
+    ran = Play(text, "(down 10000)").run(cycles=10_000)
+    removed = [event.task for event in ran.of(events.TaskRemoved)]
+    assert removed == list(range(len(removed), 0, -1))
+    assert len(removed) > 9_999
+
+
+def test_ten_thousand_monitors_one_of_which_is_concerned() -> None:
+    ran = Play(
+        WAIT,
+        *[f"(wait w{n})" for n in range(10_000)],
+        times=[at(1, "(q a b)"), at(2, "(p w77)"), at(3, "(p nobody)")],
+    ).run()
+    assert len(ran.told("blocked")) == 10_000
+    assert [event.task for event in ran.of(events.TaskWoken)] == [78]
+    assert ran.told("asked", "over", times=True) == [
+        "2 asked (act w77)",
+        "3 over stuck",
+    ]
+
+
+def test_ten_thousand_tasks_at_once() -> None:
+    ran = eligible(10_000).run()
+    assert ran.told("over") == ["over done"]
+    assert len(set(ran.told("asked"))) == 10_000
