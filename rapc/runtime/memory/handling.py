@@ -103,6 +103,7 @@ class HandlerAccess(MemoryView):
         while self._counted:
             place = next(iter(self._counted))
             del self._counted[place]
+            place = self._memory.items.canonical(place)
             self._lose_others(place)
             self._recognizer.fix(place)
             self.settle()

@@ -36,12 +36,14 @@ class Collection(msgspec.Struct, frozen=True):
     """Which descriptions an item that leaves may be.
 
     `members` become alike; `leaving` are those of them that stand exactly once in
-    each layer to be served. `score` is the item's best in any layer.
+    each layer to be served. `score` is the item's best in any layer, `rival` its best
+    with a candidate group none of which leaves; None where there is no such group.
     """
 
     members: Members
     leaving: Members
     score: Number
+    rival: Number | None
 
 
 class _Candidate(msgspec.Struct, frozen=True):
@@ -119,7 +121,10 @@ def smallest(
         return None
     members, leaving = chosen
     best = max((s for s, _ in found), default=0)
-    return Collection(_descriptions(members), _descriptions(leaving), best)
+    going = {c.description for c in leaving}
+    rivals = [s for s, groups in found for g in groups if going.isdisjoint(g)]
+    rival = max(rivals, default=None)
+    return Collection(_descriptions(members), _descriptions(leaving), best, rival)
 
 
 def next_best(
@@ -162,9 +167,8 @@ def _choose(
         others = cover.of(rest)
         cost = (
             len(leaving) + len(others),
-            len(leaving),
-            sorted(c.order for c in leaving),
-            sorted(c.order for c in others),
+            _cost(leaving),
+            _cost(others),
         )
         if best is None or cost < best[0]:  # type: ignore[operator]
             best = (cost, [*leaving, *others], list(leaving))
@@ -223,8 +227,10 @@ class _Exact:
         return [(wanted & ~c.groups, c) for c in self._candidates if c.groups & lowest]
 
 
-def _cost(chosen: tuple[_Candidate, ...]) -> tuple[int, list[tuple[bool, int]]]:
-    return (len(chosen), sorted(c.order for c in chosen))
+def _cost(chosen: tuple[_Candidate, ...]) -> tuple[int, int, list[tuple[bool, int]]]:
+    """The fewest, of those the most empty ones, of those the oldest come first."""
+    real = sum(not c.description.empty for c in chosen)
+    return (len(chosen), real, sorted(c.order for c in chosen))
 
 
 class _Greedy:

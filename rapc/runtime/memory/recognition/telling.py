@@ -55,15 +55,11 @@ class Teller:
         before: str,
         gone: Collection | None,
     ) -> None:
-        """An item left its set, `before` its name then; `gone` is what it may be.
-
-        The rival of an item that may be several is as good as what it was taken for.
-        """
+        """An item left its set, `before` its name then; `gone` is what it may be."""
         if gone is None or not gone.leaving:
             self.tell(kind, item, place)
             return
         named = [member.name for member in gone.leaving if member.name != item.name]
         other = before if before not in ("", item.name) else None
         other = other or next((name for name in named if name), None)
-        rival = gone.score if len(gone.members) > len(gone.leaving) else None
-        self.tell(kind, item, place, other, gone.score, rival)
+        self.tell(kind, item, place, other, gone.score, gone.rival or None)
