@@ -107,10 +107,10 @@ def _collection(
     return None
 
 
-def _rank(things: Sequence[Thing]) -> tuple[int, int, list[int]]:
-    """The fewest come first, then empty ones, then the oldest."""
-    real = sum(1 for thing in things if thing.name)
-    return len(things), real, [thing.number for thing in things]
+def _rank(things: Sequence[Thing]) -> tuple[int, int, list[tuple[bool, int]]]:
+    """The fewest come first, of those the most empty ones, of those the oldest."""
+    ages = sorted((thing.name is not None, thing.number) for thing in things)
+    return len(things), sum(real for real, _ in ages), ages
 
 
 def _subsets(things: Sequence[Thing]) -> Iterable[Sequence[Thing]]:
@@ -147,7 +147,7 @@ def _scored(
     for group in (group for layer in choices for group in layer):
         to = taken if any(each in group for each in leavers) else rivals
         to.append(look.score(thing, group[0]))
-    return max(taken, default=None), max(rivals, default=None)
+    return max(taken, default=None), max(rivals, default=None) or None
 
 
 def make_alike(

@@ -1,7 +1,8 @@
 """Random walks through a small world of boxes, drums and guns.
 
-The walk keeps its own list of what is there, so that items are mostly seen again as
-they were; yet it also lies: things come, go and change unseen.
+A walk knows what is in reach and nothing more: things are seen anew, go and change
+unseen, and containers are forgotten with what is in them. Every other walk stays in
+one crowded place and looks at another property at each visit, so that layers gather.
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ from rapc.terms import Atom
 
 from .driving import Operation
 from .plain_parts import Comparator, Declared
+
+MOST = 3
+"""So many items of a class are in reach at one place."""
 
 PLACES = ("dock", "depot", "bay")
 VALUES: dict[str, tuple[Atom, ...]] = {
@@ -38,13 +42,13 @@ Step = tuple[int, list[Operation]]
 class Walk:
     """A walk: batches of operations with the time at which they happen.
 
-    `reach` holds the items in reach as their labels with class and place; `most` how
-    many of a class may be at a place.
+    `reach` holds the items in reach as their labels with class and place.
     """
 
-    def __init__(self, seed: int, most: int = 3) -> None:
+    def __init__(self, seed: int) -> None:
         self._dice = random.Random(seed)
-        self._most = most
+        self._crowded = seed % 2 == 1
+        self._focus = "color"
         self._time = 0
         self._seen = 0
         self.reach: dict[str, tuple[str, Atom]] = {}
@@ -55,9 +59,19 @@ class Walk:
         """So many batches of one to four operations."""
         for _ in range(count):
             self._time += self._dice.choice((0, 1, 1, 5))
+            if self._crowded and self._dice.random() < 0.25:
+                yield self._time, self._visit()
+                continue
             size = self._dice.choice((1, 1, 1, 2, 3, 4))
             batch = [each for _ in range(size) for each in self._operation()]
             yield self._time, batch
+
+    def _visit(self) -> list[Operation]:
+        """Away and back again: some drums are seen at once, and looked at one way."""
+        self._focus = self._dice.choice(("color", "size", "is-empty"))
+        seen = [self._introduce() for _ in range(self._dice.randrange(1, MOST + 1))]
+        looked = [self._assert() for _ in range(self._dice.randrange(MOST))]
+        return [each for some in (self._expire(), *seen, *looked) for each in some]
 
     def _operation(self) -> list[Operation]:
         dice = self._dice
@@ -70,11 +84,12 @@ class Walk:
     def _introduce(self) -> list[Operation]:
         dice = self._dice
         kind = dice.choice(("drum", "drum", "box", "gun"))
+        kind = "drum" if self._crowded else kind
         place = self._somewhere(kind)
         if kind == "gun":
             sensor = f"g{dice.randrange(3)}"
             return [("introduce", sensor, kind, place)]
-        if list(self.reach.values()).count((kind, place)) >= self._most:
+        if list(self.reach.values()).count((kind, place)) >= MOST:
             return []
         self._seen += 1
         label = f"@s{self._seen}"
@@ -96,6 +111,8 @@ class Walk:
     def _somewhere(self, kind: str = "") -> Atom:
         """A place; for a drum, at times, in a box that was seen lately."""
         boxes = self.boxes[-3:] if kind == "drum" else []
+        if self._crowded:
+            return self._dice.choice(("dock", "dock", "dock", "dock", "dock", "bay"))
         return self._dice.choice((*PLACES, *PLACES, *boxes))
 
     def _anything(self) -> str | None:
@@ -112,6 +129,7 @@ class Walk:
         if item is None:
             return []
         name = dice.choice(("color", "color", "size", "is-empty", "contains", "near"))
+        name = self._focus if self._crowded and dice.random() < 0.9 else name
         if name == "contains":
             inside = dice.choice(("bars", "papers", self._anything() or "bars"))
             return [("assert", name, item, inside, dice.choice(("true", "false")))]
@@ -141,7 +159,7 @@ class Walk:
         """Choose where an item is moved to, if there still is room for it."""
         kind, _ = self.reach[item]
         there = (kind, self._somewhere(kind))
-        if list(self.reach.values()).count(there) < self._most:
+        if list(self.reach.values()).count(there) < MOST:
             self.reach[item] = there
 
     def _lose(self) -> list[Operation]:
