@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 
 from rapc.runtime import events
 from rapc.runtime.memory.bench import MemoryBench
+from rapc.runtime.memory.recognition.scoring import Described
 from rapc.terms import Atom
 
-from .walking import Step, Walk
+from .walking import TEXT, Step, Walk
 
 STEPS = 250
 
@@ -120,6 +121,32 @@ def test_only_what_leaves_a_set_makes_properties_unknown(steps: list[Step]) -> N
         walk.step(step)
         if not 70 <= step[0] < 90:
             assert _unmeasured(walk.memory) <= before
+
+
+PLAIN = TEXT.replace("drum)", "drum by-ten)", 1)
+
+
+def _by_ten(one: Described, other: Described) -> int:
+    shared = [i for i, v in one.properties.items() if other.properties.get(i) == v]
+    return 10 + 10 * len(shared)
+
+
+@settings(max_examples=25, suppress_health_check=list(HealthCheck))
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
+        min_size=100,
+        max_size=100,
+    )
+)
+def test_comparing_only_what_shares_something_changes_nothing(
+    steps: list[Step],
+) -> None:
+    fast, slow = Walk(), Walk(PLAIN, comparators={"by-ten": _by_ten})
+    for step in steps:
+        fast.step(step)
+        slow.step(step)
+        assert fast.memory.sets() == slow.memory.sets()
 
 
 def _unmeasured(memory: MemoryBench) -> int:

@@ -6,6 +6,7 @@ Run as a program it walks by a fixed seed and prints all that came of it.
 from __future__ import annotations
 
 import random
+from typing import Any
 
 from rapc.runtime.memory.bench import MemoryBench
 from rapc.terms import Atom
@@ -25,8 +26,8 @@ Step = tuple[int, int, int]
 class Walk:
     """A random walk through what handlers can say, checked after each step."""
 
-    def __init__(self, max_layers: int = 4) -> None:
-        self.memory: MemoryBench = bench(TEXT, max_layers=max_layers)
+    def __init__(self, text: str = TEXT, **how: Any) -> None:
+        self.memory: MemoryBench = bench(text, **{"max_layers": 4, **how})
         self._sensors = 0
 
     def accessible(self) -> list[str]:

@@ -95,7 +95,7 @@ class Items:
 
     def forget(self, item: Item) -> None:
         """An item is no longer known; what it was called means nothing from now."""
-        self.put_out_of_reach(item, keep_sensor=not item.sensor)
+        self.put_out_of_reach(item, keep_sensor=False)
         del self.known[item.name]
         self.gone.add(item.name)
 

@@ -50,11 +50,6 @@ class Description(Item):
             self.values[index] = value
         self._known = None
 
-    def forget_values(self) -> None:
-        """Nothing is known from now on."""
-        self.values.clear()
-        self._known = None
-
     @property
     def known(self) -> frozenset[tuple[Fact, Atom]]:
         """Its properties with known values."""
