@@ -49,7 +49,7 @@ class Outcome(msgspec.Struct, frozen=True):
         """How many events the traces share from the start."""
         pairs = zip(self.rapc, self.reference, strict=False)
         return next(
-            (n for n, (one, other) in enumerate(pairs) if one != other),
+            (n for n, (one, other) in enumerate(pairs) if repr(one) != repr(other)),
             min(len(self.rapc), len(self.reference)),
         )
 
@@ -62,7 +62,7 @@ def compare(case: Case) -> Outcome:
             traces.append(rows(run(case)))
         except Exception as error:  # any fault of either is what is looked for
             return Outcome(f"{name} raised {type(error).__name__}: {error}", [], [])
-    verdict = "agree" if traces[0] == traces[1] else "differ"
+    verdict = "agree" if repr(traces[0]) == repr(traces[1]) else "differ"
     return Outcome(verdict, traces[1], traces[0])
 
 

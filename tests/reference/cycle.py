@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from rapc.ir import nodes
 from tests.reference.endings import (
+    bindings_repeat,
     end_by_until,
     fail,
-    find_recursion,
     follow,
     succeed,
 )
@@ -54,8 +54,7 @@ def inputs_bound(run: Run, task: Task) -> bool:
         for_formulas(run, task)
         read_inputs(run, task)
         if task.parent is not None:
-            follow(run, task.parent)
-            if find_recursion(run, task.parent):
+            if bindings_repeat(run, task.parent):
                 return False
     if task.full and not task.broken:
         return True
@@ -108,8 +107,7 @@ def conditions_hold(run: Run, task: Task) -> bool:
     """Step 4; False if it settled the matter."""
     held = for_formulas(run, task)
     if held and task.parent is not None:
-        follow(run, task.parent)
-        if find_recursion(run, task.parent):
+        if bindings_repeat(run, task.parent):
             return False
     held = held and (
         run.holds(task, task.rap.preconditions, task.own, "preconditions") is not None

@@ -12,7 +12,7 @@ from rapc.terms import format_atom, is_number
 from tests.reference.queries import Bindings
 from tests.reference.run import Run
 from tests.reference.tasks import Place, Running, Task, method_name
-from tests.reference.waking import listen, may_run, read_inputs, read_windows, set_delay
+from tests.reference.waking import let_go, read_inputs, read_windows, set_delay
 
 # --- tasks ------------------------------------------------------------------------
 
@@ -121,9 +121,9 @@ def step_ended(run: Run, running: Running, place: Place) -> None:
         tags = [n.tag for n in other.step.annotations if isinstance(n, nodes.UntilEnd)]
         if place.step.tag in tags:
             end_by_until(run, other)
-    follow(run, running)
-    if find_recursion(run, running):
+    if bindings_repeat(run, running):
         return
+    follow(run, running)
     if all(each.ended is not None for each in running.places):
         method_well(run, running)
 
@@ -137,14 +137,9 @@ def end_by_until(run: Run, place: Place) -> None:
 
 
 def follow(run: Run, running: Running) -> None:
-    """What the end of a step, or a binding, lets others do."""
+    """What the end of a step lets others do: listen, or read their inputs."""
     for place in running.places:
-        if place.task is not None and place.task.live and place.task.running is None:
-            if not place.task.selected and not (place.task.allowed and place.task.full):
-                read_inputs(run, place.task)
-            listen(run, place)
-            may_run(run, place.task)
-            read_windows(run, place.task)
+        let_go(run, place)
 
 
 def fail(run: Run, task: Task, reason: str) -> None:
@@ -236,16 +231,21 @@ def repeats(run: Run, running: Running, place: Place) -> bool:
     )
 
 
-def find_recursion(run: Run, running: Running) -> bool:
-    """Whether a binding made a step repeat an ancestor: then the spawner fails."""
+def bindings_repeat(run: Run, running: Running) -> bool:
+    """Whether new bindings make a step repeat an ancestor: then the spawner fails."""
     for place in running.places:
         task = place.task
-        if task is not None and task.live and task.bound_as is not None:
-            if not task.compared:
-                task.compared = True
-                line = running.task.line()
-                if any(a.rap is task.rap and a.bound_as == task.bound_as for a in line):
-                    method_badly(run, running, "futile-loop", "parent-failed")
-                    fail(run, running.task, "futile-loop")
-                    return True
+        if task is None or not task.live:
+            continue
+        read_windows(run, task)
+        if not task.full:
+            read_inputs(run, task)
+        if task.bound_as is None or task.compared:
+            continue
+        task.compared = True
+        line = running.task.line()
+        if any(a.rap is task.rap and a.bound_as == task.bound_as for a in line):
+            method_badly(run, running, "futile-loop", "parent-failed")
+            fail(run, running.task, "futile-loop")
+            return True
     return False

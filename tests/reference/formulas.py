@@ -1,186 +1,94 @@
-"""Random terms and formulas for `generate`."""
+"""Random formulas."""
 
 from __future__ import annotations
 
-import random
-from collections.abc import Sequence
-from typing import Any
-
 from tests.reference.vocabulary import (
+    METHODS,
     NUMBERS,
     PROPERTIES,
     PROPOSITIONS,
     RESULTS,
     SYMBOLS,
     VALUES,
-    WILD,
 )
-
-Datum = Any
-"""A word, or a tuple of data."""
+from tests.reference.words import Datum, Words
 
 
-class Words:
-    """Where random terms come from: the variables of a RAP and the constants.
+def formula(words: Words, depth: int = 2) -> Datum:
+    """A formula, nested at most so deep."""
+    roll = words.rng.random()
+    if depth > 0 and roll < 0.46:
+        return _compound(words, depth - 1, roll)
+    if roll < 0.56:
+        return _compare(words)
+    if roll < 0.64:
+        age = words.pick((*NUMBERS, *NUMBERS, "?u", "?w", "?", words.number()))
+        return ("believe", pattern(words), age)
+    return _odd(words) if roll < 0.72 else pattern(words)
 
-    `known` are variables likely to be bound, `free` others, `resources` sets and
-    counters; `methods` names of methods.
-    """
 
-    def __init__(self, rng: random.Random, known: Sequence[str]) -> None:
-        self.rng = rng
-        self.known = list(known)
-        self.free = ["?u", "?v", "?w"]
-        self.sets: list[str] = []
-        self.counters: list[str] = []
-        self.methods: list[str] = ["one"]
+def _compound(words: Words, depth: int, roll: float) -> Datum:
+    if roll < 0.13:
+        return ("not", formula(words, depth))
+    word = "or" if roll < 0.21 else "and"
+    count = words.rng.randrange(1, 4)
+    return (word, *(formula(words, depth) for _ in range(count)))
 
-    def chance(self, share: float) -> bool:
-        """True in this share of cases."""
-        return self.rng.random() < share
 
-    def pick(self, words: Sequence[Datum]) -> Datum:
-        """One of some words."""
-        return words[self.rng.randrange(len(words))]
+def likely(words: Words) -> Datum:
+    """A formula that holds more often than not."""
+    if words.chance(1 - words.wild * 0.5):
+        name = words.pick(("p", "b", "g"))
+        return (name, words.pick(SYMBOLS), words.pick(words.free))
+    return formula(words) if words.chance(0.4) else ("not", formula(words, 1))
 
-    # --- terms ----------------------------------------------------------------------
 
-    def item(self) -> Datum:
-        """What a fact may be about."""
-        roll = self.rng.random()
-        if roll < 0.35 and self.known:
-            return self.pick(self.known)
-        if roll < 0.5:
-            return self.pick(self.free)
-        if roll < 0.53:
-            return "?"
-        return self.pick(SYMBOLS) if roll < 0.97 else self.pick(WILD)
+def watched(words: Words) -> Datum:
+    """A formula that what the script does makes true and false."""
+    if words.odd(0.3):
+        return formula(words)
+    name = words.pick(("p", "q", "b"))
+    item = words.pick((*SYMBOLS, *words.known, "?u"))
+    fact: Datum = (name, item)
+    if name != "q":
+        fact = (name, item, words.pick((*VALUES, "?v")))
+    if words.chance(0.4):
+        fact = ("believe", fact, words.pick((*NUMBERS, *NUMBERS, "?w")))
+    return ("not", fact) if words.chance(0.4) else fact
 
-    def value(self) -> Datum:
-        """What a fact may say."""
-        roll = self.rng.random()
-        if roll < 0.15 and self.known:
-            return self.pick(self.known)
-        if roll < 0.4:
-            return self.pick(self.free)
-        if roll < 0.47:
-            return "?"
-        if roll < 0.52:
-            return self.computed()
-        return self.pick(VALUES) if roll < 0.95 else self.pick(WILD)
 
-    def ground(self) -> Datum:
-        """A term that should have a value."""
-        roll = self.rng.random()
-        if roll < 0.5 and self.known:
-            return self.pick(self.known)
-        if roll < 0.58:
-            return self.computed()
-        if roll < 0.61:
-            return self.pick(self.free)
-        return self.pick((*SYMBOLS, *VALUES))
+def pattern(words: Words) -> Datum:
+    """A proposition or property, at times without its value."""
+    if words.chance(0.3):
+        name = words.pick(list(PROPOSITIONS))
+        return (name, *(words.item() for _ in range(PROPOSITIONS[name])))
+    name = words.pick(("p", "p", "p", *PROPERTIES))
+    index = tuple(words.item() for _ in range(PROPERTIES[name]))
+    short = index and words.chance(0.1)
+    return (name, *index) if short else (name, *index, words.value())
 
-    def number(self) -> Datum:
-        """A term that should be a number."""
-        roll = self.rng.random()
-        if roll < 0.25:
-            return self.computed()
-        if roll < 0.35 and self.known:
-            return self.pick(self.known)
-        return self.pick(NUMBERS) if roll < 0.97 else self.pick(WILD)
 
-    def computed(self) -> Datum:
-        """Arithmetic, resources, functions; at times ill-typed."""
-        roll = self.rng.random()
-        if roll < 0.2 and self.counters:
-            return ("value", self.pick(self.counters))
-        if roll < 0.3 and self.sets:
-            return ("size-of", self.pick(self.sets))
-        if roll < 0.5:
-            name = self.pick(("twice", "look-up", "peek"))
-            return (name, self.pick((*self.known, *SYMBOLS, *NUMBERS)))
-        sign = self.pick(("+", "-", "*", "/"))
-        return (sign, self.number(), self.pick((*NUMBERS, *self.known)))
+def _compare(words: Words) -> Datum:
+    if words.chance(0.5):
+        return (words.pick(("=", "n=")), words.ground(), words.ground())
+    return (words.pick(("<", ">", "<=", ">=")), words.number(), words.number())
 
-    def time(self, most: int = 8) -> Datum:
-        """A time: nearly always a small number."""
-        roll = self.rng.random()
-        if roll < 0.93:
-            return str(self.rng.randrange(most + 1))
-        return self.number()
 
-    # --- formulas -------------------------------------------------------------------
-
-    def formula(self, depth: int = 2) -> Datum:
-        """A formula, nested at most so deep."""
-        roll = self.rng.random()
-        if depth > 0 and roll < 0.25:
-            count = self.rng.randrange(1, 4)
-            return ("and", *(self.formula(depth - 1) for _ in range(count)))
-        if depth > 0 and roll < 0.33:
-            count = self.rng.randrange(1, 3)
-            return ("or", *(self.formula(depth - 1) for _ in range(count)))
-        if depth > 0 and roll < 0.46:
-            return ("not", self.formula(depth - 1))
-        if roll < 0.56:
-            return self.compare()
-        if roll < 0.64:
-            age = self.pick((*NUMBERS, *NUMBERS, "?u", "?w", "?", self.number()))
-            return ("believe", self.pattern(), age)
-        if roll < 0.70:
-            return self.odd()
-        return self.pattern()
-
-    def watched(self) -> Datum:
-        """A formula that what the script does makes true and false."""
-        roll = self.rng.random()
-        if roll < 0.25:
-            return self.formula()
-        name = self.pick(("p", "q", "b"))
-        item = self.pick((*SYMBOLS, *self.known, "?u"))
-        fact: Datum = (name, item)
-        if name != "q":
-            fact = (name, item, self.pick((*VALUES, "?v")))
-        if roll < 0.55:
-            fact = ("believe", fact, self.pick((*NUMBERS, *NUMBERS, "?w")))
-        return ("not", fact) if self.chance(0.4) else fact
-
-    def pattern(self) -> Datum:
-        """A proposition or property, at times without its value."""
-        if self.chance(0.3):
-            name = self.pick(list(PROPOSITIONS))
-            return (name, *(self.item() for _ in range(PROPOSITIONS[name])))
-        name = self.pick(("p", "p", "p", *PROPERTIES))
-        index = tuple(self.item() for _ in range(PROPERTIES[name]))
-        return (
-            (name, *index)
-            if index and self.chance(0.1)
-            else (name, *index, self.value())
-        )
-
-    def compare(self) -> Datum:
-        """A comparison."""
-        if self.chance(0.5):
-            return (self.pick(("=", "n=")), self.ground(), self.ground())
-        return (self.pick(("<", ">", "<=", ">=")), self.number(), self.number())
-
-    def odd(self) -> Datum:
-        """What is asked more rarely."""
-        kind = self.rng.randrange(8)
-        if kind == 0 and self.sets:
-            return ("member", self.pick(self.sets), self.ground())
-        if kind == 1 and self.sets:
-            return ("empty", self.pick(self.sets))
-        if kind == 2:
-            return ("last-result", self.pick((*RESULTS, "?u")))
-        if kind == 3:
-            return ("method-tried", self.pick(self.methods))
-        if kind == 4:
-            result = self.pick((*RESULTS, "?v"))
-            return ("result-with-method", self.pick(self.methods), result)
-        if kind == 5:
-            return ("odd", self.number())
-        if kind == 6:
-            value = self.pick(((), ("true",), ("false",)))
-            return ("know-sensor-name", self.item(), *value)
-        return self.pick(("true", "nil", "t", "false"))
+def _odd(words: Words) -> Datum:
+    """What is asked more rarely."""
+    kind = words.rng.randrange(7)
+    if kind < 2 and words.sets:
+        chosen = words.pick(words.sets)
+        return ("empty", chosen) if kind else ("member", chosen, words.ground())
+    if kind == 2:
+        result = words.pick((*RESULTS, "?v"))
+        return ("result-with-method", words.pick(METHODS), result)
+    if kind == 3:
+        return ("method-tried", words.pick(METHODS))
+    if kind == 4:
+        return ("odd", words.number())
+    if kind == 5:
+        value = words.pick(((), ("true",), ("false",)))
+        return ("know-sensor-name", words.item(), *value)
+    last = ("last-result", words.pick((*RESULTS, "?u")))
+    return words.pick((last, last, "true", "nil", "t", "false"))

@@ -12,7 +12,7 @@ from rapc.library import Library
 from rapc.runtime import events
 from rapc.runtime.submission import Submission
 from rapc.runtime.world import Time, World
-from rapc.terms import Atom, Fact, match
+from rapc.terms import Atom, Fact, match, number
 from tests.reference.agenda import choose, tell_family
 from tests.reference.cycle import process
 from tests.reference.endings import remove
@@ -22,7 +22,7 @@ from tests.reference.queries import Functions
 from tests.reference.run import Limits, Run
 from tests.reference.signals import hear
 from tests.reference.tasks import Task
-from tests.reference.waking import look, next_time
+from tests.reference.waking import look, next_time, read_inputs
 
 
 class Reference:
@@ -141,11 +141,13 @@ class Reference:
         run = self._run
         before = run.time
         run.cycle += 1
+        if not task.full:
+            read_inputs(run, task)
         tell_family(run, task)
         run.tell(events.TaskSelected, task=task.number, goal=task.goal())
         process(run, task)
         if run.limits.cycle_cost:
-            run.world.advance(run.world.now() + run.limits.cycle_cost)
+            run.world.advance(number(run.world.now() + run.limits.cycle_cost))
         run.look_at_clock()
         run.idle = run.idle + 1 if run.time == before else 0
 

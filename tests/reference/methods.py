@@ -8,12 +8,12 @@ from rapc.ir import nodes
 from rapc.resources import Counter, SetResource, Value, frozen
 from rapc.runtime import events
 from rapc.terms import Fact, format_atom
-from tests.reference.endings import fail, follow, method_badly, method_well, repeats
+from tests.reference.endings import fail, method_badly, method_well, repeats
 from tests.reference.primitives import request
 from tests.reference.queries import Bindings
 from tests.reference.run import Run
 from tests.reference.tasks import Place, Running, Task, method_name
-from tests.reference.waking import listen, read_inputs
+from tests.reference.waking import let_go, read_inputs, read_windows
 
 Held = list[tuple[nodes.Method, Bindings]]
 """Methods that hold, with their first bindings."""
@@ -139,8 +139,9 @@ def spawn(run: Run, running: Running) -> None:
     for place in running.places:
         create(run, run.library.raps[place.step.goal.name], running, place)
     for place in running.places:
-        listen(run, place)
-        follow(run, running)
+        if place.task is not None:
+            read_windows(run, place.task)
+            let_go(run, place)
 
 
 def create(

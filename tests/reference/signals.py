@@ -6,7 +6,7 @@ from rapc.ir import nodes
 from rapc.resources import Value
 from rapc.runtime import events
 from rapc.terms import Fact, format_list
-from tests.reference.endings import clear, fail, find_recursion, follow, succeed
+from tests.reference.endings import bindings_repeat, clear, fail, succeed
 from tests.reference.queries import Fault
 from tests.reference.run import Run
 from tests.reference.tasks import Task
@@ -33,8 +33,7 @@ def one_hears(run: Run, task: Task, content: Fact) -> None:
         if bound is None:
             continue
         task.parent.env.update(bound)
-        follow(run, task.parent)
-        if not find_recursion(run, task.parent):
+        if not bindings_repeat(run, task.parent):
             decide(run, task, wait.mode, content)
         return
 

@@ -47,3 +47,6 @@ WILD = ("2.5", '"a"', "false", "-1", "0", "box")
 NUMBERS = ("0", "1", "2", "3", "4", "6", "9")
 
 RESULTS = ("okay", "bad", "slip", "lost", "interference", "no-method", "futile-loop")
+
+METHODS = ("one", "2")
+"""Names of methods."""

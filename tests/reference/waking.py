@@ -272,9 +272,8 @@ def may_run(run: Run, task: Task) -> bool:
 def look(run: Run, task: Task) -> None:
     """Look at one task before a choice: monitors, then deadline."""
     if may_run(run, task):
-        if not task.full and not task.selected:
-            read_inputs(run, task)
-        if task.monitored and task.full and not task.broken and not task.once:
+        whole = task.full and not task.broken
+        if task.monitored and whole and not task.once:
             look_at_monitors(run, task)
     look_at_deadline(run, task)
 
@@ -323,6 +322,13 @@ def listen(run: Run, place: Place) -> None:
         place.goes = False
         on = format_signal(proceed[0], task)
         run.tell(events.TaskBlocked, task=task.number, on=on)
+
+
+def let_go(run: Run, place: Place) -> None:
+    """A step whose order allows it listens, and reads its inputs if it may run."""
+    if place.task is not None and place.task.live:
+        listen(run, place)
+        may_run(run, place.task)
 
 
 def format_signal(wait: nodes.WaitFor, task: Task) -> str:

@@ -1,0 +1,143 @@
+"""Random RAPs: every clause of sections 1 to 6 that does something at run time."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from typing import Any
+
+from tests.reference.formulas import formula, likely, watched
+from tests.reference.nets import Sketch, task_net
+from tests.reference.vocabulary import (
+    METHODS,
+    PRIMITIVES,
+    PROPERTIES,
+    PROPOSITIONS,
+    SYMBOLS,
+)
+from tests.reference.words import Datum, Words
+
+
+def rap(rng: random.Random, wild: float, sketches: Sequence[Sketch], at: int) -> Datum:
+    """The RAP of a sketch; a mild one has a method that can always be chosen."""
+    sketch = sketches[at]
+    words = Words(rng, wild, sketch.inputs)
+    mild = at == 0 or words.chance(1 - wild / 2)
+    index: tuple[Any, ...] = (sketch.name, *sketch.inputs)
+    if sketch.outputs:
+        index = (*index, "=>", *sketch.outputs)
+    clauses: list[Datum] = [("index", index), *_resources(words), *_monitors(words, at)]
+    if words.chance(0.2):
+        clauses.append(("duration", words.time()))
+    if not mild or words.odd(0.3):
+        clauses += _conditions(words)
+    clauses += _succeed(words, sketch)
+    names = [*METHODS, ""]
+    for _ in range(words.pick((0, 1, 1)) if mild else words.pick((0, 1, 1, 2, 2, 3))):
+        clauses.append(method(words, sketches, at, names))
+    if mild:
+        clauses.append(mild_method(words, sketches, at))
+    return ("define-rap", *clauses)
+
+
+def _resources(words: Words) -> list[Datum]:
+    made: list[Datum] = []
+    if words.chance(0.35):
+        first = words.pick(((), (), ("3",), ("1",)))
+        first = (words.number(),) if words.odd(0.2) else first
+        made.append(("counter", "?c", *first))
+        words.counters.append("?c")
+    if words.chance(0.25):
+        made.append(("set", "?s", *((words.ground(),) if words.odd(0.15) else ())))
+        words.sets.append("?s")
+    return [("resources", *made)] if made else []
+
+
+def _monitors(words: Words, at: int) -> list[Datum]:
+    made: list[Datum] = []
+    if words.chance(0.08 if at == 0 else 0.2):
+        made.append(("monitor-state", watched(words)))
+    if words.chance(0.06 if at == 0 else 0.14):
+        reference = words.pick(("now", "now", "absolute"))
+        made.append(("monitor-time", reference, words.time(), words.time(20)))
+    return made
+
+
+def _conditions(words: Words) -> list[Datum]:
+    made: list[Datum] = []
+    for name, share in (("preconditions", 0.2), ("constraints", 0.25)):
+        if words.chance(share):
+            made.append((name, likely(words)))
+    if words.chance(0.25):
+        made.append(("repeat-while", likely(words)))
+    return made
+
+
+def _succeed(words: Words, sketch: Sketch) -> list[Datum]:
+    if words.chance(0.65):
+        return []
+    if words.chance(0.3):
+        return [("succeed", words.pick(("nil", ("q", words.item()))))]
+    if sketch.outputs and words.chance(0.6):
+        wanted = ("p", words.item(), sketch.outputs[0])
+        return [("succeed", ("and", ("last-result", "okay"), wanted))]
+    return [("succeed", formula(words))]
+
+
+# --- methods ----------------------------------------------------------------------
+
+
+def method(
+    words: Words, sketches: Sequence[Sketch], at: int, names: list[str]
+) -> Datum:
+    """A method of any kind; takes one of the names, or none."""
+    name = names.pop(0) if names and words.chance(0.7) else ""
+    own = words.inner()
+    clauses: list[Datum] = []
+    if words.chance(0.8 if sketches[at].outputs else 0.4):
+        clauses.append(("context", _context(own, sketches[at])))
+    if words.chance(0.25):
+        clauses.append(("notations", *(_note(own) for _ in range(own.pick((1, 2))))))
+    if words.chance(0.4 if at < len(sketches) - 1 else 0.8):
+        clauses.append(("primitive", _request(own)))
+    else:
+        clauses.append(task_net(own, sketches, at))
+    return ("method", *((name,) if name else ()), *clauses)
+
+
+def mild_method(words: Words, sketches: Sequence[Sketch], at: int) -> Datum:
+    """A method that can always be chosen, and whose request is in order."""
+    sketch, own = sketches[at], words.inner(sketches[at].inputs)
+    clauses: list[Datum] = []
+    if sketch.outputs:
+        wanted = ("p", words.pick((*SYMBOLS, *sketch.inputs * 3)), sketch.outputs[0])
+        clauses.append(("context", wanted))
+    if at < len(sketches) - 1 and words.chance(0.95 if at == 0 else 0.6):
+        return ("method", *clauses, task_net(own, sketches, at))
+    name = words.pick(("act", "act", "rest", "slow", "slow"))
+    args = (words.pick((*SYMBOLS, *sketch.inputs)) for _ in range(PRIMITIVES[name][0]))
+    return ("method", *clauses, ("primitive", (name, *args)))
+
+
+def _context(words: Words, sketch: Sketch) -> Datum:
+    if words.chance(0.2):
+        return likely(words)
+    variable = words.pick((*words.free, *sketch.outputs * 3))
+    words.known = [*words.known, variable]
+    item = words.item() if words.odd(0.4) else words.pick(SYMBOLS)
+    bind = words.pick((("p", item, variable), ("p", item, variable), ("q", variable)))
+    return ("and", bind, formula(words, 1)) if words.chance(0.3) else bind
+
+
+def _note(words: Words) -> Datum:
+    name = words.pick((*PROPERTIES, *PROPOSITIONS))
+    if name in PROPOSITIONS:
+        return (name, *(words.ground() for _ in range(PROPOSITIONS[name])))
+    index = tuple(words.ground() for _ in range(PROPERTIES[name]))
+    short = index and words.chance(0.15)
+    return (name, *index) if short else (name, *index, words.ground())
+
+
+def _request(words: Words) -> Datum:
+    name = words.pick(("act", "act", "act", "pair", "rest", "slow"))
+    return (name, *(words.ground() for _ in range(PRIMITIVES[name][0])))
