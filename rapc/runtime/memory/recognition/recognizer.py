@@ -222,6 +222,8 @@ class Recognizer:
     ) -> tuple[Description, leaving.Collection | None]:
         """Take an item out of its set, one description out of every layer.
 
+        An item that was out of reach may leave fewer than are in reach there.
+
         Returns the item with what the descriptions that went say of it, and the
         collection they were of; None where nothing could be merged.
         """
@@ -238,12 +240,14 @@ class Recognizer:
                 home.discard(layer, member)
                 if not member.mask:
                     self._forget(member)
+            self._fill(home)
             return item, None
         merging.make_alike(self._memory, choice.members)
         for member in choice.leaving:
             for layer in home.layers:
                 home.discard(layer, member)
             item = self._one(item, member, item.name)
+        self._fill(home)
         return item, choice
 
     def fix(self, place: Atom) -> None:
