@@ -78,9 +78,7 @@ class Plain:
         self.facts.put("location", name, place)
         expected = self._expected(kind, place)
         expected.local.append(thing)
-        for layer in expected.layers:
-            if len(layer.members) < len(expected.local):
-                layer.members.append(self._empty(kind))
+        self._fill(expected)
         self._tell("introduced", thing, place)
         return name
 
@@ -178,11 +176,16 @@ class Plain:
         return self.sets.setdefault((kind, place), Expected(kind, place))
 
     def _push(self, expected: Expected) -> None:
-        missing = expected.size - len(expected.local)
-        more = [self._empty(expected.kind) for _ in range(missing)]
         self._layers += 1
-        expected.layers.append(Layer(self._layers, expected.local + more))
+        expected.layers.append(Layer(self._layers, expected.local))
         expected.local = []
+        self._fill(expected)
+
+    def _fill(self, expected: Expected) -> None:
+        """No layer holds fewer than another, or than are in reach."""
+        for layer in expected.layers:
+            while len(layer.members) < expected.size:
+                layer.members.append(self._empty(expected.kind))
 
     def _tell(
         self,
@@ -251,6 +254,8 @@ class Plain:
         nobody = self._empty(expected.kind)
         expected.local.append(nobody)
         left = plain_leaving.leave(nobody, expected, self.facts, self._merge)
+        for thing in left.dropped:
+            self._forget(thing)
         for thing in left.who:
             if thing.name:
                 self.facts.put("location", thing.name, "unknown")
@@ -263,9 +268,9 @@ class Plain:
         if expected is None:
             return plain_leaving.Left([thing])
         left = plain_leaving.leave(thing, expected, self.facts, self._merge)
-        for other in left.who[1:]:
-            if other.name:
-                self.facts.put("location", other.name, "unknown")
+        for other in left.dropped:
+            self._forget(other)
+        self._fill(expected)
         return left
 
     def _merge(
@@ -300,9 +305,7 @@ class Plain:
         other.local.extend(one.local)
         other.layers.extend(one.layers)
         other.layers.sort(key=lambda layer: layer.serial)
-        for layer in other.layers:
-            while len(layer.members) < other.size:
-                layer.members.append(self._empty(other.kind))
+        self._fill(other)
 
     def _forget(self, thing: Thing) -> None:
         """Nothing is known of a thing any more, nor of what was expected in it."""

@@ -20,12 +20,16 @@ Groups = list[list[Thing]]
 
 @dataclass
 class Left:
-    """Who has left; the other name the item has now; how sure that was."""
+    """Who has left; the other name the item has now; how sure that was.
 
-    who: list[Thing] = field(default_factory=list)
+    `dropped` went for the item without being it, and stand nowhere now.
+    """
+
+    who: list[Thing]
     other: str | None = None
     score: float | None = None
     rival: float | None = None
+    dropped: list[Thing] = field(default_factory=list)
 
     @property
     def told(self) -> tuple[str | None, float | None, float | None]:
@@ -46,7 +50,7 @@ def leave(thing: Thing, expected: Expected, facts: Facts, merge: Merge) -> Left:
     if found is None:
         gone = [_drop(look, thing, m, c) for m, c in zip(served, choices, strict=True)]
         alone = [each for each in gone if not expected.standing(each)]
-        return Left([thing, *dict.fromkeys(alone)], None, *scored)
+        return Left([thing], dropped=alone)
     collection, leavers = found
     make_alike([each for each in collection if each.name], collection, facts)
     for view in expected.views():

@@ -42,7 +42,9 @@ Step = tuple[int, list[Operation]]
 class Walk:
     """A walk: batches of operations with the time at which they happen.
 
-    `reach` holds the items in reach as their labels with class and place.
+    `reach` holds the items in reach as their labels with class and place. Whoever
+    walks puts into `expected` the items that are in sets, so that some of those out of
+    reach can be missed.
     """
 
     def __init__(self, seed: int) -> None:
@@ -51,6 +53,7 @@ class Walk:
         self._focus = "color"
         self._time = 0
         self._seen = 0
+        self.expected: list[str] = []
         self.reach: dict[str, tuple[str, Atom]] = {}
         self.known: list[str] = []
         self.boxes: list[str] = []
@@ -62,6 +65,9 @@ class Walk:
             if self._crowded and self._dice.random() < 0.25:
                 yield self._time, self._visit()
                 continue
+            if self.expected and self._dice.random() < 0.04:
+                yield self._time, self._miss()
+                continue
             size = self._dice.choice((1, 1, 1, 2, 3, 4))
             batch = [each for _ in range(size) for each in self._operation()]
             yield self._time, batch
@@ -72,6 +78,12 @@ class Walk:
         seen = [self._introduce() for _ in range(self._dice.randrange(1, MOST + 1))]
         looked = [self._assert() for _ in range(self._dice.randrange(MOST))]
         return [each for some in (self._expire(), *seen, *looked) for each in some]
+
+    def _miss(self) -> list[Operation]:
+        """An item, most likely out of reach, is not where it was."""
+        item = self._dice.choice(self.expected)
+        self.reach.clear()
+        return [("lose", item), ("expire",)]
 
     def _operation(self) -> list[Operation]:
         dice = self._dice
