@@ -6,7 +6,7 @@ identical and one group; each accessible one is a group of its own (semantics 7)
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 import msgspec
 
@@ -102,6 +102,9 @@ class Kind:
         return Group(self, member.number if member.accessible else 0)
 
 
+NONE: tuple[Kind, ...] = ()
+
+
 class Offer:
     """The kinds of descriptions that a view offers, by what they are known by."""
 
@@ -122,12 +125,15 @@ class Offer:
         """All kinds, in the order in which they came."""
         return self._kinds.values()
 
-    def sharing(self, x: Description) -> dict[Kind, None]:
+    def sharing(self, x: Description) -> Collection[Kind]:
         """The kinds that have a known property in common with a description."""
-        found: dict[Kind, None] = {}
+        found: dict[Kind, None] | None = None
         for part in x.known:
-            found.update(self._having.get(part, {}))
-        return found
+            having = self._having.get(part)
+            if having is not None:
+                found = found or {}
+                found.update(having)
+        return found or NONE
 
     def count(self, mask: int) -> int:
         """How many groups a description that stands in the given views finds."""

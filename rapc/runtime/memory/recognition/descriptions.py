@@ -93,10 +93,20 @@ class ExpectationSet:
 
     `layers` stand oldest first and all hold equally many descriptions; `local` holds
     the accessible ones, at most as many. `settled` has the pairs of views that were
-    found without a match, as they then were; `offers` what views offered for matches.
+    found without a match, as they then were;
+    `offers` and `seekers` what views offered, and who sought, when last looked at.
     """
 
-    __slots__ = ("_changes", "kind", "layers", "local", "offers", "place", "settled")
+    __slots__ = (
+        "_changes",
+        "kind",
+        "layers",
+        "local",
+        "offers",
+        "place",
+        "seekers",
+        "settled",
+    )
 
     def __init__(self, kind: str, place: Atom) -> None:
         self.kind = kind
@@ -105,6 +115,7 @@ class ExpectationSet:
         self.layers: list[View] = []
         self.settled: dict[tuple[int, int], tuple[int, int, bool]] = {}
         self.offers: dict[tuple[int, int], tuple[int, Any]] = {}
+        self.seekers: dict[tuple[int, int], tuple[int, Any]] = {}
         self._changes = 0
 
     def changed(self, mask: int) -> None:

@@ -25,6 +25,10 @@ Profile = tuple[frozenset[tuple[Fact, Atom]], int]
 """What descriptions of one view have in common that stand alike to all others."""
 
 
+Seekers = dict[Profile, tuple[Description, int]]
+"""Who of a view seeks a match: by profile, the oldest description and their number."""
+
+
 class Match(msgspec.Struct, frozen=True):
     """Two descriptions that are of one item.
 
@@ -36,10 +40,6 @@ class Match(msgspec.Struct, frozen=True):
     other: Description
     score: Number
     rival: Number | None
-
-
-def _age(description: Description) -> int:
-    return description.number
 
 
 class _Standing(msgspec.Struct, frozen=True):
@@ -80,7 +80,7 @@ def best_match(of: ExpectationSet, score: Score) -> Match | None:
 def _best_of_pair(table: _Table, complete: bool) -> Match | None:
     best: tuple[Number, int] | None = None
     match = None
-    for profile, x in table.seeking():
+    for profile, (x, _) in table.seekers.items():
         standing = table.standing(profile, x)
         order = (-standing.best, x.number)
         if standing.group is None or (best is not None and order > best):
@@ -94,7 +94,7 @@ def _best_of_pair(table: _Table, complete: bool) -> Match | None:
 
 def _offer(of: ExpectationSet, view: View, one: View) -> Offer:
     """What a view offers to another, made anew only when it has changed."""
-    shared = one.bit if any(y.mask & one.bit for y in view.members) else 0
+    shared = _shared(view, one)
     known = of.offers.get((view.bit, shared))
     if known is not None and known[0] == view.version:
         found: Offer = known[1]
@@ -102,6 +102,30 @@ def _offer(of: ExpectationSet, view: View, one: View) -> Offer:
     offer = Offer(y for y in view.members if not y.mask & shared)
     of.offers[view.bit, shared] = (view.version, offer)
     return offer
+
+
+def _seekers(of: ExpectationSet, view: View, other: View) -> Seekers:
+    """Who of a view seeks a match in another, made anew only when it has changed."""
+    shared = _shared(view, other)
+    known = of.seekers.get((view.bit, shared))
+    if known is not None and known[0] == view.version:
+        found: Seekers = known[1]
+        return found
+    seekers: Seekers = {}
+    for x in view.members:
+        if not x.mask & shared:
+            profile = (x.known, x.mask)
+            oldest, count = seekers.get(profile, (x, 0))
+            oldest = oldest if oldest.number < x.number else x
+            seekers[profile] = (oldest, count + 1)
+    of.seekers[view.bit, shared] = (view.version, seekers)
+    return seekers
+
+
+def _shared(view: View, other: View) -> int:
+    """The bit of the other view if it has a member of this one, else 0."""
+    bit = other.bit
+    return bit if any(d.mask & bit for d in view.members) else 0
 
 
 class _Table:
@@ -114,22 +138,12 @@ class _Table:
     def __init__(
         self, of: ExpectationSet, one: View, other: View, score: Score
     ) -> None:
-        self._profiles: dict[Profile, list[Description]] = {}
-        for x in one.members:
-            if not x.mask & other.bit:
-                self._profiles.setdefault((x.known, x.mask), []).append(x)
+        self.seekers = _seekers(of, one, other)
         self._offer = _offer(of, other, one)
         self._score = score
         self._standings: dict[Profile, _Standing] = {}
         self._strange: dict[int, _Standing] = {}
         self._on: dict[tuple[Kind, int], list[Number]] = {}
-
-    def seeking(self) -> list[tuple[Profile, Description]]:
-        """Each profile with its oldest description."""
-        return [
-            (profile, min(members, key=_age) if len(members) > 1 else members[0])
-            for profile, members in self._profiles.items()
-        ]
 
     def standing(self, profile: Profile, x: Description) -> _Standing:
         """How the descriptions of a profile, x among them, stand to the groups."""
@@ -193,10 +207,10 @@ class _Table:
         if not standing.only or not complete:
             return False
         bound = 0
-        for other, x in self.seeking():
+        for other, (x, count) in self.seekers.items():
             rival = self.standing(other, x)
             if rival.only and rival.group is not None and rival.group.same(group):
-                bound += len(self._profiles[other])
+                bound += count
         return bound <= room
 
     def _competing(self, group: Group, least: Number) -> int:
@@ -205,10 +219,10 @@ class _Table:
         scores = self._on.get(key)
         if scores is None:
             scores = []
-            for (_, mask), members in self._profiles.items():
+            for (_, mask), (x, count) in self.seekers.items():
                 if group.room(mask):
-                    score = self._score.of(members[0], group.member(mask))
-                    scores.extend([score] * len(members))
+                    score = self._score.of(x, group.member(mask))
+                    scores.extend([score] * count)
             scores.sort()
             self._on[key] = scores
         return len(scores) - bisect_left(scores, least)
