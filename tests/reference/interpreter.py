@@ -88,7 +88,7 @@ class Reference:
         cycles = run.limits.cycles
         while True:
             if cycles is not None and run.cycle >= cycles:
-                return self._end("cycles")
+                return self._end(self._over() or "cycles")
             reason = self._step()
             if reason is not None:
                 return self._end(reason)
