@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from rapc.ir import nodes
 from rapc.resources import Counter, SetResource, Value
-from rapc.terms import Atom, Fact
+from rapc.terms import Atom, Fact, number
 
 Env = Mapping[str, Value]
 
@@ -105,8 +105,8 @@ def _tests(mind: Mind, env: Env, formula: nodes.Formula) -> Iterator[Env]:
             yield from _history(mind, env, query, args)
         case nodes.SensorName(item, known):
             yield from _sensor_name(mind, env, item, known)
-        case nodes.Count(kind, place, number):
-            yield from _count(mind, env, kind, place, number)
+        case nodes.Count(kind, place, size):
+            yield from _count(mind, env, kind, place, size)
         case nodes.Believe(pattern, age):
             yield from _believe(mind, env, pattern, age)
         case nodes.Pattern():
@@ -143,13 +143,13 @@ def _sensor_name(
 
 
 def _count(
-    mind: Mind, env: Env, kind: nodes.Term, place: nodes.Term, number: nodes.Term
+    mind: Mind, env: Env, kind: nodes.Term, place: nodes.Term, size: nodes.Term
 ) -> Iterator[Env]:
     what, where = value(mind, env, kind), value(mind, env, place)
     facts = [_shown(mind, f) if where == "external" else f for f in mind.facts]
     there = [f[1] for f in facts if f[0] == "location" and f[2] == where]
     count = sum(mind.kinds.get(str(item)) == what for item in there)
-    yield from matched(mind, env, number, count)
+    yield from matched(mind, env, size, count)
 
 
 def value(mind: Mind, env: Env, term: nodes.Term) -> Value:
@@ -178,20 +178,20 @@ def _call(function: str, args: list[Value]) -> Value:
     if len(numbers) < len(args) or not numbers:
         raise Nothing
     result = numbers[0]
-    for number in numbers[1:]:
-        if function == "/" and number == 0:
+    for other in numbers[1:]:
+        if function == "/" and other == 0:
             raise Nothing
         if function == "/":
-            result = result / number
+            result = result / other
         else:
             result = {
-                "+": result + number,
-                "-": result - number,
-                "*": result * number,
+                "+": result + other,
+                "-": result - other,
+                "*": result * other,
             }[function]
     if function == "-" and len(numbers) == 1:
         result = -result
-    return int(result) if result == int(result) else result
+    return number(result)
 
 
 def _compare(op: str, left: Value, right: Value) -> bool:
@@ -226,8 +226,8 @@ def _open(env: Env, term: nodes.Term) -> bool:
 
 def _pattern(mind: Mind, env: Env, pattern: nodes.Pattern) -> Iterator[Env]:
     if pattern.name == "odd":
-        number = value(mind, env, pattern.args[0])
-        if isinstance(number, int) and number % 2:
+        given = value(mind, env, pattern.args[0])
+        if isinstance(given, int) and given % 2:
             yield env
         return
     for bound, _ in _stored(mind, env, pattern):
@@ -295,7 +295,7 @@ def _believe(
 ) -> Iterator[Env]:
     for bound, stamp in _stored(mind, env, pattern):
         if _open(bound, age):
-            yield from matched(mind, bound, age, mind.now - stamp)
+            yield from matched(mind, bound, age, number(mind.now - stamp))
         elif mind.now - stamp < _limit(mind, bound, age):
             yield bound
     for bound in _by_default(mind, env, pattern):
