@@ -49,7 +49,7 @@ class Walk:
 
     def __init__(self, seed: int) -> None:
         self._dice = random.Random(seed)
-        self._crowded = seed % 2 == 1
+        self._crowded = {1: "dock", 3: "depot"}.get(seed % 4)
         self._focus = "color"
         self._time = 0
         self._seen = 0
@@ -124,7 +124,7 @@ class Walk:
         """A place; for a drum, at times, in a box that was seen lately."""
         boxes = self.boxes[-3:] if kind == "drum" else []
         if self._crowded:
-            return self._dice.choice(("dock", "dock", "dock", "dock", "dock", "bay"))
+            return self._crowded if self._dice.random() < 0.85 else "bay"
         return self._dice.choice((*PLACES, *PLACES, *boxes))
 
     def _anything(self) -> str | None:

@@ -1,0 +1,86 @@
+"""The memory that recognises and the plain one agree, and both keep what must hold."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+from . import invariants
+from .driving import Operation, Picture, Side, Told
+from .sides import ByHand, UnderTest
+from .walks import WORLD, Walk
+
+WALKS = range(120)
+STEPS = 100
+SLICES = 12
+
+DIGEST = "from tests.recognition import test_agreement as t; print(t.digest(range(8)))"
+
+
+def expected_items(picture: Picture) -> list[str]:
+    """The items that some layer holds."""
+    layers = [layer for found in picture.sets.values() for layer in found.layers]
+    return sorted({each.item for layer in layers for each in layer if each.item})
+
+
+def by_set(told: list[Told]) -> list[Told]:
+    """Events in order, but each set's by themselves: sets have no order."""
+    return sorted(told, key=lambda each: (each.kind, each.place))
+
+
+def walk(seed: int, *sides: Side) -> Iterator[list[Operation]]:
+    """Lead memories on one walk: each batch, after it was carried out."""
+    way = Walk(seed)
+    for time, batch in way.steps(STEPS):
+        for side in sides:
+            side.run(time, batch)
+        way.expected = expected_items(sides[0].picture())
+        yield batch
+
+
+@pytest.mark.parametrize("part", range(SLICES))
+def test_both_memories_see_the_same_and_what_must_hold_holds(part: int) -> None:
+    for seed in WALKS[part::SLICES]:
+        tested, plain = UnderTest(WORLD), ByHand(WORLD)
+        before = tested.picture()
+        for step, batch in enumerate(walk(seed, tested, plain)):
+            where = f"walk {seed}, step {step}: {batch}"
+            one, other = tested.picture(), plain.picture()
+            assert one.sets == other.sets, where
+            assert one.facts == other.facts, where
+            assert one.names == other.names, where
+            assert one.sensors == other.sensors, where
+            assert by_set(tested.told()) == by_set(plain.told()), where
+            invariants.check(before, one, batch)
+            before = one
+
+
+def digest(seeds: range) -> str:
+    """What some walks come to, facts and events in their order, in a few letters."""
+    found = hashlib.sha256()
+    for seed in seeds:
+        memory = UnderTest(WORLD)
+        for _ in walk(seed, memory):
+            picture = memory.picture()
+            found.update(repr((picture, memory.told())).encode())
+    return found.hexdigest()
+
+
+def test_the_order_of_dictionaries_does_not_matter() -> None:
+    outcomes = {
+        subprocess.run(
+            [sys.executable, "-c", DIGEST],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2")
+    }
+    assert len(outcomes) == 1
+    assert outcomes.pop().strip() == digest(range(8))
