@@ -75,7 +75,7 @@ def read_library(text: str) -> Library:
     return library
 
 
-# --- functions that libraries may declare -------------------------------------------
+# --- functions that libraries may declare -----------------------------------------
 
 
 def twice(_: Any, value: Atom) -> Atom:
@@ -155,7 +155,7 @@ def read_atom(word: str) -> Atom:
         return word
 
 
-# --- running -----------------------------------------------------------------------
+# --- running ----------------------------------------------------------------------
 
 
 def _world(case: Case, library: Library) -> ScriptedWorld:

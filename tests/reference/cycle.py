@@ -43,7 +43,7 @@ def process(run: Run, task: Task) -> None:
     choose_method(run, task)
 
 
-# --- step 1 ---------------------------------------------------------------------------
+# --- step 1 -----------------------------------------------------------------------
 
 
 def inputs_bound(run: Run, task: Task) -> bool:
@@ -53,9 +53,8 @@ def inputs_bound(run: Run, task: Task) -> bool:
     if not task.full:
         for_formulas(run, task)
         read_inputs(run, task)
-        if task.parent is not None:
-            if bindings_repeat(run, task.parent):
-                return False
+        if task.parent is not None and bindings_repeat(run, task.parent):
+            return False
     if task.full and not task.broken:
         return True
     if not task.full:
@@ -66,7 +65,8 @@ def inputs_bound(run: Run, task: Task) -> bool:
 
 def trace_inputs(run: Run, task: Task) -> None:
     """Trace which inputs have no value, and why."""
-    assert task.parent is not None and task.place is not None
+    assert task.parent is not None
+    assert task.place is not None
     for term in task.place.step.goal.args:
         _, why = run.value(task.parent.task, term, task.parent.env)
         if why:
@@ -100,15 +100,14 @@ def until_start(run: Run, task: Task) -> None:
         follow(run, task.parent)
 
 
-# --- step 4 ---------------------------------------------------------------------------
+# --- step 4 -----------------------------------------------------------------------
 
 
 def conditions_hold(run: Run, task: Task) -> bool:
     """Step 4; False if it settled the matter."""
     held = for_formulas(run, task)
-    if held and task.parent is not None:
-        if bindings_repeat(run, task.parent):
-            return False
+    if held and task.parent is not None and bindings_repeat(run, task.parent):
+        return False
     held = held and (
         run.holds(task, task.rap.preconditions, task.own, "preconditions") is not None
     )

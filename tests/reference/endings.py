@@ -9,9 +9,9 @@ from rapc.resources import Counter, SetResource, Value, frozen
 from rapc.runtime import events
 from rapc.runtime.world import OKAY
 from rapc.terms import format_atom, is_number
-from tests.reference.queries import Bindings
 from tests.reference.run import Run
 from tests.reference.tasks import Place, Running, Task, method_name
+from tests.reference.terms import Bindings
 from tests.reference.waking import let_go, read_inputs, read_windows, set_delay
 
 # --- tasks ------------------------------------------------------------------------
@@ -181,7 +181,7 @@ def clear(run: Run, running: Running, cause: str) -> None:
     running.task.running = None
 
 
-# --- methods ------------------------------------------------------------------------
+# --- methods ----------------------------------------------------------------------
 
 
 def method_well(run: Run, running: Running) -> None:
@@ -216,7 +216,7 @@ def method_ended(run: Run, running: Running, result: str, cause: str) -> None:
         set_delay(run, task)
 
 
-# --- recursion ------------------------------------------------------------------------
+# --- recursion --------------------------------------------------------------------
 
 
 def repeats(run: Run, running: Running, place: Place) -> bool:

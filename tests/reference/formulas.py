@@ -47,6 +47,8 @@ def watched(words: Words) -> Datum:
     """A formula that what the script does makes true and false."""
     if words.odd(0.3):
         return formula(words)
+    if words.chance(0.15):
+        return _about_resources(words)
     name = words.pick(("p", "q", "b"))
     item = words.pick((*SYMBOLS, *words.known, "?u"))
     fact: Datum = (name, item)
@@ -55,6 +57,16 @@ def watched(words: Words) -> Datum:
     if words.chance(0.4):
         fact = ("believe", fact, words.pick((*NUMBERS, *NUMBERS, "?w")))
     return ("not", fact) if words.chance(0.4) else fact
+
+
+def _about_resources(words: Words) -> Datum:
+    """A test of a set or counter, often one passed as an input."""
+    known = (*words.counters, *words.sets, *words.known, "a")
+    resource = words.pick(known)
+    if resource in words.sets or words.chance(0.3):
+        return words.pick((("empty", resource), ("member", resource, words.ground())))
+    sign = words.pick((">", "<", "="))
+    return (sign, ("value", resource), words.pick(NUMBERS))
 
 
 def pattern(words: Words) -> Datum:

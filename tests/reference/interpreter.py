@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 from rapc.library import Library
 from rapc.runtime import events
+from rapc.runtime.events import TaskResult
 from rapc.runtime.submission import Submission
 from rapc.runtime.world import Time, World
 from rapc.terms import Atom, Fact, match, number
@@ -18,10 +19,10 @@ from tests.reference.cycle import process
 from tests.reference.endings import remove
 from tests.reference.methods import announce, create
 from tests.reference.primitives import take_in
-from tests.reference.queries import Functions
 from tests.reference.run import Limits, Run
 from tests.reference.signals import hear
 from tests.reference.tasks import Task
+from tests.reference.terms import Functions
 from tests.reference.waking import look, next_time, read_inputs
 
 
@@ -64,7 +65,7 @@ class Reference:
     def cancel(self, goal: Fact) -> None:
         """Cancel every live top-level task that a goal matches."""
         for task in self._run.given:
-            if task.live and match(goal, (task.rap.name, *task.args)) is not None:  # type: ignore[arg-type]
+            if task.live and match(goal, (task.rap.name, *task.args)) is not None:
                 remove(self._run, task, "cancelled")
 
     def submit(self, submission: Submission) -> None:
@@ -130,9 +131,9 @@ class Reference:
         if run.world.ended() is not None:
             return "world"
         waiting = [task for task in run.given if task.live and not task.background]
-        if not waiting and all(later.background for later in self._later):
-            if not run.appointments:
-                return "done"
+        coming = [later for later in self._later if not later.background]
+        if not (waiting or coming or run.appointments):
+            return "done"
         if run.idle > run.limits.idle_cycles:
             return "runaway"
         return None
@@ -177,9 +178,9 @@ class Reference:
         )
         return reason
 
-    def _results(self) -> Sequence[events.TaskResult]:
+    def _results(self) -> Sequence[TaskResult]:
         return [
-            events.TaskResult(
+            TaskResult(
                 task=task.number,
                 goal=task.goal(),
                 outcome=task.outcome or "unfinished",

@@ -29,6 +29,17 @@ class Entry:
         self.notes: list[object] = []
 
 
+def is_short(library: Library, name: str, count: int) -> bool:
+    """Whether so many arguments are one less than a property is declared with.
+
+    One without arguments besides its value has no short form.
+    """
+    declared = library.properties.get(name)
+    if declared is None or declared.args is None or count == 0:
+        return False
+    return count == len(declared.args) - 1
+
+
 class Memory:
     """The facts, by last assertion, and the changes the semantics allow."""
 
@@ -38,7 +49,7 @@ class Memory:
         self.tell = tell
         self.entries: list[Entry] = []
 
-    # --- what handlers and functions see ---------------------------------------
+    # --- what handlers and functions see ------------------------------------------
 
     @property
     def now(self) -> Time:
@@ -65,11 +76,8 @@ class Memory:
 
     def whole(self, fact: Fact) -> Fact:
         """A property one argument short of its declaration means value `true`."""
-        declared = self.library.properties.get(str(fact[0]))
-        if declared is not None and declared.args is not None and len(fact) > 1:
-            if len(fact) - 1 == len(declared.args) - 1:
-                return (*fact, "true")
-        return fact
+        short = is_short(self.library, str(fact[0]), len(fact) - 1)
+        return (*fact, "true") if short else fact
 
     def assert_fact(self, fact: Fact, by: str) -> None:
         """Assert a fact, on behalf of anyone but a notation."""

@@ -10,15 +10,15 @@ from rapc.runtime import events
 from rapc.terms import Fact, format_atom
 from tests.reference.endings import fail, method_badly, method_well, repeats
 from tests.reference.primitives import request
-from tests.reference.queries import Bindings
 from tests.reference.run import Run
 from tests.reference.tasks import Place, Running, Task, method_name
+from tests.reference.terms import Bindings
 from tests.reference.waking import let_go, read_inputs, read_windows
 
 Held = list[tuple[nodes.Method, Bindings]]
 """Methods that hold, with their first bindings."""
 
-# --- steps 6 and 7 -----------------------------------------------------------------------
+# --- steps 6 and 7 ----------------------------------------------------------------
 
 
 def holding(run: Run, task: Task) -> Held:
@@ -89,7 +89,7 @@ def choice(method: nodes.Method, env: Bindings) -> tuple[object, ...]:
     return (method.position, *bound)
 
 
-# --- steps 8 and 9 ------------------------------------------------------------------------
+# --- steps 8 and 9 ----------------------------------------------------------------
 
 
 def start(run: Run, task: Task, method: nodes.Method, env: Bindings) -> None:

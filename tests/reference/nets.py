@@ -36,8 +36,15 @@ def task_net(words: Words, sketches: Sequence[Sketch], at: int) -> Datum:
         own = words.inner(known)
         goals[tag] = _goal(own, sketches, at, known)
         _annotate(own, tag, order, notes[tag], chained)
+        known += _bound_by(words, notes[tag])
     steps = ((tag, *_priority(words), goals[tag], *notes[tag]) for tag in tags)
     return ("task-net", *steps)
+
+
+def _bound_by(words: Words, notes: list[Datum]) -> list[str]:
+    """The variables that the formulas of `for` annotations may bind."""
+    formulas = [note[0] for note in notes if note[1] == "for"]
+    return [f[-1] for f in formulas if f[-1] in words.free]
 
 
 def _priority(words: Words) -> tuple[str, ...]:
@@ -91,7 +98,8 @@ def _annotate(
 
 def _wait(words: Words) -> Datum:
     name = words.pick(list(SIGNALS))
-    args = tuple(words.pick((words.item(), *words.free)) for _ in range(SIGNALS[name]))
+    item = words.computed() if words.odd(0.2) else words.item()
+    args = tuple(words.pick((item, *words.free)) for _ in range(SIGNALS[name]))
     mode = words.pick(((), (":proceed",), (":succeed",), (":succeed",), (":fail",)))
     return ("wait-for", (name, *args), *mode)
 

@@ -6,22 +6,15 @@ than walking the formula.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Protocol
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Protocol
 
 from rapc.ir import nodes
-from rapc.resources import Counter, SetResource, Value
+from rapc.resources import Value
 from rapc.runtime.world import Time
-from rapc.terms import Text, format_atom, is_number, number
-from tests.reference.memory import Memory
-
-Bindings = Mapping[str, Value]
-
-Functions = Mapping[str, Callable[..., Any]]
-
-
-class Fault(Exception):
-    """A term that is unbound or of the wrong kind; the message says which."""
+from rapc.terms import number
+from tests.reference.memory import Memory, is_short
+from tests.reference.terms import Bindings, Fault, Functions, Terms, members
 
 
 class History(Protocol):
@@ -32,130 +25,59 @@ class History(Protocol):
     results: dict[object, str]
 
 
-class Asker:
+class Known(NamedTuple):
+    """A part of a pattern that has a value."""
+
+    value: Value
+
+
+Slot = Known | nodes.Var
+"""A part of a pattern: a value, or a variable that may have one by now."""
+
+
+class Asker(Terms):
     """Everything a query depends on but its bindings.
 
-    `timers` collects the times at which what a `believe` saw goes stale; `aged` says
-    whether an age was asked for; `faults` what was unbound or ill-typed.
+    `timers` collects the times at which what a `believe` saw goes stale; `faults`
+    what was unbound or ill-typed.
     """
 
     def __init__(
         self, memory: Memory, functions: Functions, history: History | None
     ) -> None:
-        self.memory = memory
-        self.functions = functions
+        super().__init__(memory, functions)
         self.history = history
         self.faults: list[str] = []
         self.timers: list[Time] = []
-        self.aged = False
 
-    # --- terms ----------------------------------------------------------------------
-
-    def term(self, term: nodes.Term, env: Bindings) -> Value:
-        """The value of a term. Raises Fault if it has none."""
-        if isinstance(term, nodes.Const):
-            return term.value
-        if isinstance(term, nodes.Var):
-            if term.name not in env:
-                raise Fault(f"{term.name} is not bound")
-            return env[term.name]
-        values = [self.term(arg, env) for arg in term.args]
-        if term.function == "value":
-            if not isinstance(values[0], Counter):
-                raise Fault(f"`{format_atom(values[0])}` is not a counter")
-            return values[0].value
-        if term.function == "size-of":
-            if not isinstance(values[0], SetResource):
-                raise Fault(f"`{format_atom(values[0])}` is not a set")
-            return len(values[0].members)
-        if term.function in ("+", "-", "*", "/"):
-            return self.arithmetic(term.function, values)
-        return self.call(term.function, values)
-
-    def arithmetic(self, sign: str, values: list[Value]) -> Value:
-        """`+ - * /` from left to right."""
-        numbers: list[int | float] = []
-        for value in values:
-            if not isinstance(value, int | float):
-                raise Fault(f"`{format_atom(value)}` is not a number")
-            numbers.append(value)
-        total, *rest = numbers
-        if not rest:
-            return number(-total)
-        for each in rest:
-            if sign == "+":
-                total = total + each
-            elif sign == "-":
-                total = total - each
-            elif sign == "*":
-                total = total * each
-            elif each == 0:
-                raise Fault("division by zero")
-            else:
-                total = number(total / each)
-        return number(total)
-
-    def call(self, name: str, values: list[Value]) -> Value:
-        """What a declared function returns."""
-        result = self.functions[name](self.memory, *values)
-        if isinstance(result, bool):
-            return "true" if result else "false"
-        if isinstance(result, float):
-            return number(result)
-        if not isinstance(result, str | int | Text):
-            raise Fault(f"`{name}` returns {type(result).__name__}")
-        return result
-
-    # --- formulas -----------------------------------------------------------------------
+    # --- formulas -----------------------------------------------------------------
 
     def first(self, formula: nodes.Formula, env: Bindings) -> Bindings | None:
         """The first solution, or None."""
         return next(self.solutions(formula, env), None)
 
     def solutions(self, formula: nodes.Formula, env: Bindings) -> Iterator[Bindings]:
-        """All solutions in order. A part that faults has none, and the fault is kept."""
+        """All solutions in order; a part that faults has none, the fault is kept."""
         try:
-            yield from self.ask(formula, env)
+            match formula:
+                case nodes.And(parts):
+                    yield from self.all_of(parts, env)
+                case nodes.Or(parts):
+                    for part in parts:
+                        yield from self.solutions(part, env)
+                case nodes.Not(part):
+                    if self.first(part, env) is None:
+                        yield env
+                case nodes.Truth() | nodes.Compare() | nodes.SetTest():
+                    if self.holds(formula, env):
+                        yield env
+                case _:
+                    yield from self.facts(formula, env)
         except Fault as fault:
             self.faults.append(str(fault))
 
-    def ask(self, formula: nodes.Formula, env: Bindings) -> Iterator[Bindings]:
-        """The solutions of one formula."""
-        match formula:
-            case nodes.Truth(value):
-                if value:
-                    yield env
-            case nodes.And(parts):
-                yield from self.all_of(parts, env)
-            case nodes.Or(parts):
-                for part in parts:
-                    yield from self.solutions(part, env)
-            case nodes.Not(part):
-                if self.first(part, env) is None:
-                    yield env
-            case nodes.Compare(op, left, right):
-                if self.compare(op, self.term(left, env), self.term(right, env)):
-                    yield env
-            case nodes.SetTest(test, args):
-                if self.set_test(test, [self.term(arg, env) for arg in args]):
-                    yield env
-            case nodes.Pattern(name) if name in self.memory.library.functions:
-                values = [self.term(arg, env) for arg in formula.args]
-                if self.functions[name](self.memory, *values) not in (False, "false"):
-                    yield env
-            case nodes.Pattern():
-                yield from self.pattern(formula, env)
-            case nodes.Believe(pattern, age):
-                yield from self.believe(pattern, age, env)
-            case nodes.History():
-                yield from self.past(formula, env)
-            case nodes.SensorName(item, value):
-                yield from self.sensor_name(item, value, env)
-            case _:
-                raise AssertionError(f"not in sections 1 to 6: {formula}")
-
     def all_of(
-        self, parts: tuple[nodes.Formula, ...], env: Bindings
+        self, parts: Sequence[nodes.Formula], env: Bindings
     ) -> Iterator[Bindings]:
         """Left to right, with full backtracking."""
         if not parts:
@@ -164,58 +86,68 @@ class Asker:
         for found in self.solutions(parts[0], env):
             yield from self.all_of(parts[1:], found)
 
-    def compare(self, op: str, left: Value, right: Value) -> bool:
-        """`= n=` compare anything; the others fail on anything but two numbers."""
-        if op in ("=", "n="):
-            return (left == right) == (op == "=")
-        if not (isinstance(left, int | float) and isinstance(right, int | float)):
-            return False
-        if op == "<":
-            return left < right
-        if op == ">":
-            return left > right
-        return left <= right if op == "<=" else left >= right
+    def holds(
+        self, test: nodes.Truth | nodes.Compare | nodes.SetTest, env: Bindings
+    ) -> bool:
+        """A test that binds nothing."""
+        if isinstance(test, nodes.Truth):
+            return test.value
+        if isinstance(test, nodes.Compare):
+            return compare(
+                test.op, self.term(test.left, env), self.term(test.right, env)
+            )
+        values = [self.term(arg, env) for arg in test.args]
+        found = members(values[0])
+        return values[1] in found if test.test == "member" else not found
 
-    def set_test(self, test: str, values: list[Value]) -> bool:
-        """`member` and `empty`."""
-        if not isinstance(values[0], SetResource):
-            raise Fault(f"`{format_atom(values[0])}` is not a set")
-        return (
-            values[1] in values[0].members
-            if test == "member"
-            else not values[0].members
-        )
+    def facts(self, formula: nodes.Formula, env: Bindings) -> Iterator[Bindings]:
+        """What memory, a declared function or the task's past has to say."""
+        match formula:
+            case nodes.Pattern(name, args) if name in self.memory.library.functions:
+                values = [self.term(arg, env) for arg in args]
+                if self.functions[name](self.memory, *values):
+                    yield env
+            case nodes.Pattern():
+                yield from self.pattern(formula, env)
+            case nodes.Believe(pattern, age):
+                yield from self.believe(pattern, age, env)
+            case nodes.History():
+                yield from self.past(formula, env)
+            case nodes.SensorName(item, value):
+                # every plain symbol is its own sensor name; nothing was introduced
+                if self.has_value(item, env) and self.term(value, env) == "true":
+                    yield env
+            case _:
+                raise AssertionError(f"not in sections 1 to 6: {formula}")
 
-    # --- propositions ---------------------------------------------------------------------
+    # --- propositions -------------------------------------------------------------
 
-    def ready(self, pattern: nodes.Pattern, env: Bindings) -> list[Value | str | None]:
-        """The arguments of a pattern: values; None for what may match anything.
+    def has_value(self, term: nodes.Term, env: Bindings) -> bool:
+        """Whether a term is no variable, or one with a value."""
+        return not isinstance(term, nodes.Var) or term.name in env
 
-        The name of a property is followed by `true` where it is one argument short.
-        A variable that is not bound is left to `unify`.
-        """
-        declared = self.memory.library.properties.get(pattern.name)
+    def slots(self, pattern: nodes.Pattern, env: Bindings) -> list[Slot]:
+        """A pattern in its whole form, with what has a value put in."""
         terms = list(pattern.args)
-        if declared is not None and declared.args is not None and terms:
-            if len(terms) == len(declared.args) - 1:
-                terms.append(nodes.Const("true"))
-        slots: list[Any] = [nodes.Const(pattern.name)]
+        if is_short(self.memory.library, pattern.name, len(terms)):
+            terms.append(nodes.Const("true"))
+        found: list[Slot] = [Known(pattern.name)]
         for term in terms:
-            if isinstance(term, nodes.Call):
-                slots.append(("value", self.term(term, env)))
+            if isinstance(term, nodes.Var) and term.name not in env:
+                found.append(term)
             else:
-                slots.append(term)
-        return slots
+                found.append(Known(self.term(term, env)))
+        return found
 
-    def unify(self, slots: list[Any], fact: tuple[Any, ...], env: Bindings) -> Any:
-        """The bindings under which slots and fact are the same, or None."""
-        if len(slots) != len(fact):
+    def unify(
+        self, slots: Sequence[Slot], values: Sequence[Value], env: Bindings
+    ) -> Bindings | None:
+        """The bindings under which slots and values are the same, or None."""
+        if len(slots) != len(values):
             return None
         found = dict(env)
-        for slot, value in zip(slots, fact, strict=True):
-            if isinstance(slot, tuple):
-                wanted: Any = slot[1]
-            elif isinstance(slot, nodes.Const):
+        for slot, value in zip(slots, values, strict=True):
+            if isinstance(slot, Known):
                 wanted = slot.value
             elif slot.anonymous:
                 continue
@@ -227,7 +159,7 @@ class Asker:
 
     def pattern(self, pattern: nodes.Pattern, env: Bindings) -> Iterator[Bindings]:
         """A proposition; for a property with its default (T 2.2.2's steps)."""
-        slots = self.ready(pattern, env)
+        slots = self.slots(pattern, env)
         direct = False
         for entry in list(self.memory.entries):
             found = self.unify(slots, entry.fact, env)
@@ -235,30 +167,29 @@ class Asker:
                 direct = True
                 yield found
         if not direct:
-            yield from self.default(slots, env)
+            yield from self.default(pattern.name, slots, env)
 
-    def default(self, slots: list[Any], env: Bindings) -> Iterator[Bindings]:
+    def default(
+        self, name: str, slots: Sequence[Slot], env: Bindings
+    ) -> Iterator[Bindings]:
         """What holds of a property where no fact has its index."""
-        declared = self.memory.library.properties.get(slots[0].value)
+        declared = self.memory.library.properties.get(name)
         if declared is None:
             return
         for entry in self.memory.entries:
             if self.unify(slots[:-1], entry.fact[:-1], env) is not None:
                 return
-        index: list[Any] = []
-        for slot in slots[:-1]:
-            if isinstance(slot, nodes.Var):
-                if slot.anonymous or slot.name not in env:
-                    return
-                index.append(env[slot.name])
-            else:
-                index.append(slot[1] if isinstance(slot, tuple) else slot.value)
-        value: Any = declared.default
+        index = tuple(slot.value for slot in slots[:-1] if isinstance(slot, Known))
+        if len(index) < len(slots) - 1:
+            return
+        value = declared.default
         if value not in ("unknown", "true", "false"):
-            value = self.functions[value](self.memory, tuple(index))
-        found = self.unify([slots[-1]], (value,), env)
+            value = self.functions[value](self.memory, index)
+        found = self.unify(slots[-1:], (value,), env)
         if found is not None:
             yield found
+
+    # --- believe ------------------------------------------------------------------
 
     def believe(
         self, pattern: nodes.Pattern, age: nodes.Term, env: Bindings
@@ -267,16 +198,15 @@ class Asker:
 
         The proposition comes first: a variable that it binds is a bound age.
         """
-        slots = self.ready(pattern, env)
+        slots = self.slots(pattern, env)
         known = {*env, *(slot.name for slot in slots if isinstance(slot, nodes.Var))}
         asked = isinstance(age, nodes.Var) and (age.anonymous or age.name not in known)
-        self.aged = self.aged or asked
         direct = False
         for entry in list(self.memory.entries):
             found = self.unify(slots, entry.fact, env)
             if found is None:
                 continue
-            if asked:
+            if asked and isinstance(age, nodes.Var):
                 old = number(self.memory.now - entry.stamp)
                 found = self.unify([age], (old,), found)
             elif not self.young(entry.stamp, age, found):
@@ -285,7 +215,7 @@ class Asker:
                 direct = True
                 yield found
         if not direct and not asked:
-            for found in self.default(slots, env):
+            for found in self.default(pattern.name, slots, env):
                 if self.limit(age, found) is not None:
                     yield found
 
@@ -301,46 +231,40 @@ class Asker:
         """The age of a `believe`; None, with a fault, if it is no number."""
         try:
             value = self.term(age, env)
+            if isinstance(value, int | float):
+                return value
+            raise Fault("the age of a `believe` is not a number")
         except Fault as fault:
             self.faults.append(str(fault))
             return None
-        if isinstance(value, int | float):
-            return value
-        self.faults.append("the age of a `believe` is not a number")
-        return None
 
-    # --- the rest ------------------------------------------------------------------------
+    # --- the task's past ----------------------------------------------------------
 
     def past(self, formula: nodes.History, env: Bindings) -> Iterator[Bindings]:
         """`method-tried`, `last-result` and `result-with-method`."""
         assert self.history is not None
-        if formula.query == "last-result":
-            result = self.history.last_result
-        else:
-            name = self.term(formula.args[0], env)
-            if formula.query == "method-tried":
-                if name in self.history.tried:
-                    yield env
-                return
-            result = self.history.results.get(name)
+        if formula.query == "method-tried":
+            if self.term(formula.args[0], env) in self.history.tried:
+                yield env
+            return
+        result = self.history.last_result
+        if formula.query == "result-with-method":
+            result = self.history.results.get(self.term(formula.args[0], env))
+        wanted = formula.args[-1]
+        slot = Known(self.term(wanted, env)) if self.has_value(wanted, env) else wanted
         if result is not None:
-            slot = formula.args[-1]
-            if isinstance(slot, nodes.Call):
-                slot = nodes.Const(self.term(slot, env))  # type: ignore[arg-type]
+            assert isinstance(slot, Known | nodes.Var)
             found = self.unify([slot], (result,), env)
             if found is not None:
                 yield found
 
-    def sensor_name(
-        self, item: nodes.Term, value: nodes.Term, env: Bindings
-    ) -> Iterator[Bindings]:
-        """Every plain symbol is its own sensor name; nothing was introduced."""
-        if isinstance(item, nodes.Var) and (item.anonymous or item.name not in env):
-            return
-        if self.term(value, env) == "true":
-            yield env
 
-
-def is_time(value: object) -> bool:
-    """Whether a value can be a time."""
-    return is_number(value)
+def compare(op: str, left: Value, right: Value) -> bool:
+    """`= n=` compare anything; the others fail on anything but two numbers."""
+    if op in ("=", "n="):
+        return (left == right) == (op == "=")
+    if not (isinstance(left, int | float) and isinstance(right, int | float)):
+        return False
+    if op in ("<", ">"):
+        return left < right if op == "<" else left > right
+    return left <= right if op == "<=" else left >= right

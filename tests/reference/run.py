@@ -17,8 +17,9 @@ from rapc.runtime.world import Time, World
 from rapc.source import NOWHERE, Span
 from rapc.terms import Fact
 from tests.reference.memory import Memory
-from tests.reference.queries import Asker, Bindings, Fault, Functions
+from tests.reference.queries import Asker
 from tests.reference.tasks import Running, Task
+from tests.reference.terms import Bindings, Fault, Functions
 
 
 class Limits:
@@ -72,7 +73,7 @@ class Run:
         self.last_family: int | None = None
         self.idle = 0
 
-    # --- the trace ------------------------------------------------------------------
+    # --- the trace ----------------------------------------------------------------
 
     def tell(self, kind: type[events.Event], **keys: Any) -> None:
         """Add an event to the trace."""
@@ -106,7 +107,7 @@ class Run:
                 self.appointments.remove(entry)
                 entry[1]()
 
-    # --- asking -----------------------------------------------------------------------
+    # --- asking -------------------------------------------------------------------
 
     def asker(self, task: Task | None) -> Asker:
         """Someone to ask, on behalf of a task."""
@@ -142,7 +143,7 @@ class Run:
         except Fault as fault:
             return None, str(fault)
 
-    # --- tasks ----------------------------------------------------------------------------
+    # --- tasks --------------------------------------------------------------------
 
     def live(self) -> list[Task]:
         """The tasks on the agenda, by number."""

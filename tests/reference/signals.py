@@ -7,9 +7,9 @@ from rapc.resources import Value
 from rapc.runtime import events
 from rapc.terms import Fact, format_list
 from tests.reference.endings import bindings_repeat, clear, fail, succeed
-from tests.reference.queries import Fault
 from tests.reference.run import Run
 from tests.reference.tasks import Task
+from tests.reference.terms import Fault
 
 
 def hear(run: Run, content: Fact) -> None:
@@ -23,7 +23,8 @@ def hear(run: Run, content: Fact) -> None:
 
 def one_hears(run: Run, task: Task, content: Fact) -> None:
     """The first of a step's waits that matches a signal says what it does."""
-    assert task.place is not None and task.parent is not None
+    assert task.place is not None
+    assert task.parent is not None
     for wait in task.place.step.annotations:
         if not isinstance(wait, nodes.WaitFor):
             continue
@@ -57,10 +58,12 @@ def matches(
 ) -> dict[str, Value] | None:
     """The bindings under which a signal is the awaited one, or None."""
     assert task.parent is not None
+    if wait.signal != content[0] or len(wait.args) != len(content) - 1:
+        return None
     asker = run.asker(task.parent.task)
     pattern = nodes.Pattern(wait.signal, wait.args)
     try:
-        slots = asker.ready(pattern, task.parent.env)
+        slots = asker.slots(pattern, task.parent.env)
     except Fault as fault:
         run.fault(task.parent.task, "wait-for", wait, str(fault))
         return None

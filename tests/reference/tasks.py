@@ -10,6 +10,8 @@ from rapc.resources import Value
 from rapc.runtime.world import Time
 from rapc.terms import Fact, format_atom
 
+_TIMES = ("now", "absolute")
+
 
 class Place:
     """A step of a running method: its task, and how far it has come."""
@@ -55,9 +57,8 @@ class Running:
             if place.step.tag in tags:
                 before.append(other)
         for note in place.step.annotations:
-            if isinstance(note, nodes.Window):
-                if note.reference not in ("now", "absolute"):
-                    before.append(self.place(note.reference))
+            if isinstance(note, nodes.Window) and note.reference not in _TIMES:
+                before.append(self.place(note.reference))
         return before
 
     def conditions(self, place: Place) -> list[nodes.Formula]:
@@ -115,7 +116,6 @@ class Task:
         self.blocked_on = ""
         self.once = False
         self.timers: list[Time] = []
-        self.asked_age = False
         self.failures: dict[int, int] = {}
         self.chosen: dict[tuple[object, ...], int] = {}
         self.has_failed = False

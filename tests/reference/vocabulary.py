@@ -8,6 +8,7 @@ DECLARATIONS: tuple[tuple[object, ...], ...] = (
     ("declare-memory-property", "k", ("?a", "?b", "?value"), "true"),
     ("declare-memory-property", "g", ("?a", "?value"), "guess"),
     ("declare-memory-property", "mode", ("?value",), "unknown"),
+    ("declare-memory-property", "loose", "true"),
     ("declare-memory-proposition", "q", ("?a",)),
     ("declare-memory-proposition", "r", ("?a", "?b")),
     ("declare-memory-function", "twice", ("?a",), ":reads", ()),
@@ -23,7 +24,7 @@ DECLARATIONS: tuple[tuple[object, ...], ...] = (
     ("declare-event", ":stop", ()),
 )
 
-PROPERTIES = {"p": 1, "b": 1, "k": 2, "g": 1, "mode": 0}
+PROPERTIES = {"p": 1, "b": 1, "k": 2, "g": 1, "mode": 0, "loose": 1}
 """The properties, with the number of arguments before the value."""
 
 PROPOSITIONS = {"q": 1, "r": 2}

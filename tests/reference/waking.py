@@ -14,7 +14,7 @@ from rapc.terms import format_atom, is_number, number
 from tests.reference.run import Run, unbound
 from tests.reference.tasks import Place, Task
 
-# --- inputs and what is evaluated with them ----------------------------------------
+# --- inputs and what is evaluated with them ---------------------------------------
 
 
 def read_inputs(run: Run, task: Task) -> None:
@@ -132,7 +132,7 @@ def times(
     return found[0], found[1]  # type: ignore[return-value]
 
 
-# --- order, windows, deadlines --------------------------------------------------------
+# --- order, windows, deadlines ----------------------------------------------------
 
 
 def order_allows(task: Task) -> bool:
@@ -212,7 +212,7 @@ def note_missed(run: Run, task: Task) -> None:
         task.to_tell.append(stated)
 
 
-# --- monitors -----------------------------------------------------------------------------
+# --- monitors ---------------------------------------------------------------------
 
 
 def delay_over(run: Run, task: Task) -> bool:
@@ -223,7 +223,6 @@ def delay_over(run: Run, task: Task) -> bool:
 def monitors_hold(run: Run, task: Task) -> bool:
     """Whether all monitors of a task hold now; notes when that may change."""
     task.timers = []
-    task.asked_age = False
     if not delay_over(run, task):
         return False
     formula = task.rap.monitor_state
@@ -304,7 +303,7 @@ def next_time(run: Run) -> Time | None:
     return min(found, default=None)
 
 
-# --- beginning to listen ------------------------------------------------------------------
+# --- beginning to listen ----------------------------------------------------------
 
 
 def listen(run: Run, place: Place) -> None:

@@ -92,6 +92,8 @@ class Words:
         if self.chance(0.3):
             name = self.pick(("twice", "look-up", "peek"))
             return (name, self.pick((*self.known, *SYMBOLS, *NUMBERS)))
+        if self.chance(0.05):
+            return ("-", self.number())
         sign = self.pick(("+", "-", "*", "/"))
         last = self.pick((*NUMBERS, *self.known) if self.odd(1) else ("1", "2", "3"))
         return (sign, self.number(), last)
