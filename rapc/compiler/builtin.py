@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 
-from rapc.resources import Counter, SetResource
-from rapc.terms import Number, format_atom, number
+from rapc.resources import Counter, SetResource, Value
+from rapc.terms import Number, Text, format_atom, number
 
 
 class Fault(Exception):
@@ -129,6 +129,19 @@ def less_equal(a: object, b: object) -> bool:
 def _comparable(a: object, b: object) -> bool:
     kinds = (int, float)
     return type(a) in kinds and type(b) in kinds
+
+
+def as_value(result: object) -> Value:
+    """What a registered function returned as the value of a term.
+
+    Raises Fault for what is no value of the language, None and `bool` among it.
+    """
+    if type(result) is float:
+        return _finite(result)
+    kinds = (str, int, Text, Counter, SetResource)
+    if isinstance(result, kinds) and not isinstance(result, bool):
+        return result
+    raise Fault(f"`{result}` is not a value")
 
 
 def holds(result: object) -> bool:

@@ -13,10 +13,12 @@ from rapc.compiler.emitter import Scope
 from rapc.compiler.terms import (
     Clause,
     arguments,
+    attempt,
     bound_value,
     fault,
     known_value,
     match,
+    registered,
 )
 from rapc.compiler.vocabulary import Relation
 from rapc.ir import nodes
@@ -89,7 +91,7 @@ def _fact(
 
 def _look_up(clause: Clause, scope: Scope, query: _Query) -> None:
     """A property whose index is known: one look, then the default (T 2.2.2)."""
-    index, fact, value = (clause.emitter.fresh(p) for p in ("i", "f", "t"))
+    index, fact = (clause.emitter.fresh(p) for p in ("i", "f"))
     name = clause.emitter.constant(query.relation.name)
     parts = "".join(f"{k}, " for k in query.known[:-1])
     scope.line(f"{index} = ({name}, {parts})")
@@ -97,11 +99,11 @@ def _look_up(clause: Clause, scope: Scope, query: _Query) -> None:
     must_exist = query.age is not None and _asks_age(scope, query.age, query.args)
     if must_exist:
         scope.refuse(f"{fact} is None")
-        scope.line(f"{value} = {fact}[-1]")
+        value = f"{fact}[-1]"
     else:
         default = _default(clause, query.relation, index)
-        scope.line(f"if {fact} is None: {value} = {default}")
-        scope.line(f"else: {value} = {fact}[-1]")
+        either = f"{default} if {fact} is None else {fact}[-1]"
+        value = attempt(clause, scope, either)
     expected = query.known[-1]
     if query.may_be_external:
         scope.require(f"{value} == {expected} or ctx.is_here({fact}, {expected})")
@@ -118,7 +120,7 @@ def _default(clause: Clause, relation: Relation, index: str) -> str:
     function = relation.default_function
     if function is None:
         return clause.emitter.constant(relation.default)
-    return f"ctx.functions[{clause.emitter.constant(function)}](ctx.view, {index})"
+    return registered(clause, function, index)
 
 
 def _scan(clause: Clause, scope: Scope, query: _Query) -> None:

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from rapc.compiler import facts
 from rapc.compiler.emitter import MAX_LOOPS, Scope
-from rapc.compiler.terms import Clause, arguments, known_value, match
+from rapc.compiler.terms import Clause, arguments, attempt, known_value, match
 from rapc.ir import nodes
 
 
@@ -188,12 +188,7 @@ def _set_test(clause: Clause, scope: Scope, formula: nodes.SetTest) -> None:
     args = arguments(clause, scope, formula.args)
     if args is None:
         return
-    members = clause.emitter.fresh("t")
-    scope.line("try:")
-    scope.line(f"    {members} = set_members({args[0]})")
-    scope.line("except Fault as fault:")
-    scope.line(f"    ctx.fault({clause.where}, str(fault))")
-    scope.line(f"    {scope.skip}")
+    members = attempt(clause, scope, f"set_members({args[0]})")
     if formula.test == "member":
         scope.require(f"{args[1]} in {members}")
     else:

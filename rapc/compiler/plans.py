@@ -300,7 +300,9 @@ def _annotate(
             target.conditions.append((plan.position, query))
     elif isinstance(annotation, nodes.UntilEnd | nodes.UntilStart):
         ended = isinstance(annotation, nodes.UntilEnd)
-        plans[at_tag[annotation.tag]].until.append((plan.position, ended))
+        target = plans[at_tag[annotation.tag]]
+        if target is not plan:
+            target.until.append((plan.position, ended))
     elif isinstance(annotation, nodes.Window):
         reference: str | int = annotation.reference
         if annotation.reference not in ("now", "absolute"):

@@ -222,8 +222,7 @@ def _compile_term(term: nodes.Term) -> Callable[[Context, Bindings], Value]:
         args = [part(ctx, env) for part in parts]
         if builtin_function is not None:
             return builtin_function(args)
-        result: Value = ctx.functions[name](ctx.view, *args)
-        return result
+        return builtin.as_value(ctx.functions[name](ctx.view, *args))
 
     return compute
 

@@ -34,6 +34,7 @@ class Clause:
         emitter.namespace.update(
             UNBOUND=builtin.UNBOUND,
             Fault=builtin.Fault,
+            as_value=builtin.as_value,
             less=builtin.less,
             less_equal=builtin.less_equal,
             holds=builtin.holds,
@@ -90,17 +91,25 @@ def arguments(
 
 
 def _computed(clause: Clause, scope: Scope, term: nodes.Call) -> str:
-    result = clause.emitter.fresh("t")
     args = arguments(clause, scope, term.args)
     if args is None:
         return "UNBOUND"
     listed = "".join(f"{a}, " for a in args)
     function = builtin.FUNCTIONS.get(term.function)
     if function is None:
-        name = clause.emitter.constant(term.function)
-        expression = f"ctx.functions[{name}](ctx.view, {listed})"
-    else:
-        expression = f"{clause.emitter.constant(function)}(({listed}))"
+        return attempt(clause, scope, registered(clause, term.function, listed))
+    return attempt(clause, scope, f"{clause.emitter.constant(function)}(({listed}))")
+
+
+def registered(clause: Clause, name: str, listed: str) -> str:
+    """The expression for what a registered function returns for these arguments."""
+    named = clause.emitter.constant(name)
+    return f"as_value(ctx.functions[{named}](ctx.view, {listed}))"
+
+
+def attempt(clause: Clause, scope: Scope, expression: str) -> str:
+    """A new local for what an expression comes to; a fault in it gives up."""
+    result = clause.emitter.fresh("t")
     scope.line("try:")
     scope.line(f"    {result} = {expression}")
     scope.line("except Fault as fault:")

@@ -115,14 +115,15 @@ def _end(machine: Machine, task: Task, result: str) -> None:
 def _named(machine: Machine, content: Fact) -> Fact:
     """A datum with memory names for the sensor names that are known."""
     name_of = machine.memory.items.name_of
-    return tuple(name_of(part) if isinstance(part, str) else part for part in content)
+    name, *parts = content
+    return (name, *(name_of(p) if isinstance(p, str) else p for p in parts))
 
 
 def _handle(machine: Machine, content: Fact) -> Fact:
     handler = machine.handlers.data.get(str(content[0]))
     if handler is None:
         raise PortError(f"the world has no handler for its datum {content[0]}")
-    named = (content[0], *_named(machine, content[1:]))
+    named = _named(machine, content)
     handler(machine.access, named)
     return named
 
