@@ -197,3 +197,19 @@ def test_a_failure_sets_off_no_until() -> None:
         "(top)",
     )
     assert ran.told("removed") == ["removed idle sibling-failed"]
+
+
+def test_a_step_cannot_end_itself() -> None:
+    ran = play(
+        USE
+        + """
+        (define-rap (top)
+          (method (task-net (t1 (use a) (until-start t1) (until-end t1)))))
+        """,
+        "(top)",
+    )
+    assert ran.told("asked", "removed", "succeeded") == [
+        "asked (act a)",
+        "succeeded (use a)",
+        "succeeded (top)",
+    ]
