@@ -28,13 +28,13 @@ from tests.reference.run import Limits
 class Case(msgspec.Struct, frozen=True):
     """A library as nested lists of words, its world, and what is asked of it.
 
-    `solvers` are names of RAPs with methods, the first of which is always returned,
+    `source`, if given, is the library instead. `solvers` are names of RAPs with methods, the first of which is always returned,
     the others where `(p a 1)` is not believed. `host` are a time, what the host does
     then (`assert`, `erase`, `signal`, `cancel`, `submit`) and with what.
     """
 
     seed: int
-    forms: tuple[Any, ...]
+    forms: tuple[Any, ...] = ()
     rows: tuple[Row, ...] = ()
     at: tuple[At, ...] = ()
     facts: tuple[str, ...] = ()
@@ -44,11 +44,12 @@ class Case(msgspec.Struct, frozen=True):
     until: int | None = 60
     cycles: int | None = 150
     settings: Settings = Settings(idle_cycles=40)
+    source: str = ""
 
     @property
     def text(self) -> str:
         """The library as text, one clause or step to a line."""
-        return "\n".join(_print(form, 0) for form in self.forms) + "\n"
+        return self.source or "\n".join(_print(form, 0) for form in self.forms) + "\n"
 
 
 def _print(form: Any, depth: int) -> str:

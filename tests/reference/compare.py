@@ -78,16 +78,17 @@ def report(case: Case, outcome: Outcome) -> str:
     lines.append(f"until {case.until}, cycles {case.cycles}, {case.settings}")
     common = outcome.common
     first = max(0, common - 25)
-    lines += [f"  both {_short(row)}" for row in outcome.rapc[first:common]]
-    lines += [f"  rapc {_short(r)}" for r in outcome.rapc[common : common + 4]]
-    lines += [f"  ref  {_short(r)}" for r in outcome.reference[common : common + 4]]
+    lines += [f"  both {short(row)}" for row in outcome.rapc[first:common]]
+    lines += [f"  rapc {short(row)}" for row in outcome.rapc[common : common + 4]]
+    lines += [f"  ref  {short(row)}" for row in outcome.reference[common : common + 4]]
     return "\n".join(lines)
 
 
-def _short(row: Row) -> str:
+def short(row: Row) -> str:
+    """An event on one line."""
     keys = {k: v for k, v in row.items() if k not in ("event", "cycle", "time")}
     words = " ".join(f"{key}={value}" for key, value in keys.items())
-    return f"c{row['cycle']} t{row['time']} {row['event']} {words}"
+    return f"c{row['cycle']} t{row['time']} {row['event']} {words}".rstrip()
 
 
 def main() -> None:
@@ -108,7 +109,7 @@ def main() -> None:
     for seed in seeds:
         case = generate(seed)
         outcome = compare(case)
-        here = Counter(_kind(row) for row in outcome.reference)
+        here = Counter(kind_of(row) for row in outcome.reference)
         kinds.update(here)
         runs.update(dict.fromkeys(here, 1))
         if outcome.verdict != "agree":
@@ -123,7 +124,7 @@ def main() -> None:
         print(f"{count:9} {kind} in {runs[kind]} runs")
 
 
-def _kind(row: Row) -> str:
+def kind_of(row: Row) -> str:
     """An event's kind, split by what distinguishes its cases."""
     for key in ("reason", "cause"):
         if key in row:
