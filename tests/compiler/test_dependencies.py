@@ -142,6 +142,6 @@ def test_a_function_is_heard_through_what_it_reads() -> None:
     }
     vocabulary = type(VOCABULARY)(VOCABULARY.relations, declared)
     near = watches(formula("(near a)"), vocabulary)
-    assert [w.resolve({}) for w in near] == [("p",), ("q",)]
+    assert [w.resolve({}) for w in near if w.key] == [("p",), ("q",)]
     far = watches(formula("(= (far a) 1)"), vocabulary)
     assert [w.resolve({}) for w in far] == [ANYTHING]

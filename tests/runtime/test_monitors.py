@@ -384,3 +384,20 @@ def test_a_monitored_task_is_tested_when_order_and_start_allow_it() -> None:
         "3 blocked wait on (p b)",
         "8 blocked wait on (p c)",
     ]
+
+
+def test_a_function_given_a_resource_is_tested_when_that_changes() -> None:
+    ran = play(
+        """
+        (declare-memory-function enough (?counter) :reads ())
+        (define-rap (top) (resources (counter ?c))
+          (method (task-net (t1 (watch ?c)) (t2 (rest) (counter-add ?c 2)))))
+        (define-rap (rest) (method (primitive (slow it))))
+        (define-rap (watch ?c) (monitor-state (enough ?c))
+          (method (primitive (act a))))
+        """,
+        "(top)",
+        functions={"enough": lambda view, counter: counter.value > 1},
+        rows=[row("(slow it)", after=4)],
+    )
+    assert ran.told("asked", times=True)[-1] == "4 asked (act a)"
