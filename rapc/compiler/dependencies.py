@@ -76,12 +76,12 @@ def _of(node: nodes.Node, vocabulary: Vocabulary) -> Iterator[Watch]:
         if relation is not None:
             yield from _pattern(node, relation)
         elif node.name in vocabulary.functions:
-            yield from _function(node.name, vocabulary)
+            yield from _function(node.name, node.args, vocabulary)
     elif isinstance(node, nodes.Call):
         if node.function in ("value", "size-of"):
             yield from _resources(node.args)
         elif node.function in vocabulary.functions:
-            yield from _function(node.function, vocabulary)
+            yield from _function(node.function, node.args, vocabulary)
     elif isinstance(node, nodes.SetTest):
         yield from _resources(node.args[:1])
     elif isinstance(node, nodes.SensorName):
@@ -121,7 +121,10 @@ def _may_be_default(relation: Relation, value: nodes.Term) -> bool:
     return value.value == relation.default
 
 
-def _function(name: str, vocabulary: Vocabulary) -> Iterator[Watch]:
+def _function(
+    name: str, args: tuple[nodes.Term, ...], vocabulary: Vocabulary
+) -> Iterator[Watch]:
+    yield from _resources(args)
     reads = vocabulary.functions[name].reads
     if reads is None:
         yield Watch(ANYTHING)
