@@ -28,9 +28,10 @@ from tests.reference.run import Limits
 class Case(msgspec.Struct, frozen=True):
     """A library as nested lists of words, its world, and what is asked of it.
 
-    `source`, if given, is the library instead. `solvers` are names of RAPs with methods, the first of which is always returned,
-    the others where `(p a 1)` is not believed. `host` are a time, what the host does
-    then (`assert`, `erase`, `signal`, `cancel`, `submit`) and with what.
+    `source`, if given, is the library instead. `solvers` are names of RAPs with
+    methods, the first of which is always returned, the others where `(p a 1)` is not
+    believed. `host` are a time, what the host does then (`assert`, `erase`, `signal`,
+    `cancel`, `submit`) and with what.
     """
 
     seed: int
@@ -49,15 +50,16 @@ class Case(msgspec.Struct, frozen=True):
     @property
     def text(self) -> str:
         """The library as text, one clause or step to a line."""
-        return self.source or "\n".join(_print(form, 0) for form in self.forms) + "\n"
+        return self.source or "\n".join(print_form(form) for form in self.forms) + "\n"
 
 
-def _print(form: Any, depth: int) -> str:
+def print_form(form: Any, depth: int = 0) -> str:
+    """Nested words as text, one clause or step to a line."""
     if isinstance(form, str):
         return form
     head = form[0] if form and isinstance(form[0], str) else ""
     broken = head in ("define-rap", "method", "task-net") or depth == 3
-    parts = [_print(part, depth + 1) for part in form]
+    parts = [print_form(part, depth + 1) for part in form]
     gap = "\n" + " " * (2 * depth + 2) if broken else " "
     return f"({gap.join(parts)})"
 
@@ -119,7 +121,7 @@ def _seen(memory: HandlerMemory, datum: Fact) -> None:
 def _solvers(case: Case) -> dict[str, Callable[..., list[nodes.Method]]]:
     found: dict[str, Callable[..., list[nodes.Method]]] = {}
     for name, methods in case.solvers:
-        text = _print(("define-rap", ("index", ("solved",)), *methods), 0)
+        text = print_form(("define-rap", ("index", ("solved",)), *methods))
         form = parse(SourceFile("solver.rap", text)).forms[0]
         assert isinstance(form, nodes.DefineRap)
         found[name] = functools.partial(_solve, form.methods)

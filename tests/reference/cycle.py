@@ -20,12 +20,11 @@ _DONE = nodes.History("last-result", (nodes.Const("okay"),))
 
 def process(run: Run, task: Task) -> None:
     """Steps 1 to 5: whatever may end the cycle before a method is chosen."""
-    first, task.selected = not task.selected, True
-    if first and not task.monitored:
+    if not task.begun and not task.monitored:
         until_start(run, task)
     if not inputs_bound(run, task):
         return
-    if first and task.monitored and monitors_hold(run, task):
+    if not task.begun and monitors_hold(run, task):
         until_start(run, task)
     found = run.holds(task, task.rap.succeed or _DONE, task.own, "succeed")
     if found is not None:
@@ -91,6 +90,7 @@ def for_formulas(run: Run, task: Task) -> bool:
 
 def until_start(run: Run, task: Task) -> None:
     """A first selection, its monitors holding, ends what runs until this starts."""
+    task.begun = True
     if task.parent is not None and task.place is not None:
         for other in task.parent.places:
             notes = other.step.annotations

@@ -111,7 +111,7 @@ class Task:
         self.missed: Time | None = None
         self.to_tell: list[Time] = []
         self.running: Running | None = None
-        self.selected = False
+        self.begun = False
         self.blocked = False
         self.blocked_on = ""
         self.once = False
