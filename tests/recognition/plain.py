@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rapc.terms import Atom, Fact
+from rapc.terms import Atom
 
 from . import plain_leaving, plain_matching
 from .plain_facts import Facts
@@ -319,9 +319,3 @@ class Plain:
                 expected = self.sets.pop(key)
                 for view in expected.views():
                     forgotten.extend(other for other in view if other.name)
-
-    # --- to be read ----------------------------------------------------------
-
-    def all_facts(self) -> dict[Fact, float]:
-        """Every fact with its stamp."""
-        return self.facts.stamps

@@ -1,4 +1,8 @@
-"""Which things go when an item leaves a set: every collection is tried."""
+"""Which things go when an item leaves a set: every collection is tried.
+
+So it is for small sets only; the bound of 14 groups, above which section 7 is content
+with less than the smallest collection, is not kept here.
+"""
 
 from __future__ import annotations
 

@@ -37,18 +37,18 @@ Match = tuple[str, str | None, float | None, float | None]
 
 
 class Story:
-    """One memory, one class of items, and a clock that each step moves on."""
+    """One memory, the class most items are of, and a clock that each step moves."""
 
     def __init__(self, side: Side, kind: str) -> None:
         self.side = side
         self._kind = kind
         self._time = 0
 
-    def see(self, place: Atom, seen: Seen) -> list[Match]:
+    def see(self, place: Atom, seen: Seen, kind: str | None = None) -> list[Match]:
         """Items come into view, and are looked at; what that merges."""
         batch: list[Operation] = []
         for sensor, properties in seen.items():
-            batch.append(("introduce", sensor, self._kind, place))
+            batch.append(("introduce", sensor, kind or self._kind, place))
             for name, value in properties.items():
                 batch.append(("assert", name, f"@{sensor}", value))
         return self.do(*batch)

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -64,10 +65,10 @@ def digest(seeds: range) -> str:
     """What some walks come to, facts and events in their order, in a few letters."""
     found = hashlib.sha256()
     for seed in seeds:
-        memory = UnderTest(WORLD)
-        for _ in walk(seed, memory):
-            picture = memory.picture()
-            found.update(repr((picture, memory.told())).encode())
+        sides = UnderTest(WORLD), ByHand(WORLD)
+        for _ in walk(seed, *sides):
+            for side in sides:
+                found.update(repr((side.picture(), side.told())).encode())
     return found.hexdigest()
 
 
@@ -75,6 +76,7 @@ def test_the_order_of_dictionaries_does_not_matter() -> None:
     outcomes = {
         subprocess.run(
             [sys.executable, "-c", DIGEST],
+            cwd=Path(__file__).parents[2],
             env={**os.environ, "PYTHONHASHSEED": seed},
             capture_output=True,
             text=True,

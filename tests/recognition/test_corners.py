@@ -1,0 +1,83 @@
+"""Corners of section 7 that T does not walk into, shown on both memories."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import pytest
+
+from .driving import Side, Told
+from .sides import ByHand, UnderTest
+from .story import DEPOT, Looked, Seen, Story, items
+
+
+@pytest.fixture(params=[UnderTest, ByHand])
+def side(request: pytest.FixtureRequest) -> Side:
+    """Each of the two memories."""
+    return cast(Side, request.param(DEPOT))
+
+
+def test_nothing_merges_where_no_member_can_stand_once_in_each_layer(
+    side: Side,
+) -> None:
+    story = Story(side, "drum")
+    known: Looked = {"color": "red", "mark": "cross"}
+    like: Looked = {"color": "red", "content": "full"}
+    story.see("dock", {"1": known, "2": {"size": 1}, "3": {"size": 2}})
+    story.leave()
+    seen: Seen = {"1b": known, "4": like, "5": {"is-empty": "false"}}
+    assert story.see("dock", seen) == [("@1", "@1b", 30, 10)]
+    story.leave()
+    assert story.see("dock", {"6": like, "7": like}) == []
+    # 6 is like 1 in the first layer and like 4 in the second, where 1 stands too.
+    side.run(9, [("move", "@6", "bay")])
+    moved, *merged = side.told()
+    assert moved == Told("moved", "@6", "6", "drum", "bay", None, None, None)
+    assert [(each.item, each.other) for each in merged] == [("@1", "@7")]
+    assert story.values("@6") == like
+    assert story.values("@1") == {"color": "red", "mark": "cross", "content": "full"}
+    first, second = story.set("dock").layers
+    assert (items(first), items(second)) == ({"@2", "@3"}, {"@1", "@5"})
+    assert not any("@4" in fact for fact in side.picture().facts)
+
+
+def test_a_moved_item_keeps_what_is_known_of_itself(side: Side) -> None:
+    story = Story(side, "drum")
+    story.see("dock", {"1": {"color": "red", "size": 1}})
+    story.see("dock", {"2": {"color": "green", "size": 1}})
+    story.leave()
+    story.see("dock", {"3": {"color": "blue", "size": 1}, "4": {"size": 1}})
+    story.look("1", "size", 2)
+    story.look("2", "size", 2)
+    story.do(("move", "@3", "bay"))
+    assert story.name("@3") == "@1"
+    assert story.values("@3") == {"color": "blue", "size": 1}
+    assert story.values("@2") == {"color": "unknown", "size": 2}
+
+
+def test_containers_that_are_one_hold_together_what_each_held(side: Side) -> None:
+    story = Story(side, "drum")
+    story.see("dock", {"1": {"color": "red"}, "2": {"color": "blue"}}, kind="box")
+    story.see("@1", {"3": {"size": 1}, "4": {"size": 2}})
+    story.leave()
+    story.see("dock", {"5": {}, "6": {}}, kind="box")
+    story.see("@5", {"7": {"size": 2}})
+    assert items(story.set("@5").local) == {"@7"}
+    story.look("5", "color", "red")
+    held = story.set("@1")
+    assert (items(held.local), items(held.layers[0])) == ({"@4"}, {"@3", "@4"})
+    assert story.name("@7") == "@4"
+    assert side.picture().facts["location", "@4", "@1"] == 5
+
+
+def test_what_was_in_a_forgotten_box_does_not_come_back(side: Side) -> None:
+    story = Story(side, "drum")
+    story.see("dock", {"1": {"color": "red"}}, kind="box")
+    story.see("@1", {"2": {"size": 1}, "3": {"size": 2}})
+    story.do(("assert", "contains", "@2", "@3", "true"))
+    story.leave()
+    story.see("@1", {"4": {}, "5": {}})
+    story.do(("lose", "@1"), ("expire",))
+    assert side.picture().sets == {}
+    assert side.picture().facts == {}
+    assert story.see("dock", {"6": {"size": 1}}) == []
