@@ -17,6 +17,13 @@ from rapc.source import Span
 from rapc.spell import nearest
 from rapc.terms import Fact
 
+_Offered = (
+    nodes.DeclarePrimitive
+    | nodes.DeclareDatum
+    | nodes.DeclareSkill
+    | nodes.DeclareEvent
+)
+
 
 class Refused(Exception):
     """A library, world or task that cannot be run; `reasons` are lines of text."""
@@ -43,26 +50,34 @@ def refusals(
 
 
 def _lacking(library: Library, world: World) -> Iterator[str]:
+    """What the library declares and the world does not offer, or not so."""
     offer = world.offer()
-    for primitive in library.primitives.values():
-        offered = offer.primitives.get(primitive.name)
-        place = _place(library, primitive.span)
-        if offered is None:
-            near = nearest(primitive.name, offer.primitives)
+    primitives = {name: arity for name, (arity, _) in offer.primitives.items()}
+    yield from _unoffered(library, world, "primitive", library.primitives, primitives)
+    yield from _unoffered(library, world, "datum", library.data, offer.data)
+    yield from _unoffered(library, world, "skill", library.skills, offer.skills)
+    yield from _unoffered(library, world, "event", library.events, offer.events)
+
+
+def _unoffered(
+    library: Library,
+    world: World,
+    kind: str,
+    declared: Mapping[str, _Offered],
+    offered: Mapping[str, int],
+) -> Iterator[str]:
+    for node in declared.values():
+        place, arity = _place(library, node.span), offered.get(node.name)
+        if arity is None:
+            near = nearest(node.name, offered)
             hint = f"; it has `{near}`" if near else ""
+            yield f"{place}the world `{world.name}` has no {kind} `{node.name}`{hint}"
+        elif arity != len(node.args):
+            takes = "1 argument" if arity == 1 else f"{arity} arguments"
             yield (
-                f"{place}the world `{world.name}` has no primitive "
-                f"`{primitive.name}`{hint}"
+                f"{place}the {kind} `{node.name}` takes {takes} in the world "
+                f"`{world.name}`, not {len(node.args)}"
             )
-        elif offered[0] != len(primitive.args):
-            yield (
-                f"{place}the primitive `{primitive.name}` takes {offered[0]} "
-                f"arguments in the world `{world.name}`, not {len(primitive.args)}"
-            )
-    for datum in library.data.values():
-        if datum.name not in offer.data:
-            place = _place(library, datum.span)
-            yield f"{place}the world `{world.name}` has no datum `{datum.name}`"
 
 
 def _undeclared(library: Library, world: World) -> Iterator[str]:
@@ -100,10 +115,9 @@ def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator
 
 def _unsupported(library: Library) -> Iterator[str]:
     """Declarations that would change how all tasks run, and do not yet."""
-    found: list[tuple[str, nodes.Node, Span]] = []
-    found.extend(("a memory rule", n, n.span) for n in library.memory_rules)
-    found.extend(("an event rule", n, n.span) for n in library.event_rules)
-    for what, _node, span in found:
+    found = [("a memory rule", rule.span) for rule in library.memory_rules]
+    found += [("an event rule", rule.span) for rule in library.event_rules]
+    for what, span in found:
         yield f"{_place(library, span)}{what} cannot be run yet"
 
 
