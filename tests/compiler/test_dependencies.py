@@ -42,7 +42,7 @@ class Ear:
         self.heard = self.heard or not self.keys.isdisjoint(keys)
 
 
-@settings(max_examples=3000)
+@settings(max_examples=1500)
 @given(dice(), sizes, st.integers(1, 6))
 def test_no_change_of_the_answer_goes_unheard(
     thrown: Dice, size: int, leaves: int

@@ -30,14 +30,14 @@ def agree(case: Case, formula: nodes.Formula) -> None:
     assert asked.holds(both.context, case.env) is bool(wanted)
 
 
-@settings(max_examples=4000)
+@settings(max_examples=2000)
 @given(dice(), sizes, st.integers(1, 9))
 def test_any_formula(thrown: Dice, size: int, leaves: int) -> None:
     case = Case(thrown.changes(size), [thrown.formula(leaves)], thrown.env())
     agree(case, case.parts[0])
 
 
-@settings(max_examples=3000)
+@settings(max_examples=1500)
 @given(dice(), sizes, st.integers(1, 3), st.integers(1, 3))
 def test_variables_bound_in_one_branch_only(
     thrown: Dice, size: int, branches: int, users: int
@@ -49,7 +49,7 @@ def test_variables_bound_in_one_branch_only(
     agree(Case(changes, [], thrown.env()), nodes.And((either, *then)))
 
 
-@settings(max_examples=300)
+@settings(max_examples=200)
 @given(dice(), sizes, st.integers(13, 18))
 def test_more_conjuncts_than_python_has_blocks(
     thrown: Dice, size: int, parts: int

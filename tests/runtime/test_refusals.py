@@ -1,0 +1,135 @@
+"""What is refused before the first cycle, and how it is said (semantics 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import pytest
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.refusals import Refused
+from rapc.runtime.submission import read_submission
+from rapc.worlds.script import Row
+from rapc.worlds.scripted import ScriptedWorld
+
+from .helpers import DECLARATIONS, compiled
+
+WORLD = ScriptedWorld(
+    [
+        Row(("act", "?")),
+        Row(("look", "?")),
+        Row(("slow", "?")),
+        Row(("wave", "?"), signals=((":bump", "left"),)),
+    ]
+)
+"""It offers `act`, `look`, `slow`, `wave` and `:bump`, each with one argument."""
+
+
+def reasons(
+    text: str,
+    task: str = "",
+    functions: Mapping[str, Callable[..., Any]] | None = None,
+) -> tuple[str, ...]:
+    """Why a library, or a task of it, is refused; nothing if it is not."""
+    library: CompiledLibrary = compiled(text)
+    try:
+        run = Interpreter(library, WORLD, functions=functions)
+        if task:
+            run.check([read_submission(task)])
+    except Refused as refused:
+        return refused.reasons
+    return ()
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (
+            "(declare-primitive wav (?x) (okay))",
+            "t.rap:11:1: the world `scripted` has no primitive `wav`; it has `wave`",
+        ),
+        (
+            "(declare-primitive wave (?x ?y) (okay))",
+            "t.rap:11:1: the primitive `wave` takes 1 argument in the world "
+            "`scripted`, not 2",
+        ),
+        (
+            "(declare-sensor-datum seen (?x))",
+            "t.rap:11:1: the world `scripted` has no datum `seen`",
+        ),
+        (
+            "(declare-event :bumps (?x))",
+            "t.rap:11:1: the world `scripted` has no event `:bumps`; it has `:bump`",
+        ),
+        (
+            "(declare-event :bump ())",
+            "t.rap:11:1: the event `:bump` takes 1 argument in the world "
+            "`scripted`, not 0",
+        ),
+        (
+            "(declare-skill :roll (?x))",
+            "t.rap:11:1: the world `scripted` has no skill `:roll`",
+        ),
+        (
+            "(declare-memory-function near (?x ?y))",
+            "t.rap:11:1: no function is registered as `near`",
+        ),
+        (
+            "(declare-memory-property weight (?x ?value) weigh)",
+            "t.rap:11:1: no default function is registered as `weigh`",
+        ),
+        (
+            "(declare-indistinct-class cup looks)",
+            "t.rap:11:1: no comparator is registered as `looks`",
+        ),
+    ],
+)
+def test_what_the_world_or_the_host_lacks(text: str, reason: str) -> None:
+    assert DECLARATIONS.count("\n") == 10
+    assert reasons(text) == (reason,)
+
+
+def test_what_is_there_is_not_refused() -> None:
+    text = """
+        (declare-primitive wave (?x) (okay))
+        (declare-event :bump (?side))
+        (declare-memory-function near (?x))
+        (declare-memory-property weight (?x ?value) weigh)
+        """
+    functions = {"near": lambda view, thing: True, "weigh": lambda view, index: 0}
+    assert reasons(text, functions=functions) == ()
+
+
+SKILLS = """
+(define-rap (easy) (method (task-net)))
+(define-rap (hard)
+  (method (task-net (t1 (middle)))))
+(define-rap (middle)
+  (method (context nil) (task-net (t1 (drive)) (t2 (easy)) (t3 (gone)))))
+(define-rap (drive)
+  (method (primitive (enable (:roll fast)) (wait-for (:bump ?) :succeed))))
+"""
+
+
+def test_a_task_is_refused_if_it_can_reach_what_cannot_be_run() -> None:
+    assert reasons(SKILLS, "(easy)") == ()
+    found = reasons(SKILLS, "(hard)")
+    assert len(found) == 2
+    assert any(
+        reason.endswith("a primitive that enables skills in `drive` cannot be run yet")
+        for reason in found
+    )
+    assert "no RAP is named `gone`" in found[0]
+
+
+@pytest.mark.parametrize(
+    ("task", "reason"),
+    [
+        ("(eazy)", "no RAP is named `eazy`; did you mean `easy`?"),
+        ("(easy now)", "`easy` takes 0 inputs, not 1"),
+    ],
+)
+def test_a_task_that_no_rap_serves(task: str, reason: str) -> None:
+    assert reasons(SKILLS, task) == (reason,)
