@@ -23,7 +23,10 @@ DEPOT = Declared(
     ),
     indistinct=("drum", "box"),
     excludes=(("is-empty", "true", "contains", "true"),),
-    comparators={("box", "warehouse"): Comparator(ignored=("is-empty",))},
+    comparators={
+        ("box", "warehouse"): Comparator(ignored=("is-empty",)),
+        ("drum", "paint-shop"): Comparator(veto=("color",)),
+    },
 )
 
 Looked = Mapping[str, Atom]

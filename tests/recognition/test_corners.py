@@ -81,3 +81,30 @@ def test_what_was_in_a_forgotten_box_does_not_come_back(side: Side) -> None:
     assert side.picture().sets == {}
     assert side.picture().facts == {}
     assert story.see("dock", {"6": {"size": 1}}) == []
+
+
+def test_a_count_is_of_the_place_that_its_name_turns_out_to_be(side: Side) -> None:
+    story = Story(side, "drum")
+    story.see("dock", {"1": {"color": "red"}}, kind="box")
+    story.see("@1", {"2": {"size": 1}})
+    story.leave()
+    story.do(("introduce", "3", "box", "dock"), ("fix", "@3"))
+    assert story.name("@3") == "@1"
+    assert ("drum", "@1") not in side.picture().sets
+    assert side.picture().facts["location", "@2", "unknown"] == 4
+
+
+def test_an_item_like_none_is_of_no_group_that_holds_another(side: Side) -> None:
+    story = Story(side, "drum")
+    red: Looked = {"color": "red"}
+    story.see("paint-shop", {"1": red, "2": red, "3": {"color": "blue"}})
+    story.leave()
+    seen: Seen = {"1b": red, "4": {"color": "green"}, "5": {}}
+    assert story.see("paint-shop", seen) == [("@1", "@1b", 20, None)]
+    assert story.leave() == []
+    # 1 and 2 are alike, and 4 is not 1: so 4 is taken for 3.
+    assert story.do(("lose", "@4")) == [("@2", "@5", 10, None)]
+    assert story.name("@4") == "@3"
+    assert story.values("@4") == {"color": "green"}
+    assert story.values("@2") == red
+    assert [items(layer) for layer in story.set("paint-shop").layers] == [{"@1", "@2"}]
