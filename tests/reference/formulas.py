@@ -47,13 +47,16 @@ def watched(words: Words) -> Datum:
     """A formula that what the script does makes true and false."""
     if words.odd(0.3):
         return formula(words)
-    if words.chance(0.15):
+    if words.chance(0.7 if words.counters else 0.1):
         return _about_resources(words)
     name = words.pick(("p", "q", "b"))
     item = words.pick((*SYMBOLS, *words.known, "?u"))
     fact: Datum = (name, item)
     if name != "q":
-        fact = (name, item, words.pick((*VALUES, "?v")))
+        default = "unknown" if name == "p" else "false"
+        fact = (name, item, words.pick((*VALUES, "?v", *[default] * 4)))
+    if words.chance(0.15):
+        return ("and", ("believe", fact, "?w"), (">", "?w", words.pick(NUMBERS)))
     if words.chance(0.4):
         fact = ("believe", fact, words.pick((*NUMBERS, *NUMBERS, "?w")))
     return ("not", fact) if words.chance(0.4) else fact

@@ -43,5 +43,8 @@ def generate(seed: int) -> Case:
 
 
 def _sketch(rng: random.Random, number: int) -> Sketch:
-    inputs, outputs = rng.choice((0, 1, 1, 2)), rng.choice((0, 0, 1, 1, 2))
-    return Sketch(f"r{number}", ["?i", "?j"][:inputs], ["?o", "?n"][:outputs])
+    """A RAP to be; its input `?k`, if it has one, is meant for a counter."""
+    inputs = ["?i", "?j"][: rng.choice((0, 1, 1, 2))]
+    if number and rng.random() < 0.25:
+        inputs.append("?k")
+    return Sketch(f"r{number}", inputs, ["?o", "?n"][: rng.choice((0, 0, 1, 1, 2))])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from rapc.ir import nodes
+from rapc.ir.walk import variables
 from rapc.resources import Counter, SetResource, Value, frozen
 from rapc.runtime import events
 from rapc.terms import Fact, format_atom
@@ -105,7 +106,7 @@ def start(run: Run, task: Task, method: nodes.Method, env: Bindings) -> None:
         task=task.number,
         rap=task.rap.name,
         method=method_name(method),
-        bindings={name: format_atom(value) for name, value in env.items()},
+        bindings={n: format_atom(env[n]) for n in in_order(task, method, env)},
     )
     if not note(run, running):
         method_badly(run, running, "interference", "sibling-failed")
@@ -115,6 +116,16 @@ def start(run: Run, task: Task, method: nodes.Method, env: Bindings) -> None:
         method_well(run, running)
     else:
         spawn(run, running)
+
+
+def in_order(task: Task, method: nodes.Method, env: Bindings) -> list[str]:
+    """The names of bindings as the trace orders them: what a formula binds by text."""
+    found = list(task.own)
+    for formula in (task.rap.repeat_while, method.context):
+        if formula is not None:
+            places = sorted((v.span.start, v.name) for v, _ in variables(formula))
+            found += [name for _, name in places if name in env]
+    return list(dict.fromkeys(found))
 
 
 def note(run: Run, running: Running) -> bool:

@@ -55,7 +55,7 @@ def _goal(words: Words, sketches: Sequence[Sketch], at: int, known: list[str]) -
     below = sketches[at + 1 :]
     again = not below or words.chance(0.15)
     sketch = words.pick((*[sketches[at]] * 3, *sketches) if again else below)
-    inputs = [_argument(words) for _ in sketch.inputs]
+    inputs = [_argument(words, name) for name in sketch.inputs]
     if again and words.chance(0.6):
         inputs = [words.pick(known or SYMBOLS) for _ in inputs]
     goal: tuple[Any, ...] = (sketch.name, *inputs)
@@ -67,7 +67,9 @@ def _goal(words: Words, sketches: Sequence[Sketch], at: int, known: list[str]) -
     return goal
 
 
-def _argument(words: Words) -> Datum:
+def _argument(words: Words, name: str) -> Datum:
+    if name == "?k" and words.counters and not words.odd(0.2):
+        return words.pick(words.counters)
     resources = (*words.sets, *words.counters)
     return words.pick(resources) if resources and words.chance(0.3) else words.ground()
 
@@ -85,7 +87,7 @@ def _annotate(
     if others and words.chance(0.2):
         kind = words.pick(("until-end", "until-end", "until-start"))
         notes.append((kind, words.pick(others)))
-    if words.chance(0.2):
+    for _ in range(words.pick((0, 0, 0, 0, 0, 0, 1, 1, 2))):
         reference = words.pick(("now", "now", "absolute", *order[:place]))
         notes.append(("window", reference, words.time(6), words.time(15)))
     if words.chance(0.18):

@@ -22,6 +22,7 @@ def rap(rng: random.Random, wild: float, sketches: Sequence[Sketch], at: int) ->
     """The RAP of a sketch; a mild one has a method that can always be chosen."""
     sketch = sketches[at]
     words = Words(rng, wild, sketch.inputs)
+    words.counters += [name for name in sketch.inputs if name == "?k"]
     mild = at == 0 or words.chance(1 - wild / 2)
     index: tuple[Any, ...] = (sketch.name, *sketch.inputs)
     if sketch.outputs:
@@ -45,6 +46,8 @@ def _resources(words: Words) -> list[Datum]:
     if words.chance(0.35):
         first = words.pick(((), (), ("3",), ("1",)))
         first = (words.number(),) if words.odd(0.2) else first
+        if words.counters and words.chance(0.5):
+            first = tuple(words.counters)
         made.append(("counter", "?c", *first))
         words.counters.append("?c")
     if words.chance(0.25):

@@ -295,7 +295,8 @@ def next_time(run: Run) -> Time | None:
             continue
         if task.place is not None and not task.place.goes:
             continue
-        found += [start for start in starts(task) if start > run.time]
+        last = max(starts(task), default=run.time)
+        found += [last] if last > run.time else []
         if task.blocked:
             if task.delay is not None and not delay_over(run, task):
                 found.append(task.delay[0])
