@@ -29,6 +29,9 @@ class Unbound:
 
 UNBOUND = Unbound()
 
+MOST = 2**1000
+"""No result is larger; so whatever is computed with it is a number again."""
+
 
 def _numbers(args: Sequence[object]) -> list[Number]:
     for arg in args:
@@ -37,52 +40,49 @@ def _numbers(args: Sequence[object]) -> list[Number]:
     return list(args)  # type: ignore[arg-type]  # the loop has seen to it
 
 
-def _finite(value: float) -> Number:
+def _result(compute: Callable[[], float]) -> Number:
+    """What a computation comes to, in its one form. Raises Fault beyond measure."""
     try:
-        return number(value)
+        found = number(compute())
     except (ValueError, OverflowError):
-        raise Fault("the result is too large") from None
+        found = MOST + 1
+    if abs(found) > MOST:
+        raise Fault("the result is too large")
+    return found
 
 
 def add(args: Sequence[object]) -> Number:
-    """`(+ a b ...)`. Raises Fault on anything but numbers."""
-    return _finite(sum(_numbers(args)))
+    """`(+ a b ...)`. Raises Fault on anything but numbers, and beyond measure."""
+    values = _numbers(args)
+    return _result(lambda: sum(values))
 
 
 def subtract(args: Sequence[object]) -> Number:
     """`(- a b ...)`; `(- a)` is the negative. Raises Fault as `add`."""
     first, *rest = _numbers(args)
-    return _finite(first - sum(rest)) if rest else _finite(-first)
+    return _result(lambda: first - sum(rest) if rest else -first)
 
 
 def multiply(args: Sequence[object]) -> Number:
-    """`(* a b ...)`. Raises Fault as `add`, and on results beyond measure."""
-    values = _numbers(args)
-    if sum(v.bit_length() for v in values if isinstance(v, int)) > 1024:
-        raise Fault("the result is too large")
-    return _finite(reduce(lambda a, b: a * b, values))
+    """`(* a b ...)`. Raises Fault as `add`."""
+    return reduce(_product, _numbers(args))
+
+
+def _product(a: Number, b: Number) -> Number:
+    return _result(lambda: a * b)
 
 
 def divide(args: Sequence[object]) -> Number:
-    """`(/ a b ...)`; exact quotients are integers. Raises Fault on zero."""
-    first, *rest = _numbers(args)
-    result: Number = first
-    for divisor in rest:
-        if divisor == 0:
-            raise Fault("division by zero")
-        if isinstance(result, int) and isinstance(divisor, int):
-            whole, left = divmod(result, divisor)
-            result = whole if left == 0 else _quotient(result, divisor)
-        else:
-            result = _finite(result / divisor)
-    return result
+    """`(/ a b ...)`; exact quotients are integers. Raises Fault as `add`; on zero."""
+    return reduce(_quotient, _numbers(args))
 
 
-def _quotient(a: int, b: int) -> Number:
-    try:
-        return _finite(a / b)
-    except OverflowError:
-        raise Fault("the result is too large") from None
+def _quotient(a: Number, b: Number) -> Number:
+    if b == 0:
+        raise Fault("division by zero")
+    if isinstance(a, int) and isinstance(b, int) and a % b == 0:
+        return a // b
+    return _result(lambda: a / b)
 
 
 def size_of(args: Sequence[object]) -> Number:
@@ -136,10 +136,9 @@ def as_value(result: object) -> Value:
 
     Raises Fault for what is no value of the language, None and `bool` among it.
     """
-    if type(result) is float:
-        return _finite(result)
-    kinds = (str, int, Text, Counter, SetResource)
-    if isinstance(result, kinds) and not isinstance(result, bool):
+    if type(result) is int or type(result) is float:
+        return _result(lambda: result)
+    if isinstance(result, str | Text | Counter | SetResource):
         return result
     raise Fault(f"`{result}` is not a value")
 

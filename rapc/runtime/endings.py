@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.compiler.plans import EffectPlan, ReceiverPlan, StepPlan
-from rapc.resources import Counter, SetResource, Value
+from rapc.compiler.plans import ReceiverPlan
+from rapc.resources import Value
 from rapc.runtime.beginnings import (
     fill_inputs,
     let_go,
@@ -18,10 +18,9 @@ from rapc.runtime.beginnings import (
     read_windows,
     repeats_ancestor,
 )
-from rapc.runtime.context import QueryContext
+from rapc.runtime.effects import Change, carry_out, changes_of
 from rapc.runtime.events import (
     MethodEnded,
-    ResourceChanged,
     TaskFailed,
     TaskRemoved,
     TaskSucceeded,
@@ -29,15 +28,12 @@ from rapc.runtime.events import (
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import Env, MethodRun, State, Task
 from rapc.runtime.world import OKAY
-from rapc.terms import format_atom, is_number
+from rapc.terms import format_atom
 
 INTERFERENCE = "interference"
 NO_METHOD = "no-method"
 FUTILE_LOOP = "futile-loop"
 SIGNAL = "signal"
-
-_Change = tuple[str, Counter | SetResource, Value]
-
 
 # --- good endings ----------------------------------------------------------------
 
@@ -47,12 +43,12 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     outputs = _outputs(task, found)
     step, run = task.step, task.within
     bound: Env | None = {}
-    changes: list[_Change] | None = []
+    changes: list[Change] | None = []
     if step is not None and run is not None:
         names = zip(task.plan.outputs, step.outputs, strict=False)
         arriving = [(to, outputs[name]) for name, to in names if name in outputs]
         bound = receive(machine, run, arriving)
-        changes = None if bound is None else _effects(machine, run, step, bound)
+        changes = None if bound is None else changes_of(machine, run, step, bound)
     if bound is None or changes is None:
         fail(machine, task, INTERFERENCE)
         return
@@ -69,7 +65,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         return
     run.env.update(bound)
     for change in changes:
-        _apply(machine, task, *change)
+        carry_out(machine, task, change)
     step_ended(machine, run, step.position, bound)
 
 
@@ -99,55 +95,6 @@ def receive(
         elif receiver.term.needed(machine.context, env) != value:
             return None
     return bound
-
-
-def _effects(
-    machine: Machine, run: MethodRun, step: StepPlan, bound: Env
-) -> list[_Change] | None:
-    """The changes of a step's effects; None if one of them cannot be made."""
-    changes: list[_Change] = []
-    env = {**run.env, **bound} if step.effects else run.env
-    machine.context.task = run.task
-    for effect in step.effects:
-        change = _change(machine.context, effect, env)
-        if change is None:
-            return None
-        changes.append(change)
-    return changes
-
-
-def _change(context: QueryContext, effect: EffectPlan, env: Env) -> _Change | None:
-    resource = effect.resource.needed(context, env)
-    amount = None if resource is None else effect.amount.needed(context, env)
-    if resource is None or amount is None:
-        return None
-    op, where = effect.node.op, effect.amount.where
-    kind = Counter if op.startswith("counter") else SetResource
-    if not isinstance(resource, kind):
-        context.unfit(where, resource, "a counter" if kind is Counter else "a set")
-    elif kind is Counter and not is_number(amount):
-        context.unfit(where, amount, "a number")
-    elif isinstance(amount, Counter | SetResource):
-        context.unfit(where, amount, "a symbol, number or string")
-    else:
-        return op, resource, amount
-    return None
-
-
-def _apply(
-    machine: Machine, task: Task, op: str, resource: Counter | SetResource, by: Value
-) -> None:
-    if isinstance(resource, Counter):
-        assert isinstance(by, int | float)
-        resource.add(by if op == "counter-add" else -by)
-    elif op == "set-add":
-        resource.add(by)  # type: ignore[arg-type]  # resources were refused
-    else:
-        resource.remove(by)  # type: ignore[arg-type]  # resources were refused
-    machine.monitors.resource_changed(resource)
-    if machine.recorder.on:
-        what = f"{op} {format_atom(by)}: {resource}"
-        machine.recorder.emit(ResourceChanged, task=task.number, what=what)
 
 
 def step_ended(

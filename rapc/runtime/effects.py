@@ -1,0 +1,82 @@
+"""What a step's success does to sets and counters: all of it, or nothing.
+
+Whether a step has succeeded is for `rapc.runtime.endings` to say (T 4.8.2,
+semantics 6).
+"""
+
+from __future__ import annotations
+
+from rapc.compiler.builtin import Fault, add, subtract
+from rapc.compiler.plans import EffectPlan, StepPlan
+from rapc.resources import Counter, SetResource, Value
+from rapc.runtime.context import QueryContext
+from rapc.runtime.events import ResourceChanged
+from rapc.runtime.machine import Machine
+from rapc.runtime.task import Env, MethodRun, Task
+from rapc.terms import Number, format_atom, is_number
+
+Change = tuple[str, Counter | SetResource, Value]
+"""An effect with its resource and its amount or member."""
+
+
+def changes_of(
+    machine: Machine, run: MethodRun, step: StepPlan, bound: Env
+) -> list[Change] | None:
+    """The changes of a step's effects; None if one of them cannot be made."""
+    changes: list[Change] = []
+    totals: dict[Counter, Number] = {}
+    env = {**run.env, **bound} if step.effects else run.env
+    machine.context.task = run.task
+    for effect in step.effects:
+        change = _change(machine.context, effect, env)
+        if change is None:
+            return None
+        changes.append(change)
+        try:
+            _count(totals, change)
+        except Fault as fault:
+            machine.context.fault(effect.amount.where, str(fault))
+            return None
+    return changes
+
+
+def _count(totals: dict[Counter, Number], change: Change) -> None:
+    """Add a change to what counters will hold. Raises Fault beyond measure."""
+    op, resource, amount = change
+    if isinstance(resource, Counter):
+        compute = add if op == "counter-add" else subtract
+        totals[resource] = compute([totals.get(resource, resource.value), amount])
+
+
+def _change(context: QueryContext, effect: EffectPlan, env: Env) -> Change | None:
+    resource = effect.resource.needed(context, env)
+    amount = None if resource is None else effect.amount.needed(context, env)
+    if resource is None or amount is None:
+        return None
+    op, where = effect.node.op, effect.amount.where
+    kind = Counter if op.startswith("counter") else SetResource
+    if not isinstance(resource, kind):
+        context.unfit(where, resource, "a counter" if kind is Counter else "a set")
+    elif kind is Counter and not is_number(amount):
+        context.unfit(where, amount, "a number")
+    elif isinstance(amount, Counter | SetResource):
+        context.unfit(where, amount, "a symbol, number or string")
+    else:
+        return op, resource, amount
+    return None
+
+
+def carry_out(machine: Machine, task: Task, change: Change) -> None:
+    """Make one change, for the step's task that has brought it about."""
+    op, resource, by = change
+    if isinstance(resource, Counter):
+        assert isinstance(by, int | float)
+        resource.add(by if op == "counter-add" else -by)
+    elif op == "set-add":
+        resource.add(by)  # type: ignore[arg-type]  # resources were refused
+    else:
+        resource.remove(by)  # type: ignore[arg-type]  # resources were refused
+    machine.monitors.resource_changed(resource)
+    if machine.recorder.on:
+        what = f"{op} {format_atom(by)}: {resource}"
+        machine.recorder.emit(ResourceChanged, task=task.number, what=what)
