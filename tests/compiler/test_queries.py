@@ -191,6 +191,19 @@ def test_a_fault_is_told_and_fails(test: str, what: str) -> None:
     assert faults == [what]
 
 
+@pytest.mark.parametrize(
+    "term", ["(* ?b ?b)", "(+ ?m ?b)", "(- 0 ?m ?b)", "(/ ?m 0.5)"]
+)
+def test_a_result_beyond_measure_is_a_fault(term: str) -> None:
+    both = told()
+    faults = Faults()
+    both.recorder.listen(faults)
+    big = {"b": 2**999, "m": 2**1000}
+    assert ask(both, f"(= {term} 1)", **big) == []
+    assert faults == ["clause: the result is too large"]
+    assert ask(both, "(> (+ ?m 0.5) 1)", **big) == [{}]
+
+
 def test_a_fault_in_one_branch_leaves_the_others_alone() -> None:
     assert ask(told(("p", "a")), "(or (< ?y 1) (p ?x))") == [{"?x": "a"}]
 

@@ -220,3 +220,28 @@ def test_bindings_are_told_in_order_and_by_value() -> None:
         ("?w", "w1"),
         ("?v", "v1"),
     ]
+
+
+DOUBLE = """
+(define-rap (top) (resources (counter ?c {first})) (succeed (< (value ?c) 0))
+  (method (task-net (t1 (rest) {effects}))))
+"""
+
+
+@pytest.mark.parametrize("first", ["1", "1.5", "-2"])
+def test_a_counter_stays_a_number_however_often_it_is_doubled(first: str) -> None:
+    text = REST + DOUBLE.format(first=first, effects="(counter-add ?c (value ?c))")
+    ran = play(text.replace("(< (value ?c) 0)", "nil"), "(top)")
+    assert 980 < len(ran.told("changed")) < 1010
+    assert "the result is too large" in ran.told("fault")[0]
+    assert "failed (rest) interference interference" in ran.told("failed")
+
+
+def test_what_several_effects_come_to_together_is_looked_at_first() -> None:
+    most = "(* " + " ".join(["1024"] * 99) + ")"
+    text = REST + DOUBLE.format(
+        first=most, effects=f"(counter-sub ?c 1) {f'(counter-add ?c {most})' * 1100}"
+    )
+    ran = play(text, "(top)")
+    assert ran.told("changed") == []
+    assert ran.told("failed")[0] == "failed (rest) interference interference"
