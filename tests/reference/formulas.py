@@ -49,10 +49,12 @@ def watched(words: Words) -> Datum:
         return formula(words)
     if words.chance(0.7 if words.counters else 0.1):
         return _about_resources(words)
-    name = words.pick(("p", "q", "b"))
+    name = words.pick(("p", "p", "q", "q", "b", "mode"))
     item = words.pick((*SYMBOLS, *words.known, "?u"))
     fact: Datum = (name, item)
-    if name != "q":
+    if name == "mode":
+        fact = (name, words.pick((*VALUES, "?v", *["unknown"] * 4)))
+    elif name != "q":
         default = "unknown" if name == "p" else "false"
         fact = (name, item, words.pick((*VALUES, "?v", *[default] * 4)))
     if words.chance(0.15):
@@ -65,7 +67,9 @@ def watched(words: Words) -> Datum:
 def _about_resources(words: Words) -> Datum:
     """A test of a set or counter, often one passed as an input."""
     known = (*words.counters, *words.sets, *words.known, "a")
-    resource = words.pick(known)
+    resource = words.pick(
+        words.counters if words.counters and words.chance(0.8) else known
+    )
     if resource in words.sets or words.chance(0.3):
         return words.pick((("empty", resource), ("member", resource, words.ground())))
     sign = words.pick((">", "<", "="))

@@ -27,7 +27,7 @@ def rap(rng: random.Random, wild: float, sketches: Sequence[Sketch], at: int) ->
     index: tuple[Any, ...] = (sketch.name, *sketch.inputs)
     if sketch.outputs:
         index = (*index, "=>", *sketch.outputs)
-    clauses: list[Datum] = [("index", index), *_resources(words), *_monitors(words, at)]
+    clauses: list[Datum] = [("index", index), *_monitors(words, at), *_resources(words)]
     if words.chance(0.2):
         clauses.append(("duration", words.time()))
     if not mild or words.odd(0.3):
@@ -58,7 +58,8 @@ def _resources(words: Words) -> list[Datum]:
 
 def _monitors(words: Words, at: int) -> list[Datum]:
     made: list[Datum] = []
-    if words.chance(0.08 if at == 0 else 0.2):
+    share = 0.5 if words.counters else 0.2
+    if words.chance(0.08 if at == 0 else share):
         made.append(("monitor-state", watched(words)))
     if words.chance(0.06 if at == 0 else 0.14):
         reference = words.pick(("now", "now", "absolute"))
