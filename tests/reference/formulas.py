@@ -66,10 +66,8 @@ def watched(words: Words) -> Datum:
 
 def _about_resources(words: Words) -> Datum:
     """A test of a set or counter, often one passed as an input."""
-    known = (*words.counters, *words.sets, *words.known, "a")
-    resource = words.pick(
-        words.counters if words.counters and words.chance(0.8) else known
-    )
+    resources = (*words.counters * 4, *words.sets, *words.known, "a")
+    resource = words.pick(resources)
     if resource in words.sets or words.chance(0.3):
         return words.pick((("empty", resource), ("member", resource, words.ground())))
     sign = words.pick((">", "<", "="))
