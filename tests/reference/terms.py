@@ -79,13 +79,18 @@ def arithmetic(sign: str, values: list[Value]) -> Value:
     for each in rest:
         if sign == "/" and each == 0:
             raise Fault("division by zero")
-        total = number(
-            total + each
-            if sign == "+"
-            else total - each
-            if sign == "-"
-            else total * each
-            if sign == "*"
-            else total / each
-        )
+        try:
+            total = number(
+                total + each
+                if sign == "+"
+                else total - each
+                if sign == "-"
+                else total * each
+                if sign == "*"
+                else total / each
+            )
+        except (OverflowError, ValueError):
+            raise Fault("the result is too large") from None
+        if abs(total) > 2**1000:
+            raise Fault("the result is too large")
     return total
