@@ -10,6 +10,7 @@ from tests.reference.endings import bindings_repeat, clear, fail, succeed
 from tests.reference.run import Run
 from tests.reference.tasks import Task
 from tests.reference.terms import Fault
+from tests.reference.waking import may_run
 
 
 def hear(run: Run, content: Fact) -> None:
@@ -45,6 +46,7 @@ def decide(run: Run, task: Task, mode: str, content: Fact) -> None:
     if mode == "proceed":
         task.place.goes = True
         run.tell(events.TaskWoken, task=task.number, on=format_list(content))
+        may_run(run, task)
     else:
         end_by_signal(run, task)
         if mode == "succeed":
