@@ -1,0 +1,79 @@
+"""Problem solvers that add methods (semantics 3, step 6, T 7.4.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rapc.ir import nodes
+
+from .helpers import compiled, play, row
+
+
+def method(text: str) -> nodes.Method:
+    """A method from text."""
+    library = compiled(f"(define-rap (for-its-method) {text})").library
+    return library.raps["for-its-method"].methods[0]
+
+
+def test_a_solver_is_asked_when_no_method_holds_and_adds_methods() -> None:
+    asked: list[Any] = []
+
+    def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
+        asked.append((goal, view.query("p", None)))
+        return [method("(method new (primitive (look ?x)))")]
+
+    text = """
+        (define-rap (top ?x) (succeed (p done))
+          (method old (context (p old)) (primitive (act ?x))))
+        """
+    ran = play(
+        text,
+        "(top 3)",
+        facts=["(p b)"],
+        solvers={"top": solver},
+        rows=[row("(look 3)", asserts=["(p done)"])],
+    )
+    assert asked == [(("top", 3), [("p", "b")])]
+    assert ran.told("solver", "chosen", "asked") == [
+        "solver (top 3) 1",
+        "chosen top new",
+        "asked (look 3)",
+    ]
+
+
+def test_a_returned_method_stays_in_the_run_for_other_tasks() -> None:
+    calls: list[Any] = []
+
+    def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
+        calls.append(goal)
+        return [method("(method (primitive (act ?x)))")]
+
+    text = "(define-rap (top ?x) (method (context (p no)) (task-net)))"
+    ran = play(text, "(top 1)", "(top 2)", solvers={"top": solver})
+    assert len(calls) == 1
+    assert sorted(ran.told("asked")) == ["asked (act 1)", "asked (act 2)"]
+    assert ran.told("chosen") == ["chosen top #2", "chosen top #2"]
+
+
+def test_a_returned_method_that_the_rap_has_is_that_one() -> None:
+    def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
+        return [method("(method one (context (p yes)) (task-net))")]
+
+    text = "(define-rap (top) (method one (context (p yes)) (task-net)))"
+    ran = play(text, "(top)", solvers={"top": solver})
+    assert ran.told("solver", "failed") == [
+        "solver (top) 1",
+        "failed (top) no-method no-method",
+    ]
+
+
+def test_a_solver_is_not_asked_while_a_method_holds_or_repeat_while_does_not() -> None:
+    def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
+        raise AssertionError("nobody should ask")
+
+    one = "(define-rap (top) (method (task-net)))"
+    assert play(one, "(top)", solvers={"top": solver}).told("failed") == []
+    two = "(define-rap (top) (repeat-while (p no)) (method (context nil) (task-net)))"
+    ran = play(two, "(top)", solvers={"top": solver})
+    assert ran.told("failed") == ["failed (top) no-method no-method"]
