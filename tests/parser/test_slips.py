@@ -162,6 +162,8 @@ SUGGESTIONS = [
         "(define-rap (a) (method (task-net (t1 (b) (until-ended t1)))))",
         "did you mean `until-end`?",
     ),
+    ("(define-test a (expect (succeds (b))))", "did you mean `succeeds`?"),
+    ("(define-test a (expect (succeed (b))))", "did you mean `succeeds`?"),
     ("(declare-memory-function f () :read (p))", "did you mean `:reads`?"),
 ]
 

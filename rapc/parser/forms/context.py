@@ -117,10 +117,10 @@ class Context:
         if len(self.diagnostics) >= self.room:
             self.lost = True
             return None
-        meant = nearest(word.name, (*options, *SLIPS))
-        meant = SLIPS.get(meant or "", meant)
+        slips = {slip: right for slip, right in SLIPS.items() if right in options}
+        meant = nearest(word.name, (*options, *slips))
         if meant not in options:
-            meant = None
+            meant = slips.get(meant or "")
         self.report(
             rule,
             f"`{word.name}` is no {what}",
