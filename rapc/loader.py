@@ -92,11 +92,11 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
             for folders that lead back into themselves.
     """
     reading = _Reading(tests)
-    for path in paths:
-        if str(path) == "-":
+    for path in dict.fromkeys(map(str, paths)):
+        if path == "-":
             reading.add(_read_standard_input())
         else:
-            reading.read_all(_files_at(Path(path), tests))
+            reading.read_all(_files_at(_named(path), tests))
     return reading.finish()
 
 
@@ -119,12 +119,13 @@ def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
         LoadError: for what cannot be read, and as `load` for folders.
     """
     seen: set[Identity] = set()
-    for path in paths:
-        if str(path) == "-":
+    for path in dict.fromkeys(map(str, paths)):
+        if path == "-":
             yield _read_standard_input()
             continue
-        for file in _files_at(Path(path), tests=True):
-            if file != Path(path) and not file.name.endswith(TEST_SUFFIX):
+        named = _named(path)
+        for file in _files_at(named, tests=True):
+            if file != named and not file.name.endswith(TEST_SUFFIX):
                 continue
             if _identity(file) not in seen:
                 seen.add(_identity(file))
@@ -283,6 +284,12 @@ def _beside(requiring: Path) -> list[str]:
 # --- files ----------------------------------------------------------------------
 
 
+def _named(path: str) -> Path:
+    if not path:
+        raise LoadError("`` does not exist")
+    return Path(path)
+
+
 def _files_at(path: Path, tests: bool) -> Iterator[Path]:
     """The file itself, or all RAP files below a folder, sorted by path."""
     if not os.path.lexists(path):
@@ -336,6 +343,8 @@ def _read_standard_input() -> SourceFile:
 
 
 def _standard_input() -> bytes:
+    if sys.stdin is None:  # closed by the caller
+        raise LoadError("cannot read `<stdin>`: it is closed")
     return sys.stdin.buffer.read()
 
 

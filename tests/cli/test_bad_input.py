@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from rapc.loader import LoadError, load
+
 from .command import rapc
 
 
@@ -105,3 +107,22 @@ def test_nothing_to_check_is_a_usage_error() -> None:
     done = rapc("check")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "error: missing argument 'PATH...'\n"
+
+
+def test_standard_input_named_twice_is_read_once() -> None:
+    done = rapc("check", "-", "-", stdin="(define-rup (a))\n")
+    assert done.returncode == 1
+    assert "1 | (define-rup (a))" in done.stdout
+
+
+def test_no_path_is_not_the_working_folder(tmp_path: Path) -> None:
+    for command in ("check", "test"):
+        done = rapc(command, "", cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr == "error: `` does not exist\n"
+
+
+def test_closed_standard_input_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", None)
+    with pytest.raises(LoadError, match="cannot read `<stdin>`: it is closed"):
+        load(["-"])
