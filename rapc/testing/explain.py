@@ -33,8 +33,9 @@ def place(outcome: Outcome, span: Span) -> str:
 
 
 def title(outcome: Outcome) -> str:
-    """The test's name, with its seed unless that is 0."""
-    seed = f" (seed {outcome.seed})" if outcome.seed else ""
+    """The test's name, with the seed that it does not pass under unless that is 0."""
+    told = outcome.seed and outcome.status is not Status.PASSED
+    seed = f" (seed {outcome.seed})" if told else ""
     return f"{outcome.case.test.name}{seed}"
 
 

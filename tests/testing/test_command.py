@@ -172,7 +172,7 @@ def test_faults_in_a_run_of_any_world(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        ("(eye-scan) eye-cant-find", "--fault: `eye-scan` takes 1 arguments, not 0"),
+        ("(eye-scan) eye-cant-find", "--fault: `eye-scan` takes 1 argument, not 0"),
         (
             "(eye-scan ?) eye-cant-fnd",
             "--fault: `eye-cant-fnd` is no result of `eye-scan`; "
@@ -185,3 +185,9 @@ def test_faults_that_a_world_cannot_have(fault: str, message: str) -> None:
     done = rapc("run", str(ORDER), *TASK, "--fault", fault)
     assert done.stderr.splitlines()[0] == f"error: {message}"
     assert (done.stdout, done.returncode) == ("", 2)
+
+
+def test_no_seed_is_told_of_a_test_that_holds_under_all(tmp_path: Path) -> None:
+    (tmp_path / "still.test.rap").write_text("(define-test still (expect (memory t)))")
+    done = rapc("test", ".", "--seeds", "3", cwd=tmp_path)
+    assert "  passed  still\n" in done.stdout
