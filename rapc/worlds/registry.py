@@ -24,6 +24,7 @@ from rapc.terms import Atom, Text, number
 GROUP = "rapc.worlds"
 """The entry-point group under which packages offer their worlds."""
 
+_PLACE = re.compile(r"\w+(\.\w+)*:\w+(\.\w+)*")
 _NUMBER = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?")
 _SYMBOL = re.compile(r"[^\s()\";?]+")
 
@@ -51,8 +52,9 @@ def find_world(name: str) -> type[World]:
         WorldError: if there is none, or it is no world.
     """
     if ":" in name:
-        module, _, attribute = name.partition(":")
-        point = EntryPoint(name, f"{module}:{attribute}", GROUP)
+        if not _PLACE.fullmatch(name):
+            raise WorldError(f"`{name}` cannot be loaded: it is not `module:Class`")
+        point = EntryPoint(name, name, GROUP)
     else:
         point = _installed(name)
     found = _load(point)
@@ -139,9 +141,9 @@ def _known(world: type[World], options: Mapping[str, Option], name: str) -> Opti
 
 
 def _value(world: type[World], option: Option, text: str) -> Atom | bool:
+    kind = "`true` or `false`" if option.kind == "flag" else f"one {option.kind}"
     wrong = WorldError(
-        f"`{world.name}.{option.name}` takes one {option.kind}, not `{text}`",
-        option.doc,
+        f"`{world.name}.{option.name}` takes {kind}, not `{text}`", option.doc
     )
     if option.kind == "text":
         return Text(_file(text[1:]) if text.startswith("@") else text)
@@ -164,7 +166,10 @@ def _value(world: type[World], option: Option, text: str) -> Atom | bool:
 def _file(path: str) -> str:
     try:
         return Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise WorldError(f"`{path}` cannot be read: {reason}") from error
+    except ValueError as error:
         raise WorldError(f"`{path}` cannot be read: {error}") from error
 
 
@@ -174,13 +179,16 @@ def build_world(
     """A world for one run, with the random stream `world` of a seed.
 
     Raises:
-        WorldError: for option values that the world refuses.
+        WorldError: for option values that the world refuses, and if it breaks.
     """
     rng = random.Random(f"{seed}:world")
     try:
         return world(rng, options)
     except ValueError as error:
         raise WorldError(f"the world `{world.name}` refuses: {error}") from error
+    except Exception as error:  # whatever code from elsewhere may raise
+        what = f"{type(error).__name__}: {error}"
+        raise WorldError(f"the world `{world.name}` cannot be built: {what}") from error
 
 
 def make_world(name: str, seed: int = 0, **options: Atom | bool) -> World:

@@ -57,8 +57,8 @@ def test_the_truck_is_found_by_name_and_by_place() -> None:
         ("rapc.worlds.truck:Nothing", "cannot be loaded: AttributeError", None),
         ("rapc.terms:number", "is not a subclass of `rapc.World`", None),
         (f"{__name__}:Half", "does not define", None),
-        (":", "cannot be loaded", None),
-        ("rapc:", "cannot be loaded", None),
+        (":", "cannot be loaded: it is not `module:Class`", None),
+        ("rapc:", "cannot be loaded: it is not `module:Class`", None),
     ],
 )
 def test_what_is_no_world_is_refused_in_a_line(
@@ -114,9 +114,9 @@ def test_values_take_the_kind_of_their_option() -> None:
         ("speed", "inf", "`toy.speed` takes one number, not `inf`"),
         ("speed", "", "`toy.speed` takes one number, not ``"),
         ("count", "1.5", "`toy.count` takes one integer, not `1.5`"),
-        ("loud", "yes", "`toy.loud` takes one flag, not `yes`"),
+        ("loud", "yes", "`toy.loud` takes `true` or `false`, not `yes`"),
         ("shape", "two words", "`toy.shape` takes one symbol, not `two words`"),
-        ("note", "@/no/such/file", "`/no/such/file` cannot be read"),
+        ("note", "@/no/such/file", "`/no/such/file` cannot be read: no such file"),
         ("spede", "1", "the world `toy` has no option `spede`"),
     ],
 )
