@@ -8,6 +8,11 @@ from difflib import SequenceMatcher
 _CUTOFF = 0.72
 
 
+def counted(number: int, word: str) -> str:
+    """A number with what is counted, in the plural unless it is one: `2 inputs`."""
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
 def nearest(name: str, names: Iterable[str]) -> str | None:
     """The known name that looks most like a mistyped one, or None.
 

@@ -18,6 +18,7 @@ from rapc.cli.common import (
     undisturbed,
 )
 from rapc.diagnostics import Severity
+from rapc.spell import counted
 
 EXAMPLES = """\b
 Examples:
@@ -93,17 +94,13 @@ def _words(given: Sequence[str]) -> list[str]:
 
 
 def _summary(report: Report) -> str:
-    checked = f"checked {_count(len(report.files), 'file')}, "
-    checked += _count(report.raps, "RAP")
+    checked = f"checked {counted(len(report.files), 'file')}, "
+    checked += counted(report.raps, "RAP")
     if not report.findings:
         return f"{checked}: no findings"
     counts: dict[str, int] = {}
     for finding in sorted(report.findings, key=lambda f: -f.severity):
         word = finding.severity.word
         counts[word] = counts.get(word, 0) + 1
-    found = [f"{n} info" if w == "info" else _count(n, w) for w, n in counts.items()]
+    found = [f"{n} info" if w == "info" else counted(n, w) for w, n in counts.items()]
     return f"{checked}: {', '.join(found)}"
-
-
-def _count(number: int, word: str) -> str:
-    return f"{number} {word}{'' if number == 1 else 's'}"

@@ -14,7 +14,7 @@ from rapc.ir import nodes
 from rapc.library import Library
 from rapc.runtime.world import World
 from rapc.source import Span
-from rapc.spell import nearest
+from rapc.spell import counted, nearest
 from rapc.terms import Fact
 
 _Offered = (
@@ -73,7 +73,7 @@ def _unoffered(
             hint = f"; it has `{near}`" if near else ""
             yield f"{place}the world `{world.name}` has no {kind} `{node.name}`{hint}"
         elif arity != len(node.args):
-            takes = "1 argument" if arity == 1 else f"{arity} arguments"
+            takes = counted(arity, "argument")
             yield (
                 f"{place}the {kind} `{node.name}` takes {takes} in the world "
                 f"`{world.name}`, not {len(node.args)}"
@@ -138,7 +138,8 @@ def refuse_tasks(library: CompiledLibrary, goals: Iterable[Fact]) -> None:
             reasons.append(f"no RAP is named `{name}`{hint}")
         elif len(rap.inputs) != len(goal) - 1:
             reasons.append(
-                f"`{name}` takes {len(rap.inputs)} inputs, not {len(goal) - 1}"
+                f"`{name}` takes {counted(len(rap.inputs), 'input')}, "
+                f"not {len(goal) - 1}"
             )
         else:
             reasons.extend(_reached(library.library, rap))

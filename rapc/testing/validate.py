@@ -17,7 +17,7 @@ from rapc.runtime import events
 from rapc.runtime.memory.memory import FactError, Memory
 from rapc.runtime.recorder import Recorder
 from rapc.source import Span
-from rapc.spell import nearest
+from rapc.spell import counted, nearest
 from rapc.testing.patterns import flat
 from rapc.worlds.script import Row, offer_of, row_problems
 
@@ -155,13 +155,13 @@ class _Validator:
         if rap is None:
             yield _unknown(goal.span, "there is no RAP", goal.name, self._library.raps)
         elif len(rap.inputs) != len(goal.args):
-            message = f"`{goal.name}` takes {len(rap.inputs)} inputs"
+            message = f"`{goal.name}` takes {counted(len(rap.inputs), 'input')}"
             yield Problem(goal.span, f"{message}, not {len(goal.args)}")
 
     def _outputs(self, node: tests.Succeeds) -> Iterator[Problem]:
         rap = self._library.raps.get(node.goal.name)
         if rap and node.outputs and len(node.outputs) != len(rap.outputs):
-            message = f"`{rap.name}` has {len(rap.outputs)} outputs"
+            message = f"`{rap.name}` has {counted(len(rap.outputs), 'output')}"
             yield Problem(node.span, f"{message}, not {len(node.outputs)}")
 
     def _request(self, request: nodes.Pattern) -> Iterator[Problem]:
@@ -175,7 +175,7 @@ class _Validator:
         if arity is None:
             yield _unknown(pattern.span, f"there is no {what}", pattern.name, offered)
         elif arity != len(pattern.args):
-            message = f"`{pattern.name}` takes {arity} arguments"
+            message = f"`{pattern.name}` takes {counted(arity, 'argument')}"
             yield Problem(pattern.span, f"{message}, not {len(pattern.args)}")
 
     def _formula(self, formula: nodes.Formula) -> Iterator[Problem]:

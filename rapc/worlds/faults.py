@@ -23,7 +23,7 @@ from rapc.runtime.world import (
     Time,
     World,
 )
-from rapc.spell import nearest
+from rapc.spell import counted, nearest
 from rapc.terms import Fact, match, number
 
 
@@ -54,7 +54,8 @@ def problem(fault: Fault, offer: Offer) -> str | None:
     if arity is None:
         return f"there is no primitive `{name}`{_meant(name, offer.primitives)}"
     if arity != len(fault.request) - 1:
-        return f"`{name}` takes {arity} arguments, not {len(fault.request) - 1}"
+        takes = counted(arity, "argument")
+        return f"`{name}` takes {takes}, not {len(fault.request) - 1}"
     if fault.result not in results:
         meant = _meant(fault.result, results)
         return f"`{fault.result}` is no result of `{name}`{meant}"

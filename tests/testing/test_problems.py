@@ -13,7 +13,7 @@ from .workshop import GRAB, LIBRARY, cases, happened, run
 
 PROBLEMS = [
     ("(facts (hold box))", "`hold` is not declared"),
-    ("(facts (have box cup))", "`have` takes 1 arguments, not 2: (have box cup)"),
+    ("(facts (have box cup))", "`have` takes 1 argument, not 2: (have box cup)"),
     ("(script ((grip box)))", "no such primitive is declared"),
     ("(script ((grab box cup)))", "no such primitive is declared"),
     ("(script ((grab box) broken))", "`broken` is not among its results"),
@@ -34,17 +34,17 @@ PROBLEMS = [
         "(at 1 (signals (:dump)))",
         "there is no event `:dump`; did you mean `:bump`?",
     ),
-    ("(at 1 (signals (:bump)))", "`:bump` takes 1 arguments, not 0"),
+    ("(at 1 (signals (:bump)))", "`:bump` takes 1 argument, not 0"),
     ("(at 1 (task (fetsh a)))", "there is no RAP `fetsh`; did you mean `fetch`?"),
-    ("(at 1 (cancel (fetch)))", "`fetch` takes 1 inputs, not 0"),
-    ("(task (fetch a b))", "`fetch` takes 1 inputs, not 2"),
+    ("(at 1 (cancel (fetch)))", "`fetch` takes 1 input, not 0"),
+    ("(task (fetch a b))", "`fetch` takes 1 input, not 2"),
     (
         "(expect (never (grabs x)))",
         "there is no primitive `grabs`; did you mean `grab`?",
     ),
-    ("(expect (primitives (grab)))", "`grab` takes 1 arguments, not 0"),
-    ("(expect (fails (fetch ? ?)))", "`fetch` takes 1 inputs, not 2"),
-    ("(expect (succeeds (find x) a b))", "`find` has 1 outputs, not 2"),
+    ("(expect (primitives (grab)))", "`grab` takes 1 argument, not 0"),
+    ("(expect (fails (fetch ? ?)))", "`fetch` takes 1 input, not 2"),
+    ("(expect (succeeds (find x) a b))", "`find` has 1 output, not 2"),
     ("(expect (memory (hold box)))", "`hold` is not declared"),
     ("(expect (memory (not (where box))))", None),
     (

@@ -182,5 +182,5 @@ def test_faults_that_apply_nowhere_are_told(tmp_path: Path) -> None:
     assert list(Session(faults=faults).useless(found)) == [
         "(grabs ?x): there is no primitive `grabs`; did you mean `grab`?",
         "(grab ?x): `droped` is no result of `grab`; did you mean `dropped`?",
-        "(grab): `grab` takes 1 arguments, not 0",
+        "(grab): `grab` takes 1 argument, not 0",
     ]

@@ -16,6 +16,7 @@ from rapc.runtime.memory.facts import FactStore
 from rapc.runtime.memory.items import Items
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.world import Time
+from rapc.spell import counted
 from rapc.terms import Atom, Fact, Text, format_list, number
 
 EXTERNAL = "external"
@@ -86,7 +87,7 @@ class Memory:
         fact = self.canonical(fact)
         if relation.arity is not None and len(fact) - 1 != relation.arity:
             raise FactError(
-                f"`{relation.name}` takes {relation.arity} arguments, "
+                f"`{relation.name}` takes {counted(relation.arity, 'argument')}, "
                 f"not {len(fact) - 1}: {format_list(fact)}"
             )
         if relation.is_property and len(fact) == 1:
