@@ -6,16 +6,16 @@ and so is a fault in rapc itself, unless `RAPC_DEBUG=1` asks to see it.
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import sys
-import traceback
 from collections.abc import Sequence
 from importlib import import_module
 
 import click
 
-from rapc.cli.options import USAGE, common_options
+from rapc.cli.options import USAGE, common_options, show_traceback
 from rapc.spell import nearest
 
 COMMANDS = {
@@ -29,6 +29,9 @@ COMMANDS = {
 
 INTERRUPTED = 130
 """The exit status after Ctrl-C."""
+
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What the system says when it cannot take what is written."""
 
 EXAMPLES = """\b
 Examples:
@@ -82,6 +85,9 @@ def main(args: Sequence[str] | None = None) -> None:
             standalone_mode=False,
         )
         sys.stdout.flush()
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
+        sys.exit(USAGE)
     except click.ClickException as error:
         click.echo(f"error: {_message(error)}", err=True)
         sys.exit(USAGE)
@@ -90,6 +96,14 @@ def main(args: Sequence[str] | None = None) -> None:
     except BrokenPipeError:
         _drop_output()
         sys.exit(1)
+    except OSError as error:
+        if error.errno not in _FULL:
+            _internal_fault(error)
+        else:
+            _drop_output()
+            reason = (error.strerror or str(error)).lower()
+            click.echo(f"error: the output cannot be written: {reason}", err=True)
+        sys.exit(USAGE)
     except Exception as error:
         _internal_fault(error)
         sys.exit(USAGE)
@@ -124,8 +138,7 @@ def _drop_output() -> None:
 
 
 def _internal_fault(error: Exception) -> None:
-    if os.environ.get("RAPC_DEBUG") == "1":
-        traceback.print_exception(error)
+    show_traceback(error)
     what = " ".join(f"{type(error).__name__}: {error}".split())
     click.echo(
         f"error: rapc itself is at fault ({what[:200]}); please report it to its "

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NoReturn, TypeVar
@@ -86,6 +87,12 @@ def fail(message: str, *more: str | None) -> NoReturn:
         if line:
             click.echo(f"  {line}", err=True)
     raise SystemExit(USAGE)
+
+
+def show_traceback(error: Exception) -> None:
+    """Show where an error came from, if `RAPC_DEBUG=1` asks for it."""
+    if os.environ.get("RAPC_DEBUG") == "1":
+        traceback.print_exception(error)
 
 
 def say(message: str) -> None:

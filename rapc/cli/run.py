@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+import traceback
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import click
 
 from rapc.cli.common import common_options, fail, load_checked, settings
+from rapc.cli.options import show_traceback
 from rapc.compiler.plans import CompiledLibrary
 from rapc.parser.parse import TextError, parse_fact
 from rapc.runtime.interpreter import Interpreter
@@ -52,7 +54,7 @@ Examples:
     help="Task to run; :priority N, :deadline T, :at T, :background true may follow.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the run.")
-@click.option("--until", type=float, help="Time at which to stop.")
+@click.option("--until", type=float, metavar="TIME", help="Time at which to stop.")
 @click.option(
     "--fact",
     "facts",
@@ -110,7 +112,9 @@ def run(
     interpreter, options = _build(library, world_name, seed, values, failing)
     _refuse(interpreter, submissions, known)
     with ExitStack() as stack:
-        report = _listeners(stack, interpreter, trace, trace_format)
+        report = _listeners(
+            stack, interpreter, library.library.files, trace, trace_format
+        )
         interpreter.start(options, tasks, faults)
         for fact in known:
             interpreter.assert_fact(*fact)
@@ -132,6 +136,24 @@ def _run(interpreter: Interpreter, until: Time | None, world_name: str) -> None:
         interpreter.end("cancelled")
     except (PortError, FactError) as error:
         fail(f"the world `{world_name}` does not keep to the port: {error}")
+    except Exception as error:
+        place = _place_in(registry.find_world(world_name), error)
+        if place is None:
+            raise
+        show_traceback(error)
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        fail(f"the world `{world_name}` failed at {place}: {what}")
+
+
+def _place_in(world: type[World], error: Exception) -> str | None:
+    """Where an error came by the package of a world that is not ours, at last."""
+    package = world.__module__.partition(".")[0]
+    places = [
+        f"{Path(frame.f_code.co_filename).name}:{row}"
+        for frame, row in traceback.walk_tb(error.__traceback__)
+        if str(frame.f_globals.get("__name__")).partition(".")[0] == package != "rapc"
+    ]
+    return places[-1] if places else None
 
 
 def _submission(text: str) -> Submission:
@@ -145,9 +167,10 @@ def _time(until: float | None) -> Time | None:
     if until is None:
         return None
     try:
-        return number(until)
+        end = number(until)
     except ValueError:
         fail("--until takes a finite number")
+    return end if end >= 0 else fail("--until takes a time, and the clock begins at 0")
 
 
 def _fact(text: str) -> Fact:
@@ -212,22 +235,31 @@ def _settings(texts: Mapping[str, str]) -> Settings:
 def _listeners(
     stack: ExitStack,
     interpreter: Interpreter,
+    files: Iterable[str],
     trace: str | None,
     trace_format: str,
 ) -> Report:
     if not settings().quiet:
         interpreter.listen(TextTrace(sys.stdout))
     if trace is not None:
+        if any(_same_file(trace, name) for name in files):
+            fail(f"--trace: `{trace}` is a file of the library")
         try:
             opened = Path(trace).open("w", encoding="utf-8")  # noqa: SIM115  # see stack
         except OSError as error:
-            fail(f"cannot write `{trace}`: {error.strerror}")
+            reason = (error.strerror or str(error)).lower()
+            fail(f"cannot write `{trace}`: {reason}")
         stream = stack.enter_context(opened)
         form = JsonTrace if trace_format == "jsonl" else TextTrace
         interpreter.listen(form(stream))
     report = Report()
     interpreter.listen(report)
     return report
+
+
+def _same_file(one: str, other: str) -> bool:
+    there = Path(one).exists() and Path(other).exists()
+    return there and Path(one).samefile(other)
 
 
 def _refuse(

@@ -57,7 +57,7 @@ def read_settings(texts: Mapping[str, str]) -> Settings:
     """Settings from text, by the names of the command line (`futile-limit`).
 
     Raises:
-        SettingError: for an unknown name, or a value that is no number or negative.
+        SettingError: for an unknown name, or a value that the setting does not take.
     """
     names = {n.replace("_", "-"): n for n in Settings.__struct_fields__}
     values: dict[str, object] = {}
@@ -68,12 +68,11 @@ def read_settings(texts: Mapping[str, str]) -> Settings:
             raise SettingError(f"there is no setting `rapc.{name}`{hint}")
         try:
             values[names[name]] = number(float(text))
+            msgspec.convert({names[name]: values[names[name]]}, Settings)
         except ValueError:
-            raise SettingError(f"`rapc.{name}` takes a number, not `{text}`") from None
-    try:
-        return msgspec.convert(values, Settings)
-    except msgspec.ValidationError as error:
-        raise SettingError(f"`rapc` settings: {error}") from None
+            takes = "0 or more" if name == "cycle-cost" else "a whole number, 1 or more"
+            raise SettingError(f"`rapc.{name}` takes {takes}, not `{text}`") from None
+    return msgspec.convert(values, Settings)
 
 
 class Machine:

@@ -40,7 +40,11 @@ def read_fault(text: str) -> Fault:
                 f"; did you mean `{near}=`?" if near else "; known are p, from, until"
             )
             raise TextError(f"`{option}` is no option of a fault{hint}")
+        if _OPTIONS[name] in given:
+            raise TextError(f"`{name}` is given twice")
         given[_OPTIONS[name]] = _number(name, value)
+    if given.get("start", 0) > given.get("stop", math.inf):
+        raise TextError("`from` is later than `until`")
     if not 0 <= given.get("p", 1) <= 1:
         raise TextError("`p` is a chance, from 0 to 1")
     return Fault(flat(request), result.lower(), **given)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import subprocess
 import sys
 from pathlib import Path
@@ -140,3 +141,26 @@ def test_odd_file_names_can_be_printed(tmp_path: Path) -> None:
         done = rapc("check", ".", "--output-format", output_format, cwd=tmp_path)
         assert (done.returncode, done.stderr) == (1, "")
         assert "\x1b" not in done.stdout
+
+
+def test_without_a_command_the_help_is_shown() -> None:
+    done = rapc()
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("Usage: rapc [OPTIONS] COMMAND [ARGS]...\n")
+    assert "\n  check   Check RAP libraries.\n" in done.stderr
+
+
+def _full(*_: object, **__: object) -> None:
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_full_disk_is_no_fault_of_rapc(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr("rapc.cli.main._drop_output", lambda: None)
+    monkeypatch.setattr("rapc.render.write", _full)
+    with pytest.raises(SystemExit) as ended:
+        main.main(["check", str(tmp_path)])
+    assert ended.value.code == 2
+    said = "error: the output cannot be written: no space left on device\n"
+    assert capsys.readouterr().err == said

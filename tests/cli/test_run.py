@@ -1,0 +1,108 @@
+"""`rapc run`: what it refuses, what it blames on whom, and its exit status."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import rapc
+
+LIBRARY = """\
+(declare-primitive nap () (okay))
+(declare-memory-proposition rested)
+(define-rap (doze) (method (primitive (nap))))
+(define-rap (spin)
+  (succeed (rested))
+  (resources (counter ?turns))
+  (method (task-net (t1 (turn) (counter-add ?turns 1)))))
+(define-rap (turn) (method (task-net)))
+"""
+
+WORLD = """\
+from rapc.runtime.world import Handlers, Offer, Reply, World
+
+class Bed(World):
+    "A bed."
+    name = "bed"
+    def __init__(self, rng, options): pass
+    @classmethod
+    def options(cls): return ()
+    def offer(self): return Offer({"nap": (0, ("okay",))}, {})
+    def handlers(self): return Handlers({"nap": napped}, {})
+    def facts(self): return []
+    def now(self): return 0
+    def perform(self, ticket, request): return Reply("okay")
+    def next_time(self): return None
+    def advance(self, to): pass
+    def messages(self): return []
+
+def napped(memory, request, result):
+    raise KeyError("pillow")
+
+class Broken(Bed):
+    def __init__(self): pass
+"""
+
+
+@pytest.fixture
+def bed(tmp_path: Path) -> Path:
+    (tmp_path / "doze.rap").write_text(LIBRARY)
+    (tmp_path / "bed.py").write_text(WORLD)
+    return tmp_path
+
+
+def _run(
+    folder: Path, *more: str, world: str = "bed:Bed", task: str = "(spin)"
+) -> subprocess.CompletedProcess[str]:
+    args = ("doze.rap", "--world", world, "--task", task, *more)
+    return rapc("run", *args, cwd=folder)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--until", "-1"), "--until takes a time, and the clock begins at 0"),
+        (("--until", "nan"), "--until takes a finite number"),
+        (("--task", "(spin 1)"), "`spin` takes 0 inputs, not 1"),
+        (("--trace", "doze.rap"), "--trace: `doze.rap` is a file of the library"),
+        (("--trace", "no/x"), "cannot write `no/x`: no such file or directory"),
+        (("--set", "rapc.cycle-cost=-1"), "`rapc.cycle-cost` takes 0 or more, not"),
+        (
+            ("--set", "rapc.futile-limit=0.5"),
+            "--set: `rapc.futile-limit` takes a whole number, 1 or more, not `0.5`",
+        ),
+        (("--fault", "(nap) okay p=1 p=0"), "--fault: `p` is given twice"),
+        (("--fault", "(nap) okay from=2 until=1"), "--fault: `from` is later than"),
+        (("--fault", "(nap 1) okay"), "--fault: `nap` takes 0 arguments, not 1"),
+    ],
+)
+def test_slips_are_refused_in_one_line(
+    more: tuple[str, ...], said: str, bed: Path
+) -> None:
+    done = _run(bed, *more)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert (bed / "doze.rap").read_text() == LIBRARY
+
+
+def test_a_run_that_was_called_off_has_not_succeeded(bed: Path) -> None:
+    done = _run(bed, "-q", "--set", "rapc.idle-cycles=50")
+    assert done.returncode == 1
+    assert done.stdout.startswith("Run over (runaway)")
+    assert "(spin) unfinished" in done.stdout
+
+
+def test_what_a_world_raises_is_told_of_the_world(bed: Path) -> None:
+    done = _run(bed, "-q", task="(doze)")
+    assert (done.returncode, done.stdout) == (2, "")
+    said = "error: the world `bed:Bed` failed at bed.py:19: KeyError: 'pillow'\n"
+    assert done.stderr == said
+
+
+def test_a_world_that_cannot_be_built_is_named(bed: Path) -> None:
+    done = _run(bed, world="bed:Broken")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: the world `bed` cannot be built: TypeError:")
