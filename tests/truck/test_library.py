@@ -1,0 +1,57 @@
+"""The tests that stand beside the files of the truck library: they pass and suffice."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from rapc.analysis.driver import check_library
+from rapc.loader import TEST_SUFFIX, load
+from rapc.testing.coverage import Coverage
+from rapc.testing.discover import find
+from rapc.testing.explain import lines
+from rapc.testing.run import Status, run_case
+
+LIBRARY = Path(__file__).parents[2] / "stdlib" / "truck"
+TESTED = tuple(sorted(path.name for path in LIBRARY.glob(f"*{TEST_SUFFIX}")))
+SEEDS = range(3)
+
+
+@cache
+def covered(file: str) -> Coverage:
+    """What the tests of one file exercise, under all seeds; they must pass."""
+    found = find([LIBRARY / file])
+    assert found.reports == ()
+    assert found.cases
+    coverage = Coverage()
+    for case in found.cases:
+        for seed in SEEDS:
+            outcome = run_case(case, seed, coverage=coverage)
+            assert outcome.status is Status.PASSED, "\n".join(
+                line.text for line in lines(outcome)
+            )
+    return coverage
+
+
+@pytest.mark.parametrize("file", TESTED)
+def test_the_tests_pass_whatever_the_seed(file: str) -> None:
+    covered(file)
+
+
+@pytest.mark.parametrize("file", TESTED)
+def test_the_tests_of_a_file_choose_nine_methods_in_ten(file: str) -> None:
+    own = file.removesuffix(TEST_SUFFIX) + ".rap"
+    [mine] = [each for each in covered(file).files() if Path(each.file).name == own]
+    chosen = {
+        f"{rap.name} {method.name}": method.chosen
+        for rap in mine.raps
+        for method in rap.methods
+    }
+    never = [name for name, times in chosen.items() if not times]
+    assert 10 * len(never) <= len(chosen), never
+
+
+def test_nothing_is_found_wrong_with_library_and_tests() -> None:
+    assert check_library(load([LIBRARY], tests=True)).findings == ()
