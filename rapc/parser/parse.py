@@ -15,6 +15,7 @@ from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
 from rapc.parser.data import Comment, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.forms.formulas import formula
 from rapc.parser.forms.table import FORMS
 from rapc.parser.forms.terms import goal, pattern
 from rapc.parser.lexicon import MAX_FINDINGS
@@ -29,6 +30,7 @@ __all__ = (
     "TextError",
     "parse",
     "parse_fact",
+    "parse_formula",
     "parse_goal_options",
     "parse_pattern",
 )
@@ -127,6 +129,20 @@ def parse_pattern(text: str) -> nodes.Pattern:
     _complain(ctx)
     if made is None or len(data) > 1:
         raise TextError(f"one proposition is wanted, not more: {text.strip()}")
+    return made
+
+
+def parse_formula(text: str) -> nodes.Formula:
+    """A formula, as in `(and (location ?x depot) (size ?x ?k) (> ?k 3))`.
+
+    Raises:
+        TextError: if the text is anything else.
+    """
+    ctx, data = _small(text)
+    made = formula(ctx, data[0])
+    _complain(ctx)
+    if made is None or len(data) > 1:
+        raise TextError(f"one formula is wanted, not more: {text.strip()}")
     return made
 
 

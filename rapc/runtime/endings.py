@@ -54,6 +54,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         return
     _leave(machine, task)
     task.outputs, task.outcome = outputs, OKAY
+    machine.succeeded += 1
     if machine.recorder.on:
         machine.recorder.emit(
             TaskSucceeded,

@@ -13,6 +13,7 @@ from typing import Any
 
 from rapc.compiler.plans import CompiledLibrary
 from rapc.ir.nodes import Formula
+from rapc.parser.parse import parse_formula
 from rapc.runtime import standing
 from rapc.runtime.beginnings import (
     create_top,
@@ -23,9 +24,9 @@ from rapc.runtime.endings import remove
 from rapc.runtime.events import RunEnded, TaskResult
 from rapc.runtime.machine import ContextListener, Machine, Settings
 from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.question import Question
 from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused, refusals, refuse_extension, refuse_tasks
-from rapc.runtime.renaming import with_names
 from rapc.runtime.requests import take_in
 from rapc.runtime.signals import signal
 from rapc.runtime.standing import AgendaEntry
@@ -100,6 +101,11 @@ class Interpreter:
     def now(self) -> Time:
         """The time of the world's clock, as last looked at."""
         return self._machine.recorder.time
+
+    @property
+    def succeeded(self) -> int:
+        """How many tasks of all levels have succeeded so far."""
+        return self._machine.succeeded
 
     @property
     def reason(self) -> str | None:
@@ -359,15 +365,15 @@ class Interpreter:
         """The goals of all live tasks by number, with the inputs that are known."""
         return standing.goals(self._machine)
 
-    def holds(self, formula: Formula) -> bool:
-        """Whether a formula has a solution in memory now; no task asks it."""
-        context, compiler = self._machine.context, self._machine.library.compiler
-        if self._machine.memory.items.aliases:
-            formula = with_names(formula, self._machine.memory.items.canonical)
-        asking, context.task = context.task, None
-        holds = compiler.query(formula, "question", formula.span).holds(context, {})
-        context.task = asking
-        return holds
+    def question(self, formula: Formula | str) -> Question:
+        """A formula, or its text, made ready to be asked of memory again and again.
+
+        Raises:
+            TextError: a ValueError, for a text that is no formula.
+        """
+        if isinstance(formula, str):
+            formula = parse_formula(formula)
+        return Question(self._machine, formula)
 
     def waiting(self) -> tuple[str, ...]:
         """Each task that is not done, and what it waits for, for a person to read."""

@@ -82,7 +82,7 @@ class Machine:
     way, by ticket (None once the task is gone); `listening` the steps that wait for a
     signal, by the signal's name; `under_way` how many tasks of each identity are at
     work on a method; `foreground` counts the live top-level tasks that
-    keep the run going.
+    keep the run going, `succeeded` the tasks of all levels that have ended well.
     """
 
     def __init__(
@@ -121,6 +121,7 @@ class Machine:
         self.listening: dict[str, dict[int, Task]] = {}
         self.under_way: Counter[object] = Counter()
         self.foreground = 0
+        self.succeeded = 0
         self.until: Time | None = None
         self.late = False
         self.appointments: list[tuple[Time, int, Callable[[], None]]] = []

@@ -230,7 +230,7 @@ class _Run:
 
     def _judge(self, expectations: Sequence[tests.Expectation]) -> None:
         self._record.refresh(self.interpreter.goals())
-        scene = Scene(self._record, self.interpreter.holds)
+        scene = Scene(self._record, lambda f: self.interpreter.question(f).holds())
         for expectation in expectations:
             happened = judge(expectation, scene)
             if happened is not None:

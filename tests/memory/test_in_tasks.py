@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 
 from rapc.compiler.plans import CompiledLibrary
 from rapc.loader import load_text
-from rapc.parser.parse import parse_pattern
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
@@ -139,7 +138,7 @@ def _touch(memory: HandlerMemory, request: Fact, result: str) -> None:
     memory.assert_fact("same", request[1])
 
 
-def _run(*goals: str) -> tuple[Yard, Interpreter, list[events.Event]]:
+def _begun(*goals: str) -> tuple[Yard, Interpreter, list[events.Event]]:
     loaded = load_text(LIBRARY)
     assert loaded.diagnostics == ()
     world = Yard(random.Random(0), {})
@@ -148,6 +147,11 @@ def _run(*goals: str) -> tuple[Yard, Interpreter, list[events.Event]]:
     interpreter.listen(seen.append)
     for goal in goals:
         interpreter.submit(Submission((goal,), priority=5 * (goal == "watch")))
+    return world, interpreter, seen
+
+
+def _run(*goals: str) -> tuple[Yard, Interpreter, list[events.Event]]:
+    world, interpreter, seen = _begun(*goals)
     interpreter.run()
     return world, interpreter, seen
 
@@ -179,9 +183,20 @@ def test_an_older_name_serves_whoever_comes_with_the_younger() -> None:
     assert memory.value("color", merge.with_ or "") == "red"
     interpreter.assert_fact("known", merge.with_ or "")
     assert memory.query("known", None) == [("known", merge.item)]
-    asked = parse_pattern(f"(color {merge.with_} red)")
-    assert interpreter.holds(asked)
-    assert not interpreter.holds(parse_pattern("(color item-99 red)"))
+    assert interpreter.question(f"(color {merge.with_} red)").holds()
+    assert interpreter.question("(color ?x red)").holds({"?x": merge.with_ or ""})
+    assert not interpreter.question("(color item-99 red)").holds()
+
+
+def test_a_question_asked_before_a_merge_knows_the_younger_name_after_it() -> None:
+    _, interpreter, seen = _begun("visit-twice")
+    question = interpreter.question("(color item-3 ?color)")
+    before = question.first()
+    interpreter.run()
+    (merge,) = [e for e in seen if isinstance(e, events.ItemMerged)]
+    assert merge.with_ == "item-3"
+    assert before == {"?color": "unknown"}
+    assert question.first() == {"?color": "red"}
 
 
 def test_who_waits_for_something_of_the_younger_name_is_woken_by_the_older() -> None:
