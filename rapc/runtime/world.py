@@ -152,13 +152,15 @@ class Option(msgspec.Struct, frozen=True):
 class Offer(msgspec.Struct, frozen=True):
     """What a world understands and sends: names with numbers of arguments.
 
-    `primitives` maps a name to its arguments' number and its possible results.
+    `primitives` maps a name to its arguments' number and its possible results;
+    `sensors` are those among them that only look and change nothing (T 6.3).
     """
 
     primitives: Mapping[str, tuple[int, tuple[str, ...]]]
     data: Mapping[str, int]
     skills: Mapping[str, int] = {}
     events: Mapping[str, int] = {}
+    sensors: tuple[str, ...] = ()
 
 
 Callables = Mapping[str, Callable[..., object]]

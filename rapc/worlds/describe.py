@@ -28,10 +28,14 @@ def describe_world(world: World, width: int) -> str:
     lines = wrap(f"{world.name}: {summary(type(world))}", width)
     lines += _section("primitives / arguments, and results", primitives, width)
     named = (("data", offer.data), ("skills", offer.skills), ("events", offer.events))
-    for title, names in named:
-        words = [f"{name}/{arity}" for name, arity in names.items()]
+    listed: list[tuple[str, Sequence[str]]] = [
+        (f"{title} / arguments", [f"{name}/{arity}" for name, arity in names.items()])
+        for title, names in named
+    ]
+    listed.insert(0, ("primitives that only look", offer.sensors))
+    for title, words in listed:
         if words:
-            lines += ["", *wrap(f"{title} / arguments", width)]
+            lines += ["", *wrap(title, width)]
             wrapped = wrap("  ".join(words), width - 2, break_on_hyphens=False)
             lines += ["  " + line for line in wrapped]
     rows = [(option.name, _option(option)) for option in world.options()]

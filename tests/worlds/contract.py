@@ -45,6 +45,7 @@ def check_description(world: World) -> None:
         assert len(set(results)) == len(results)
     assert set(handlers.results) <= set(offer.primitives)
     assert set(offer.data) <= set(handlers.data)
+    assert set(offer.sensors) <= set(offer.primitives)
 
 
 def check_knowledge(world: World, library: Library) -> None:

@@ -28,6 +28,8 @@ def test_a_world_is_described_with_all_it_offers() -> None:
     assert done.output == truck(80) + "\n"
     for line in (
         "  arm-move/2       okay, arm-cant-find",
+        "primitives that only look",
+        "  arm-examine  eye-examine  eye-scan  eye-monitor  eye-unmonitor",
         "  arm1-drops          15 %: grasps that arm1 drops",
         "  eye-scan-time       2 time units: for eye-scan",
         "  item-limit          10 items (integer): no more are made at a place",

@@ -88,4 +88,11 @@ OFFER = Offer(
         "fuel-level": 1,
         "clock": 1,
     },
+    sensors=(
+        "arm-examine",
+        "eye-examine",
+        "eye-scan",
+        "eye-monitor",
+        "eye-unmonitor",
+    ),
 )

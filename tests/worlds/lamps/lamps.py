@@ -36,7 +36,9 @@ class LampWorld(World):
 
     def offer(self) -> Offer:
         return Offer(
-            {"press": (1, ("okay", "stuck")), "look": (1, ("okay",))}, {"lamp": 2}
+            {"press": (1, ("okay", "stuck")), "look": (1, ("okay",))},
+            {"lamp": 2},
+            sensors=("look",),
         )
 
     def handlers(self) -> Handlers:
