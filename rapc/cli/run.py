@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import traceback
 from collections.abc import Iterable, Mapping, Sequence
@@ -84,6 +85,11 @@ Examples:
     show_default=True,
     help="Form of the trace file.",
 )
+@click.option(
+    "--show",
+    is_flag=True,
+    help="Draw the world beside what the robot believes of it, instead of the trace.",
+)
 @common_options
 def run(
     path: str,
@@ -96,10 +102,12 @@ def run(
     faults: Sequence[str],
     trace: str | None,
     trace_format: str,
+    show: bool,
 ) -> None:
     """Run tasks of the library at PATH against a world.
 
-    Unless -q is given, the trace goes to standard output; a short report closes it.
+    Unless -q or --show is given, the trace goes to standard output; a short report
+    closes it.
 
     Exit status: 0 if every task that is not in the background succeeded, 1 if one did
     not, 2 if nothing could be run.
@@ -109,12 +117,17 @@ def run(
     known = [_fact(text) for text in facts]
     end = _time(until)
     failing = [_fault(text) for text in faults]
-    interpreter, options = _build(library, world_name, seed, values, failing)
+    interpreter, options, world = _build(library, world_name, seed, values, failing)
     _refuse(interpreter, submissions, known)
+    if show and world.picture() is None:
+        fail(f"the world `{world_name}` has no picture of itself to --show")
     with ExitStack() as stack:
-        report = _listeners(
-            stack, interpreter, library.library.files, trace, trace_format
-        )
+        files = library.library.files
+        report = _listeners(stack, interpreter, files, trace, trace_format)
+        if show:
+            _show(stack, interpreter, world)
+        elif not settings().quiet:
+            interpreter.listen(TextTrace(sys.stdout))
         interpreter.start(options, tasks, faults)
         for fact in known:
             interpreter.assert_fact(*fact)
@@ -203,7 +216,7 @@ def _build(
     seed: int,
     values: Sequence[str],
     faults: Sequence[Fault],
-) -> tuple[Interpreter, Mapping[str, Any]]:
+) -> tuple[Interpreter, Mapping[str, Any], World]:
     """The interpreter for a library in a world; ends the command if it cannot be."""
     own: dict[str, str] = {}
     texts: dict[str, str] = {}
@@ -220,7 +233,7 @@ def _build(
     except registry.WorldError as error:
         fail(error.message, error.help)
     try:
-        return Interpreter(library, world, seed, _settings(own)), options
+        return Interpreter(library, world, seed, _settings(own)), options, world
     except Refused as refused:
         fail(*refused.reasons)
 
@@ -239,8 +252,6 @@ def _listeners(
     trace: str | None,
     trace_format: str,
 ) -> Report:
-    if not settings().quiet:
-        interpreter.listen(TextTrace(sys.stdout))
     if trace is not None:
         if any(_same_file(trace, name) for name in files):
             fail(f"--trace: `{trace}` is a file of the library")
@@ -255,6 +266,20 @@ def _listeners(
     report = Report()
     interpreter.listen(report)
     return report
+
+
+def _show(stack: ExitStack, interpreter: Interpreter, world: World) -> None:
+    """Draw the run while it goes on."""
+    from rapc.show.live import LiveView  # noqa: PLC0415  # brings rich along
+
+    view = LiveView(
+        interpreter,
+        world.picture,
+        sys.stdout,
+        shutil.get_terminal_size,
+        color=settings().colored(),
+    )
+    interpreter.listen(stack.enter_context(view))
 
 
 def _same_file(one: str, other: str) -> bool:

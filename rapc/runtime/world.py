@@ -163,6 +163,51 @@ class Offer(msgspec.Struct, frozen=True):
     sensors: tuple[str, ...] = ()
 
 
+class Thing(msgspec.Struct, frozen=True):
+    """An item in a picture: its class, and what it looks like (`red`), if anything."""
+
+    kind: str
+    look: Atom | None = None
+
+
+class Spot(msgspec.Struct, frozen=True):
+    """Where things are: a place by the name that memory has for it, an arm, a bay.
+
+    `at` is where it is drawn on the map, in steps to the right and down from
+    anywhere; None for what the robot carries along. `things` are all that it holds,
+    what is inside of other things too; `note` says in a few words what else is so.
+    """
+
+    name: str
+    things: tuple[Thing, ...] = ()
+    at: tuple[float, float] | None = None
+    note: str = ""
+
+
+class Gauge(msgspec.Struct, frozen=True):
+    """A quantity or state of the robot, and the fact, up to it, that believes it."""
+
+    name: str
+    value: Atom
+    believed: Fact
+
+
+class Picture(msgspec.Struct, frozen=True):
+    """What is true in a world at a time, to be drawn; the robot has no part in it.
+
+    `here` names the spot where the robot is, `heading` the direction it points in (a
+    point of the compass, or nothing), `roads` the spots that are joined, `look` the
+    property under which memory has what a thing looks like.
+    """
+
+    here: str
+    spots: tuple[Spot, ...]
+    roads: tuple[tuple[str, str], ...] = ()
+    heading: str = ""
+    look: str = ""
+    gauges: tuple[Gauge, ...] = ()
+
+
 Callables = Mapping[str, Callable[..., object]]
 
 
@@ -252,6 +297,10 @@ class World(ABC):
 
     def ended(self) -> str | None:
         """The reason why the world has ended the run, or None."""
+        return None
+
+    def picture(self) -> Picture | None:
+        """The truth as it is now, for `rapc run --show`; None: there is no picture."""
         return None
 
     def save(self) -> bytes:

@@ -19,6 +19,7 @@ from rapc.runtime.world import (
     Message,
     Offer,
     Option,
+    Picture,
     Reply,
     Time,
     World,
@@ -155,6 +156,10 @@ class FaultyWorld(World):
     def ended(self) -> str | None:
         """Why the world behind has ended the run, or None."""
         return self._world.ended()
+
+    def picture(self) -> Picture | None:
+        """The picture of the world behind, or None."""
+        return self._world.picture()
 
     def save(self) -> bytes:
         """The state of the world behind and of the random stream, as JSON."""

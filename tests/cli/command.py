@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 COMMAND = Path(sys.executable).with_name("rapc")
 
+HOME = {k: v for k, v in os.environ.items() if k == "PYTHONPATH"}
+"""Has the command import the same package as the tests."""
+
 
 def rapc(
     *args: str, cwd: Path | None = None, stdin: str = "", **environment: str
 ) -> subprocess.CompletedProcess[str]:
-    """Run `rapc` with some arguments, and nothing of the caller's environment.
+    """Run `rapc` with some arguments, and of the environment only where rapc is.
 
     No run may show a traceback, whatever it is given.
     """
@@ -20,7 +24,7 @@ def rapc(
         [COMMAND, *args],
         cwd=cwd,
         input=stdin,
-        env={"PATH": "", "LANG": "C.UTF-8", **environment},
+        env={"PATH": "", "LANG": "C.UTF-8", **HOME, **environment},
         capture_output=True,
         encoding="utf-8",
         timeout=120,

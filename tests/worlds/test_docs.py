@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 
 from rapc.compiler.plans import CompiledLibrary
@@ -14,6 +15,7 @@ from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map import read_map
 from rapc.worlds.truck.options import describe_options
 from rapc.worlds.truck.primitives import OFFER
+from tests.cli.command import rapc
 
 from . import script_of_the_manual
 
@@ -74,3 +76,11 @@ def test_the_script_of_the_worlds_page_works() -> None:
     assert interpreter.memory.query("holding", None, None) == [
         ("holding", "left", "cup")
     ]
+
+
+def test_the_truck_page_shows_a_frame_as_it_is_drawn() -> None:
+    section = TRUCK.partition("## A run to look at\n")[2]
+    [command] = re.findall(r"^```sh\nrapc (.*)\n```$", section, re.M)
+    [frame] = re.findall(r"^```text\n(.*?)^```$", section, re.M | re.S)
+    done = rapc(*shlex.split(command), cwd=DOCS.parent)
+    assert done.stdout.partition("Run over")[0] == frame

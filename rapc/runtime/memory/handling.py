@@ -61,6 +61,11 @@ class MemoryView:
         found = (known.get(str(fact[1])) for fact in memory.facts_at(place))
         return sum(1 for item in found if item is not None and item.kind == kind)
 
+    def kind(self, item: Atom) -> str | None:
+        """The class under which an item was introduced; None for a plain symbol."""
+        found = self._memory.items.known.get(str(self._memory.items.canonical(item)))
+        return None if found is None else found.kind
+
     def age(self, *fact: Atom) -> Time | None:
         """Time units since a fact was last asserted, or None."""
         stamp = self._memory.facts.stamps.get(self._memory.canonical(fact))

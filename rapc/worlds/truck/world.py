@@ -19,6 +19,7 @@ from rapc.runtime.world import (
     Message,
     Offer,
     Option,
+    Picture,
     Reply,
     Time,
     World,
@@ -31,6 +32,7 @@ from rapc.worlds.truck.handlers import HANDLERS
 from rapc.worlds.truck.kinds import KINDS, Color
 from rapc.worlds.truck.map import Map, MapError, read_map
 from rapc.worlds.truck.options import Settings, describe_options, read_settings
+from rapc.worlds.truck.picture import draw
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene
@@ -147,6 +149,10 @@ class TruckWorld(World):
     def ended(self) -> str | None:
         """Out of fuel, or a mishap, and the road on which it happened."""
         return self._scene.state.ended
+
+    def picture(self) -> Picture:
+        """The map, and all there is on it and on the truck."""
+        return draw(self._scene)
 
     def save(self) -> bytes:
         """The state of world and random stream, as JSON."""

@@ -1,0 +1,95 @@
+"""The truck world as a picture: its map laid out, its truth put into neutral records.
+
+How a picture is drawn, and what the robot believes, is for others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from rapc.runtime.world import Gauge, Picture, Spot, Thing
+from rapc.worlds.truck.map import Map
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL
+
+_STEPS: Mapping[str, tuple[int, int]] = {
+    "north": (0, -1),
+    "northeast": (1, -1),
+    "east": (1, 0),
+    "southeast": (1, 1),
+    "south": (0, 1),
+    "southwest": (-1, 1),
+    "west": (-1, 0),
+    "northwest": (-1, -1),
+}
+"""To the right and down, by direction."""
+
+_ROUNDS = 200
+"""How often places are pulled to where their roads want them."""
+
+
+def draw(scene: Scene) -> Picture:
+    """The picture of a scene as it is now."""
+    truck = scene.state.truck
+    gauges = (
+        Gauge("at", truck.place, ("truck-location",)),
+        Gauge("fuel", truck.fuel, ("truck-fuel",)),
+        Gauge("heading", truck.heading, ("truck-heading",)),
+        Gauge("speed", truck.speed, ("truck-speed",)),
+    )
+    roads = tuple((road.a, road.b) for road in scene.map.roads)
+    spots = tuple(_spots(scene))
+    return Picture(truck.place, spots, roads, truck.heading, "color", gauges)
+
+
+def lay_out(ground: Map) -> dict[str, tuple[float, float]]:
+    """Where to draw each place, so that roads lead about where they say.
+
+    A map has directions and no coordinates, and need not fit on a plane: each place
+    is moved again and again to the mean of where its roads want it.
+    """
+    where = {place.name: (0.0, 0.0) for place in ground.places}
+    ways = {
+        name: [(leg.to, *_STEPS[leg.direction]) for leg in ground.legs(name)]
+        for name in where
+    }
+    for _ in range(_ROUNDS):
+        for name, legs in ways.items():
+            if legs:
+                right = sum(where[to][0] - step for to, step, _ in legs)
+                down = sum(where[to][1] - step for to, _, step in legs)
+                where[name] = (right / len(legs), down / len(legs))
+    left = min(right for right, _ in where.values())
+    top = min(down for _, down in where.values())
+    return {name: (_half(x - left), _half(y - top)) for name, (x, y) in where.items()}
+
+
+def _half(steps: float) -> float:
+    """Steps to the nearest half."""
+    return round(steps * 2) / 2
+
+
+def _spots(scene: Scene) -> Iterator[Spot]:
+    where = lay_out(scene.map)
+    things: dict[str, list[Thing]] = {}
+    for item in scene.state.items.values():
+        things.setdefault(item.place, []).append(Thing(item.kind, item.color))
+    for name, at in where.items():
+        yield Spot(name, tuple(things.get(name, ())), at)
+    for road in scene.map.roads:
+        if road.name in things or road.name == scene.state.truck.place:
+            (one, other), (up, down) = zip(where[road.a], where[road.b], strict=True)
+            at = ((one + other) / 2, (up + down) / 2)
+            yield Spot(road.name, tuple(things.get(road.name, ())), at)
+    for name in (*ARMS, *BAYS):
+        yield Spot(name, tuple(things.get(name, ())), note=_note(scene, name))
+
+
+def _note(scene: Scene, name: str) -> str:
+    """Where an arm is, and the kind of thing that it is at."""
+    arm = scene.arm(name)
+    if arm is None:
+        return ""
+    at = scene.at(name)
+    place = "outside" if arm.place == EXTERNAL else arm.place
+    return place if at is None else f"{place}, at a {at.kind}"

@@ -1,0 +1,132 @@
+"""`rapc run --show`: frames on a terminal, the last one elsewhere, and its refusals."""
+
+from __future__ import annotations
+
+import io
+import os
+import pty
+import re
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+
+import rapc
+from rapc.show.live import LiveView
+from tests.cli.command import COMMAND
+from tests.cli.command import rapc as command
+
+CHECKOUT = Path(__file__).parents[2]
+EXAMPLE = CHECKOUT / "examples" / "rock-order.rap"
+RUN = (str(EXAMPLE), "--world", "truck", "--task", "(rock-order red 2)", "--seed", "7")
+ALTERNATE_ON, ALTERNATE_OFF = "\x1b[?1049h", "\x1b[?1049l"
+LEGEND = "= as believed   ≠ what is believed instead\n"
+
+
+class Terminal(io.StringIO):
+    """What says that it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def _show(stream: io.StringIO, *, color: bool) -> str:
+    world = rapc.world("truck", seed=7)
+    run = rapc.Interpreter(rapc.compile(EXAMPLE), world, 7)
+    view = LiveView(run, world.picture, stream, lambda: (80, 24), color=color, pace=0)
+    with view:
+        run.listen(view)
+        run.submit(rapc.task("(rock-order red 2)"))
+        run.run(until=20)
+    return stream.getvalue()
+
+
+def test_a_terminal_gets_a_frame_for_each_request_and_keeps_the_last() -> None:
+    shown = _show(Terminal(), color=False)
+    live, last = shown.split(ALTERNATE_OFF)
+    assert live.startswith(ALTERNATE_ON)
+    requests = ["(eye-scan external)", "(truck-turn northeast)", "(truck-move)"]
+    places = [live.find(f"  {request} - okay") for request in requests]
+    assert -1 not in places[:2]
+    assert places[:2] == sorted(places[:2])
+    assert last.endswith(LEGEND)
+
+
+def test_elsewhere_there_is_the_last_frame_alone() -> None:
+    shown = _show(io.StringIO(), color=False)
+    assert shown.startswith("time 20 ")
+    assert shown.count("\n") == 24
+    assert "\x1b" not in shown
+
+
+def test_colour_tells_right_from_unknown() -> None:
+    shown = _show(io.StringIO(), color=True)
+    assert re.search(r"\x1b\[33m≠ nothing", shown)
+    assert re.search(r"\x1b\[32m=", shown)
+
+
+def test_a_piped_run_ends_with_frame_and_report() -> None:
+    done = command("run", *RUN, "--show", "--until", "60")
+    frame, _ = done.stdout.split("Run over (until)")
+    assert (done.returncode, done.stderr) == (1, "")
+    assert frame.startswith("time 60 ")
+    assert frame.endswith(LEGEND)
+    assert frame.count("\n") == 24
+    assert "--> considering" not in done.stdout
+
+
+def test_the_trace_can_be_written_besides(tmp_path: Path) -> None:
+    files = [tmp_path / "shown.jsonl", tmp_path / "plain.jsonl"]
+    for file, show in zip(files, (["--show"], ["-q"]), strict=True):
+        command("run", *RUN, *show, "--until", "60", "--trace", str(file))
+    shown, plain = (file.read_bytes() for file in files)
+    assert shown == plain
+
+
+def test_colour_is_as_asked_for() -> None:
+    shown = ("run", *RUN, "--show", "--until", "20")
+    assert "\x1b" in command(*shown, "--color", "always").stdout
+    assert "\x1b" not in command(*shown, "--color", "never").stdout
+
+
+def test_the_world_is_drawn_behind_faults() -> None:
+    fault = "(eye-scan ?) eye-cant-find"
+    done = command("run", *RUN, "--show", "--until", "20", "--fault", fault)
+    assert "[↑depot]" in done.stdout
+
+
+def test_a_world_without_a_picture_is_refused(tmp_path: Path) -> None:
+    lamps = CHECKOUT / "tests" / "worlds" / "lamps"
+    trace = tmp_path / "trace.jsonl"
+    done = command(
+        *("run", str(lamps), "--world", "lamps:LampWorld", "--task", "(light-all)"),
+        *("--show", "--trace", str(trace)),
+        cwd=lamps,
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    said = "error: the world `lamps:LampWorld` has no picture of itself to --show\n"
+    assert done.stderr == said
+    assert not trace.exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
+def test_ctrl_c_leaves_the_screen_and_reports() -> None:
+    child, terminal = pty.fork()
+    if child == 0:
+        os.environ.update(COLUMNS="80", LINES="24", TERM="xterm")
+        os.execv(COMMAND, [str(COMMAND), "run", *RUN, "--show"])  # noqa: S606
+    shown = b""
+    while b"- okay" not in shown:
+        shown += os.read(terminal, 4096)
+    os.kill(child, signal.SIGINT)
+    try:
+        while more := os.read(terminal, 4096):
+            shown += more
+    except OSError:
+        pass  # the other side has been closed
+    _, status = os.waitpid(child, 0)
+    text = shown.decode()
+    assert os.waitstatus_to_exitcode(status) == 1
+    assert "Run over (cancelled)" in text.partition(ALTERNATE_OFF)[2]
+    assert "Traceback" not in text
