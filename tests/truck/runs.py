@@ -20,6 +20,7 @@ from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+STDLIB = Path(__file__).parents[2] / "stdlib"
 
 FACTORIES: Mapping[str, str] = {
     "red": "factory-1",

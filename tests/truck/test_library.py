@@ -14,7 +14,9 @@ from rapc.testing.discover import find
 from rapc.testing.explain import lines
 from rapc.testing.run import Status, run_case
 
-LIBRARY = Path(__file__).parents[2] / "stdlib" / "truck"
+from .runs import STDLIB
+
+LIBRARY = STDLIB / "truck"
 TESTED = tuple(sorted(path.name for path in LIBRARY.glob(f"*{TEST_SUFFIX}")))
 SEEDS = range(3)
 
