@@ -30,6 +30,7 @@ STILL: dict[str, Atom | bool] = {
     "warehouse-interval": 0,
     "depot-interval": 0,
     "factory-interval": 0,
+    "enemy-interval": 0,
     "lasting-names": True,
 }
 """Options with which nothing happens but what the truck does; names last."""

@@ -167,12 +167,18 @@ def test_pouring_needs_a_vessel_in_the_arm() -> None:
     assert driver.do("arm-ladle arm1 rock-1") == "arm-not-holding"
 
 
-def test_a_mounted_gun_fires_three_rounds_a_time_and_is_refilled() -> None:
-    driver = Driver([thing("gun"), thing("gun-tool"), thing("ammo-box")])
+def mounted(driver: Driver) -> Driver:
+    """The gun in the weapon bay, and arm2 at it."""
     driver.do(*TOOL_IN_ARM2, "arm-move arm2 gun-1")
     assert driver.do("arm-toggle arm2 gun-1") == "arm-cant-toggle"  # not mounted
     driver.do("arm-grasp arm2 gun-1", "arm-move arm2 weapon-bay")
     driver.do("arm-ungrasp arm2 gun-1")
+    return driver
+
+
+def test_a_mounted_gun_fires_three_rounds_a_time_and_is_refilled() -> None:
+    armed = [thing("gun"), thing("gun-tool"), thing("ammo-box")]
+    driver = mounted(Driver([*armed, thing("enemy-unit", count=20)], gun_hits=0))
     for left in (12, 9, 6, 3, 0, 0):
         assert driver.do("arm-toggle arm2 gun-1") == "okay"
         assert driver.data("arm-examine arm2 gun-1")[0] == ("shots-left", "gun-1", left)

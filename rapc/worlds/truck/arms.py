@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from rapc.runtime.world import OKAY, Reply
 from rapc.terms import Atom, Fact, Number, number
+from rapc.worlds.truck.enemies import fire
 from rapc.worlds.truck.eye import contents
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL, FOLDED, Arm, Item
 
 NOT_AT = Reply("arm-not-at")
 NOT_HOLDING = Reply("arm-not-holding")
-ROUNDS_A_TOGGLE = 3
 
 
 def arm_move(scene: Scene, name: Atom, place: Atom) -> Reply:
@@ -116,13 +116,13 @@ def arm_ladle(scene: Scene, name: Atom, thing: Atom) -> Reply:
 
 
 def arm_toggle(scene: Scene, name: Atom, thing: Atom) -> Reply:
-    """Switch the item the arm is at: a gun in its bay fires up to three rounds."""
+    """Switch the item the arm is at: a gun in its bay fires at enemies."""
     item = scene.item(thing)
     if item is None or item is not scene.at(name):
         return NOT_AT
     if scene.kind(item).rounds is None or item.place != "weapon-bay":
         return Reply("arm-cant-toggle")
-    item.amount = _tidy(item.amount - min(ROUNDS_A_TOGGLE, item.amount))
+    fire(scene, item)
     return Reply(OKAY)
 
 

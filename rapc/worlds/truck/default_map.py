@@ -72,6 +72,16 @@ MAP = """\
   {"kind": "fuel-drum", "place": "zone-3"},
   {"kind": "gun", "place": "warehouse"},
   {"kind": "gun-tool", "place": "warehouse"},
-  {"kind": "ammo-box", "place": "warehouse", "count": 4}]}
+  {"kind": "ammo-box", "place": "warehouse", "count": 4}],
+ "sectors": [
+  {"name": "west", "spots": ["factory-1", "factory-2", "factory-3",
+   "road-1", "road-4", "road-7"]},
+  {"name": "middle", "spots": ["zone-1", "zone-2", "zone-3", "zone-4", "zone-5",
+   "zone-6", "road-2", "road-5", "road-8", "road-10", "road-11", "road-12",
+   "road-13", "road-18", "road-19"]},
+  {"name": "east", "spots": ["quarry-1", "quarry-2", "quarry-3",
+   "road-3", "road-6", "road-9"]},
+  {"name": "north", "spots": ["warehouse", "road-14", "road-15"]},
+  {"name": "south", "spots": ["depot", "road-16", "road-17"]}]}
 """
 """JSON for `rapc.worlds.truck.map.read_map`."""

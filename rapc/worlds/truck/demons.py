@@ -1,8 +1,10 @@
 """What happens in the truck's world without it, at times of its own (T 6.1.1, 6.1.2).
 
-A demon is a job done at a place again and again, at intervals that vary by half about
-what the options say. A new kind of agent is one more function in `JOBS` and a demon
-that `summon` puts into the state.
+A demon is a job done at a place, again and again or once: each time it says how long
+it will rest. Here are those of quarries, warehouses, depots and factories, whose
+intervals vary by half about what the options say; the others have modules of their
+own. A new kind of agent is one more function in `JOBS` and a demon that `summon` puts
+into the state.
 """
 
 from __future__ import annotations
@@ -10,81 +12,103 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from rapc.terms import Number, number
+from rapc.worlds.truck import enemies
+from rapc.worlds.truck.kinds import ENEMY
 from rapc.worlds.truck.map import PRODUCTS
 from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.shuffle import shuffle
 from rapc.worlds.truck.state import Demon
+
+Job = Callable[[Scene, Demon], Number | None]
+"""Does what is to be done, and says after how long again; None: never."""
 
 
 def summon(scene: Scene) -> None:
     """Put into the state the demons that the map and the options call for."""
+    settings, demons = scene.settings, scene.state.demons
     for place in scene.map.places:
-        if place.kind in JOBS and _interval(scene, place.kind) > 0:
-            demon = Demon(place.kind, place.name, 0)
-            _rest(scene, demon)
-            scene.state.demons.append(demon)
+        if place.kind in _PLACES and _interval(scene, place.kind) > 0:
+            demons.append(Demon(place.kind, place.name, _pause(scene, place.kind)))
+    if settings.shuffle_interval > 0:
+        demons.append(Demon("shuffle", "", settings.shuffle_interval))
+    haunts = enemies.haunts(scene.map, settings.enemy_sectors)
+    if settings.enemy_interval > 0 and settings.enemy_units > 0 and haunts:
+        demons.append(Demon("enemies", "", enemies.pause(scene)))
+    enemies.meet(scene)
 
 
 def pass_time(scene: Scene, to: Number) -> None:
     """Move the clock on; demons whose times come act at them, in turn."""
     state = scene.state
     while True:
-        demon = min(state.demons, key=lambda d: d.time, default=None)
+        demon = min(state.demons, key=_time, default=None)
         if demon is None or demon.time > to:
             break
         state.now = max(state.now, demon.time)
-        JOBS[demon.job](scene, demon.place)
-        _rest(scene, demon)
+        rest = JOBS[demon.job](scene, demon)
+        if rest is None:
+            state.demons = [each for each in state.demons if each is not demon]
+        else:
+            demon.time = number(round(demon.time + rest, 2))
     state.now = max(state.now, to)
 
 
-def _rest(scene: Scene, demon: Demon) -> None:
-    pause = scene.vary(_interval(scene, demon.job), 50)
-    demon.time = number(round(demon.time + pause, 2))
+def _time(demon: Demon) -> Number:
+    return demon.time
+
+
+def _pause(scene: Scene, job: str) -> Number:
+    return scene.vary(_interval(scene, job), 50)
 
 
 def _interval(scene: Scene, job: str) -> Number:
-    settings = scene.settings
-    intervals: Mapping[str, Number] = {
-        "quarry": settings.quarry_interval,
-        "warehouse": settings.warehouse_interval,
-        "depot": settings.depot_interval,
-        "factory": settings.factory_interval,
-    }
-    return intervals[job]
+    interval: Number = getattr(scene.settings, f"{job}_interval")
+    return interval
 
 
-def _produce(scene: Scene, name: str) -> None:
+def _produce(scene: Scene, demon: Demon) -> Number:
     """A quarry or warehouse makes one item, unless too many lie there already."""
-    place = scene.map.place(name)
-    lying = sum(1 for _ in scene.items_at(name))
+    place = scene.map.place(demon.place)
+    lying = sum(item.kind != ENEMY for item in scene.items_at(demon.place))
     if place is not None and lying < scene.settings.item_limit:
-        scene.make(PRODUCTS[place.kind], name, place.color)
+        scene.make(PRODUCTS[place.kind], place.name, place.color)
+    return _pause(scene, demon.job)
 
 
-def _supply(scene: Scene, name: str) -> None:
+def _supply(scene: Scene, demon: Demon) -> Number:
     """A depot removes empty drums wherever they lie about, and makes a full one."""
     lying_at = scene.map.spots()
     for item in [i for i in scene.state.items.values() if i.place in lying_at]:
         if item.kind == PRODUCTS["depot"] and item.amount == 0:
             scene.remove(item)
-    _produce(scene, name)
+    return _produce(scene, demon)
 
 
-def _take_in(scene: Scene, name: str) -> None:
+def _take_in(scene: Scene, demon: Demon) -> Number:
     """A factory takes in the rocks that lie there.
 
     They are still at the factory, where no eye and no arm gets at them: a scan does
     not report them gone.
     """
-    for item in [i for i in scene.items_at(name) if i.kind == "rock"]:
+    for item in [i for i in scene.items_at(demon.place) if i.kind == "rock"]:
         scene.remove(item)
         scene.state.sighted.pop(item.name, None)
+    return _pause(scene, demon.job)
 
 
-JOBS: Mapping[str, Callable[[Scene, str], None]] = {
+_PLACES: Mapping[str, Job] = {
     "quarry": _produce,
     "warehouse": _produce,
     "depot": _supply,
     "factory": _take_in,
 }
 """The jobs by the kind of place at which they are done."""
+
+JOBS: Mapping[str, Job] = {
+    **_PLACES,
+    "shuffle": shuffle,
+    "enemies": enemies.appear,
+    "leaving": enemies.leave,
+    "capture": enemies.capture,
+}
+"""All jobs by name."""

@@ -80,6 +80,13 @@ class Road(
     mishap: Number = 0
 
 
+class Sector(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Part of the map, as names of places and roads (T 1.4.2)."""
+
+    name: Name
+    spots: tuple[str, ...]
+
+
 class Lying(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Items of a kind that lie at a place, or on a road, at the start."""
 
@@ -105,6 +112,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     places: tuple[Place, ...]
     roads: tuple[Road, ...]
     items: tuple[Lying, ...] = ()
+    sectors: tuple[Sector, ...] = ()
     heading: Direction = "north"
 
     def legs(self, place: str) -> Iterator[Leg]:
@@ -187,6 +195,7 @@ def _problems(made: Map) -> Iterator[str]:
             yield f"`{road.name}`: the chance of a mishap is not from 0 to 1"
     yield from _crossed(made)
     yield from _bad_colors(made)
+    yield from _bad_sectors(made, names)
     for lying in made.items:
         yield from _unknown(lying.kind, KINDS, "an item's kind")
         yield from _unknown(lying.place, names, f"the place of a `{lying.kind}`")
@@ -209,6 +218,17 @@ def _crossed(made: Map) -> Iterator[str]:
                     f"`{first}` and `{leg.road.name}` both lead "
                     f"{leg.direction} from `{place.name}`"
                 )
+
+
+def _bad_sectors(made: Map, names: Collection[str]) -> Iterator[str]:
+    sectors: dict[str, str] = {}
+    for index, sector in enumerate(made.sectors):
+        if sector.name in [other.name for other in made.sectors[:index]]:
+            yield f"`{sector.name}` stands for two sectors"
+        for spot in sector.spots:
+            yield from _unknown(spot, names, f"part of the sector `{sector.name}`")
+            if sectors.setdefault(spot, sector.name) != sector.name:
+                yield f"`{spot}` is in two sectors"
 
 
 def _bad_colors(made: Map) -> Iterator[str]:

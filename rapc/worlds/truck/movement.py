@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from rapc.runtime.world import OKAY, Reply
 from rapc.terms import Atom, Number, number
 from rapc.worlds.truck.demons import pass_time
+from rapc.worlds.truck.enemies import meet, part
 from rapc.worlds.truck.map import DIRECTIONS, Leg
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import EXTERNAL
@@ -41,9 +42,12 @@ def truck_move(scene: Scene) -> Reply:
     """Travel down the road ahead to its end, or to where the eye has it stop.
 
     Refused with no road ahead or an arm outside. Without fuel enough for the trip,
-    or in a mishap, the truck is left on the road and the run is over.
+    or in a mishap, the truck is left on the road and the run is over; a captured
+    truck goes nowhere.
     """
     truck = scene.state.truck
+    if scene.state.ended is not None:
+        return Reply(MISHAP)
     leg = _ahead(scene)
     if leg is None or any(arm.place == EXTERNAL for arm in truck.arms.values()):
         return Reply("truck-cant-move")
@@ -57,7 +61,7 @@ def truck_move(scene: Scene) -> Reply:
         )
     if mishap:
         return _stranded(scene, leg, time, fuel, "mishap")
-    _drive(scene, leg.road.name if stop else leg.to, time, fuel)
+    _drive(scene, leg, leg.road.name if stop else leg.to, time, fuel)
     data = (("new-location", truck.place), ("fuel-level", truck.fuel))
     return Reply(OKAY, data)
 
@@ -90,16 +94,19 @@ def _mishap(scene: Scene, leg: Leg) -> bool:
 
 
 def _stranded(scene: Scene, leg: Leg, time: Number, fuel: Number, why: str) -> Reply:
-    _drive(scene, leg.road.name, number(round(time, 2)), fuel)
-    scene.state.ended = f"{why} on {leg.road.name}"
+    _drive(scene, leg, leg.road.name, number(round(time, 2)), fuel)
+    scene.end(f"{why} on {leg.road.name}")
     return Reply(MISHAP, (("fuel-level", scene.state.truck.fuel),))
 
 
-def _drive(scene: Scene, to: str, time: Number, fuel: Number) -> None:
+def _drive(scene: Scene, leg: Leg, to: str, time: Number, fuel: Number) -> None:
     """The trip itself: what the truck sensed where it was it senses no more."""
     state = scene.state
+    part(scene)
+    state.truck.place = leg.road.name
     pass_time(scene, number(round(state.now + time, 2)))
     state.truck.place = to
+    meet(scene)
     state.truck.fuel = number(round(state.truck.fuel - fuel, 2))
     state.sighted.clear()
     state.names.clear()

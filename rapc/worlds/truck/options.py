@@ -64,7 +64,37 @@ class Settings(msgspec.Struct, frozen=True, rename="kebab"):
     warehouse_interval: Annotated[Number, _row(_TIME, "a warehouse's boxes")] = 200
     depot_interval: Annotated[Number, _row(_TIME, "a depot's drums")] = 60
     factory_interval: Annotated[Number, _row(_TIME, "a factory's taking in")] = 40
-    item_limit: Annotated[int, _row("items", "no more are made at a place")] = 10
+    item_limit: Annotated[int, _row("items", "no more are made or put at a place")] = 10
+
+    shuffle_interval: Annotated[Number, _row(_TIME, "between shuffles; 0: none")] = 0
+    shuffle_efficiency: Annotated[
+        Number, _row("%", "an item lying about is moved by a shuffle", 100)
+    ] = 40
+    shuffle_until: Annotated[
+        Number, _row(_TIME, "when shuffling stops for good; 0: never")
+    ] = 0
+    shuffle_tools: Annotated[bool, _row("", "guns and gun tools are shuffled too")] = (
+        False
+    )
+
+    enemy_interval: Annotated[
+        Number, _row(_TIME, "between enemies' coming; 0: none")
+    ] = 600
+    enemy_stay: Annotated[
+        Number, _row(_TIME, "where the truck is not, then they move on")
+    ] = 200
+    enemy_units: Annotated[int, _row("units", "no more come at a time", 100)] = 6
+    enemy_sectors: Annotated[
+        str, _row("", "where they come, as names, with commas; none: the zones")
+    ] = ""
+    capture_time: Annotated[
+        Number, _row(_TIME, "with enemies, half the trucks are captured; 0: never")
+    ] = 300
+    gun_rounds: Annotated[int, _row("rounds", "in a gun at the start", 15)] = 15
+    gun_burst: Annotated[int, _row("rounds", "a gun fires at most when toggled")] = 3
+    gun_hits: Annotated[
+        Number, _row("%", "rounds that drive one enemy unit off", 100)
+    ] = 60
 
 
 def read_settings(options: Mapping[str, Atom | bool]) -> Settings:
@@ -78,7 +108,7 @@ def read_settings(options: Mapping[str, Atom | bool]) -> Settings:
         settings = msgspec.convert(plain, Settings)
     except msgspec.ValidationError as error:
         raise ValueError(str(error).replace("`$.", "`").lower()) from error
-    for name, _, meta in _rows():
+    for name, _, _, meta in _rows():
         value = getattr(settings, name)
         if not isinstance(value, str) and not 0 <= value <= _most(meta):
             raise ValueError(f"`{_kebab(name)}` must be between 0 and {_most(meta)}")
@@ -89,21 +119,21 @@ def read_settings(options: Mapping[str, Atom | bool]) -> Settings:
 
 def describe_options() -> tuple[Option, ...]:
     """All options, in the order in which they are listed."""
-    return tuple(_option(name, default, meta) for name, default, meta in _rows())
+    return tuple(_option(*row) for row in _rows())
 
 
-def _rows() -> Iterator[tuple[str, str | bool | Number, Meta]]:
+def _rows() -> Iterator[tuple[str, type, str | bool | Number, Meta]]:
     hints = get_type_hints(Settings, include_extras=True)
     for field in msgspec.structs.fields(Settings):
-        yield field.name, field.default, get_args(hints[field.name])[1]
+        base, meta = get_args(hints[field.name])
+        yield field.name, base, field.default, meta
 
 
-def _option(name: str, default: str | bool | Number, meta: Meta) -> Option:
-    kinds = {bool: "flag", str: "text"}
-    kind = kinds.get(type(default), "integer" if name == "item_limit" else "number")
+def _option(name: str, base: type, default: str | bool | Number, meta: Meta) -> Option:
+    kinds = {bool: "flag", str: "text", int: "integer"}
     return Option(
         name=_kebab(name),
-        kind=kind,
+        kind=kinds.get(base, "number"),
         default=Text(default) if isinstance(default, str) else default,
         unit=_unit(meta),
         doc=meta.description or "",

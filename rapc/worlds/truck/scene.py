@@ -24,9 +24,16 @@ from rapc.worlds.truck.state import (
     State,
 )
 
+STREAMS = ("shuffle", "enemies", "weapon")
+"""The random streams beside the world's first one."""
+
 
 class Scene:
-    """A map, settings and a random stream, with the state that they act on."""
+    """A map, settings and random streams, with the state that they act on.
+
+    What came into the world later has a stream of its own in `chance`, so that one
+    can be switched on without the others' luck changing.
+    """
 
     def __init__(
         self, ground: Map, settings: Settings, rng: random.Random, state: State
@@ -34,6 +41,7 @@ class Scene:
         self.map = ground
         self.settings = settings
         self.rng = rng
+        self.chance = _streams(rng)
         self.state = state
 
     # --- items -----------------------------------------------------------------
@@ -169,9 +177,24 @@ class Scene:
                 order.filled = state.now if order.received == order.rocks else None
                 return
 
+    # --- the end ---------------------------------------------------------------
+
+    def end(self, why: str) -> None:
+        """The run is over, for the first reason that came up."""
+        if self.state.ended is None:
+            self.state.ended = why
+
     # --- chance ----------------------------------------------------------------
 
-    def vary(self, nominal: Number, per_cent: Number) -> Number:
+    def vary(self, nominal: Number, per_cent: Number, stream: str = "") -> Number:
         """A number about a nominal one, evenly spread, to two digits."""
-        spread = per_cent / 100
-        return number(round(nominal * self.rng.uniform(1 - spread, 1 + spread), 2))
+        spread, rng = per_cent / 100, self.chance[stream] if stream else self.rng
+        return number(round(nominal * rng.uniform(1 - spread, 1 + spread), 2))
+
+
+def _streams(rng: random.Random) -> dict[str, random.Random]:
+    """Streams that depend on the one given, which is left as it was."""
+    copy = random.Random()
+    copy.setstate(rng.getstate())
+    root = copy.getrandbits(64)
+    return {name: random.Random(f"{root}:{name}") for name in STREAMS}

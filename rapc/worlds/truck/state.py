@@ -47,7 +47,7 @@ class Truck(msgspec.Struct):
 
 
 class Demon(msgspec.Struct):
-    """Something that happens again and again: a job of `demons.JOBS` at a place."""
+    """Something that will happen: a job of `demons.JOBS`, at a place or at none."""
 
     job: str
     place: str
@@ -84,7 +84,7 @@ class State(msgspec.Struct):
         sighted: the items sensed since the truck arrived, with where they were.
         names: their sensor names, where those do not last.
         made: how many items of each kind there have ever been.
-        gone: how many items factories took in and the depot removed.
+        gone: how many items factories took in, the depot removed, or enemies were.
         pending: data for `messages`.
     """
 

@@ -30,7 +30,7 @@ from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.demons import pass_time, summon
 from rapc.worlds.truck.handlers import HANDLERS
 from rapc.worlds.truck.kinds import KINDS, Color
-from rapc.worlds.truck.map import Map, MapError, read_map
+from rapc.worlds.truck.map import Lying, Map, MapError, read_map
 from rapc.worlds.truck.options import Settings, describe_options, read_settings
 from rapc.worlds.truck.picture import draw
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
@@ -38,13 +38,17 @@ from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import ARMS, Delivery, Order, State, Truck
 
+Stream = tuple[int, tuple[int, ...], float | None]
+"""The state of a random stream, as `random.Random.getstate` tells it."""
+
 
 class Saved(msgspec.Struct, frozen=True):
     """What `save` writes: the options are kept to refuse a state of other ones."""
 
     settings: Settings
     state: State
-    rng: tuple[int, tuple[int, ...], float | None]
+    rng: Stream
+    chance: dict[str, Stream]
 
 
 class TruckWorld(World):
@@ -65,10 +69,15 @@ class TruckWorld(World):
         self._scene = Scene(ground, settings, rng, State(truck))
         for lying in ground.items:
             for _ in range(lying.count):
-                self._scene.make(lying.kind, lying.place, lying.color)
+                self._place(lying)
         self._scene.state.orders.extend(_read_orders(settings.orders, ground))
         summon(self._scene)
         self._scene.state.pending.extend(_first_data(truck))
+
+    def _place(self, lying: Lying) -> None:
+        item = self._scene.make(lying.kind, lying.place, lying.color)
+        if self._scene.kind(item).rounds:
+            item.amount = self._scene.settings.gun_rounds
 
     @classmethod
     def options(cls) -> Sequence[Option]:
@@ -147,7 +156,7 @@ class TruckWorld(World):
         return found
 
     def ended(self) -> str | None:
-        """Out of fuel, or a mishap, and the road on which it happened."""
+        """Out of fuel, a mishap or captured, and where that happened."""
         return self._scene.state.ended
 
     def picture(self) -> Picture:
@@ -156,9 +165,10 @@ class TruckWorld(World):
 
     def save(self) -> bytes:
         """The state of world and random stream, as JSON."""
-        version, internal, gauss = self._scene.rng.getstate()
-        rng = (version, tuple(internal), gauss)
-        return msgspec.json.encode(Saved(self._scene.settings, self._scene.state, rng))
+        scene = self._scene
+        chance = {name: _told(rng) for name, rng in scene.chance.items()}
+        saved = Saved(scene.settings, scene.state, _told(scene.rng), chance)
+        return msgspec.json.encode(saved)
 
     def restore(self, state: bytes) -> None:
         """Take up a saved state.
@@ -173,6 +183,8 @@ class TruckWorld(World):
         if saved.settings != self._scene.settings:
             raise ValueError("the state is that of a truck world with other options")
         self._scene.rng.setstate(saved.rng)
+        for name, stream in saved.chance.items():
+            self._scene.chance[name].setstate(stream)
         self._scene.state = saved.state
 
     @property
@@ -187,8 +199,13 @@ class TruckWorld(World):
 
     @property
     def state(self) -> State:
-        """A copy of the whole truth, for tests and pictures; the robot has no part."""
+        """A copy of the whole truth, for tests; the robot has no part in it."""
         return msgspec.json.decode(msgspec.json.encode(self._scene.state), type=State)
+
+
+def _told(rng: random.Random) -> Stream:
+    version, internal, gauss = rng.getstate()
+    return version, tuple(internal), gauss
 
 
 def _read_map(settings: Settings) -> Map:

@@ -1,0 +1,129 @@
+"""Enemy troops: where they appear, how they go, what they do to the truck (T 6.1.1).
+
+Units come in bands. A band stays a while and moves on; at the truck's place it stays
+until its units are shot or the truck leaves. The longer some are with the truck, the
+likelier they capture it, which ends the run. All chance here comes from the streams
+`enemies` and `weapon`.
+"""
+
+from __future__ import annotations
+
+from math import log2, sqrt
+
+from rapc.spell import nearest
+from rapc.terms import Number, number
+from rapc.worlds.truck.kinds import ENEMY
+from rapc.worlds.truck.map import Map
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import Demon, Item
+
+SAFE = frozenset({"warehouse", "depot"})
+"""Kinds of places where no enemies come."""
+
+
+def haunts(ground: Map, sectors: str) -> tuple[str, ...]:
+    """The places where enemies may come: those of some sectors, or all zones.
+
+    Raises:
+        ValueError: for a sector that the map has not.
+    """
+    if not sectors:
+        return tuple(place.name for place in ground.places if place.kind == "zone")
+    known = {sector.name: sector.spots for sector in ground.sectors}
+    wanted: set[str] = set()
+    for name in (part.strip() for part in sectors.split(",")):
+        if name not in known:
+            near = nearest(name, known)
+            hint = f"; did you mean `{near}`?" if near else ""
+            raise ValueError(
+                f"`enemy-sectors`: the map has no sector `{name[:40]}`{hint}"
+            )
+        wanted.update(known[name])
+    places = (place for place in ground.places if place.name in wanted)
+    return tuple(place.name for place in places if place.kind not in SAFE)
+
+
+def pause(scene: Scene) -> Number:
+    """How long until the next band comes: about the option, half more or less."""
+    return scene.vary(scene.settings.enemy_interval, 50, "enemies")
+
+
+def appear(scene: Scene, demon: Demon) -> Number:
+    """A band comes to a place that may see enemies, if there are none yet."""
+    rng, settings = scene.chance["enemies"], scene.settings
+    place = rng.choice(haunts(scene.map, settings.enemy_sectors))
+    units = rng.randint(1, settings.enemy_units)
+    if not _units(scene, place):
+        for _ in range(units):
+            scene.make(ENEMY, place)
+        due = number(round(scene.state.now + settings.enemy_stay, 2))
+        scene.state.demons.append(Demon("leaving", place, due))
+        meet(scene)
+    return pause(scene)
+
+
+def leave(scene: Scene, demon: Demon) -> None:
+    """The band at a place moves on, unless the truck is there."""
+    if scene.state.truck.place != demon.place:
+        _remove(scene, demon.place)
+
+
+def meet(scene: Scene) -> None:
+    """If there are enemies where the truck is, the time to its capture begins to run.
+
+    The chance that it is captured within a time t is 1 - 2 ** -((t / capture-time)
+    ** 2): it rises faster and faster.
+    """
+    state, settings = scene.state, scene.settings
+    if settings.capture_time == 0 or _captors(scene):
+        return
+    if _units(scene, state.truck.place):
+        spread = sqrt(-log2(1 - scene.chance["enemies"].random()))
+        due = number(round(state.now + settings.capture_time * spread, 2))
+        state.demons.append(Demon("capture", state.truck.place, due))
+
+
+def capture(scene: Scene, demon: Demon) -> None:
+    """The enemies have the truck, and the run is over."""
+    scene.end(f"captured at {demon.place}")
+
+
+def part(scene: Scene) -> None:
+    """The truck sets off: enemies do not follow it, they go their own way."""
+    _remove(scene, scene.state.truck.place)
+
+
+def fire(scene: Scene, gun: Item) -> None:
+    """Fire rounds at the enemies outside until they, or the rounds, are gone.
+
+    A burst is `gun-burst` rounds at most; without enemies no round is fired.
+    """
+    rng, settings = scene.chance["weapon"], scene.settings
+    targets = _units(scene, scene.state.truck.place)
+    for _ in range(settings.gun_burst):
+        if not targets or gun.amount < 1:
+            break
+        gun.amount = number(gun.amount - 1)
+        if rng.uniform(0, 100) < settings.gun_hits:
+            scene.remove(targets.pop(0))
+    if not targets:
+        _remove(scene, scene.state.truck.place)
+
+
+def _units(scene: Scene, place: str) -> list[Item]:
+    return [item for item in scene.items_at(place) if item.kind == ENEMY]
+
+
+def _captors(scene: Scene) -> bool:
+    return any(demon.job == "capture" for demon in scene.state.demons)
+
+
+def _remove(scene: Scene, place: str) -> None:
+    """All enemies leave a place, and what they were about comes to nothing."""
+    for item in _units(scene, place):
+        scene.remove(item)
+    scene.state.demons = [
+        demon
+        for demon in scene.state.demons
+        if demon.job not in ("leaving", "capture") or demon.place != place
+    ]

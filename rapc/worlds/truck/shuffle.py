@@ -1,0 +1,48 @@
+"""The shuffling demon: somebody who moves things about the world (T 6.1.1, 6.3.1)."""
+
+from __future__ import annotations
+
+from rapc.terms import Number
+from rapc.worlds.truck.kinds import ENEMY
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import Demon, Item
+
+TOOLS = frozenset({"gun", "gun-tool"})
+"""What is left alone unless the option `shuffle-tools` says otherwise."""
+
+
+def shuffle(scene: Scene, demon: Demon) -> Number | None:
+    """Move some of what lies about to other places, chosen at random.
+
+    Never at factories, never to a place that holds `item-limit` items already, and
+    nothing that is on the truck.
+    """
+    settings, rng = scene.settings, scene.chance["shuffle"]
+    if 0 < settings.shuffle_until <= scene.state.now:
+        return None
+    lying = _lying(scene)
+    counts = {place: len(items) for place, items in lying.items()}
+    for place, items in lying.items():
+        for item in items:
+            left = item.kind in TOOLS and not settings.shuffle_tools
+            if left or rng.uniform(0, 100) >= settings.shuffle_efficiency:
+                continue
+            room = [p for p, n in counts.items() if n < settings.item_limit]
+            others = [p for p in room if p != place]
+            if others:
+                target = rng.choice(others)
+                scene.put(item, target)
+                counts[place] -= 1
+                counts[target] += 1
+    return settings.shuffle_interval
+
+
+def _lying(scene: Scene) -> dict[str, list[Item]]:
+    """What lies at each place but the factories; enemies do not lie."""
+    lying: dict[str, list[Item]] = {
+        place.name: [] for place in scene.map.places if place.kind != "factory"
+    }
+    for item in scene.state.items.values():
+        if item.place in lying and item.kind != ENEMY:
+            lying[item.place].append(item)
+    return lying
