@@ -27,7 +27,7 @@ from rapc.parser.data import (
     Variable,
 )
 from rapc.source import SourceFile
-from rapc.terms import format_atom, number
+from rapc.terms import Number, format_atom, number
 
 MAX_DEPTH = 100
 """How deep lists may nest."""
@@ -42,7 +42,7 @@ MAX_FINDINGS = 1000
 """How many findings a file's text may give; more would help nobody."""
 
 OPEN, CLOSE, QUOTE, ATOM, STRING, COMMENT, BLOCK, OTHER = range(1, 9)
-"""The groups of `Lexicon.token`; OTHER is a character that begins nothing."""
+"""The groups of `Lexicon.loose`; OTHER is a character that begins nothing."""
 
 Token = tuple[int, int, int]
 """A token's group and the offsets of its text."""
@@ -52,12 +52,14 @@ BLOCK_MARK = re.compile(r"#\||\|#")
 
 _ESCAPE = re.compile(r"\\(.)", re.S)
 _NUMBER_LIKE = re.compile(r"[+-]?(?=\.?[0-9])[0-9]*\.?[0-9]*(?:e[+-]?[0-9]+)?", re.I)
-_MAKERS = {
+MAKERS: Mapping[str, Callable[[Any, int, int], Datum]] = {
     "NUMBER": Numeral,
     "VARIABLE": Variable,
     "KEYWORD": Keyword,
     "SYMBOL": Symbol,
 }
+"""What makes a datum of an atom's value and place, by its kind."""
+
 _MEANT = str.maketrans(
     {
         **dict.fromkeys("'`,@#|\\:", ""),
@@ -72,32 +74,41 @@ _QUOTES = frozenset("#'`,")
 class Lexicon:
     """The compiled terminals of the grammar.
 
-    `token` matches any token with the space before it; `loose` does so too, but of a
-    string the opening quote alone. Any atom is a `_NAME`, only a colon by itself is
-    none; `atom` tells the kinds of atoms apart.
+    Any atom is a `_NAME`, only a colon by itself is none; `atom` tells the kinds of
+    atoms apart. For `loose`, which finds one token and the space before it, a string
+    is its opening quote alone.
+
+    `words` cuts a text into pieces that leave nothing out: an atom with the parentheses
+    around it and the space behind it; parentheses or space alone; a string; a comment
+    to the end of its line; what begins nothing; or a string that is not closed, with
+    all that follows. `word` finds the atom of a piece. A comment in `#| |#` begins
+    where `block` says, unless that is in a string or comment; `words` knows of none.
 
     Args:
         terminals: regular expressions without groups of their own, by terminal name.
     """
 
     def __init__(self, terminals: Mapping[str, str]) -> None:
-        space, name = terminals["_SPACE"], terminals["_NAME"]
-        groups = [
-            *(terminals[kind] for kind in ("LPAR", "RPAR")),
-            "#'",
-            f"(?!:(?!{name})){name}",
-            *(terminals[kind] for kind in ("STRING", "COMMENT", "BLOCK_OPEN")),
-            rf"\|#|(?!{space})(?s:.)",
-        ]
-        self.token = _any_of(groups, space)
-        groups[STRING - 1] = '"'
-        self.loose = _any_of(groups, space)
-        self.atom = re.compile("|".join(f"(?P<{k}>{terminals[k]})" for k in _MAKERS))
-
-
-def _any_of(groups: Iterable[str], space: str) -> re.Pattern[str]:
-    choice = "|".join(f"({group})" for group in groups)
-    return re.compile(rf"{space}*(?:{choice}|\Z)")
+        space, name, string = (terminals[k] for k in ("_SPACE", "_NAME", "STRING"))
+        left, right, comment = (terminals[k] for k in ("LPAR", "RPAR", "COMMENT"))
+        atom = f"(?!:(?!{name})){name}"
+        other = rf"\|#|(?!{space})(?s:.)"
+        block = terminals["BLOCK_OPEN"]
+        tokens = (left, right, "#'", atom, '"', comment, block, other)
+        choice = "|".join(f"({token})" for token in tokens)
+        self.loose = re.compile(rf"{space}*(?:{choice}|\Z)")
+        pieces = (
+            f"(?:{left})*+(?!#'){atom}(?:{right})*+{space}*+",
+            f"(?:{left})++{space}*+|(?:{right})++{space}*+|{space}++",
+            f"{comment}|{string}|\"(?s:.*)|#'|{other}",
+        )
+        self.words = re.compile("|".join(pieces))
+        kinds = "|".join(f"(?P<{kind}>{terminals[kind]})" for kind in MAKERS)
+        self.atom = re.compile(kinds)
+        self.word = re.compile(f"(?:{left})*+(?!#')(?:{kinds})")
+        self.block = re.compile(rf"(?<!\|){block}")
+        self.comment = re.compile(comment)
+        self.string = re.compile(string)
 
 
 def comment_end(text: str, start: int) -> int:
@@ -110,11 +121,29 @@ def comment_end(text: str, start: int) -> int:
     return -1
 
 
+def atom_value(kind: str, raw: str) -> Number | str | None:
+    """The value of an atom of this kind, or None if something is wrong with it."""
+    if kind == "NUMBER":
+        if len(raw) > MAX_NUMBER:
+            return None
+        return number(float(raw)) if "." in raw else int(raw)
+    if len(raw) > MAX_NAME:
+        return None
+    if kind == "SYMBOL" and raw[0] in "+-.0123456789" and _NUMBER_LIKE.fullmatch(raw):
+        return None
+    return sys.intern(raw.lower())
+
+
+def string_value(raw: str) -> str:
+    """What a string with its quotes says."""
+    value = raw[1:-1]
+    return _ESCAPE.sub(r"\1", value) if "\\" in value else value
+
+
 class Notes:
     """What is collected while a file is read.
 
-    `known` maps the text of atoms that gave no cause for complaint to their class and
-    value; `damage` holds the offsets of what had to be guessed at.
+    `damage` holds the offsets of what had to be guessed at.
     """
 
     def __init__(self, source: SourceFile, lexicon: Lexicon) -> None:
@@ -123,7 +152,6 @@ class Notes:
         self.comments: list[Comment] = []
         self.diagnostics: list[Diagnostic] = []
         self.damage: list[int] = []
-        self.known: dict[str, tuple[Callable[[Any, int, int], Datum], Any]] = {}
         self._illegal: list[tuple[int, int]] = []
 
     @property
@@ -142,27 +170,23 @@ class Notes:
         self.comments.append(Comment(text, self.source.span(start, end)))
 
     def atom(self, raw: str, start: int, end: int) -> Datum:
-        """The datum of an atom that is not yet in `known`."""
+        """The datum of an atom, whatever is wrong with it."""
         match = self.lexicon.atom.match(raw)
         kind = (match and match.lastgroup) or "SYMBOL"
+        value = atom_value(kind, raw)
+        if value is not None:
+            return MAKERS[kind](value, start, end)
         if kind == "NUMBER":
-            return self._number(raw, start, end)
-        if kind == "SYMBOL" and len(raw) <= MAX_NAME and _NUMBER_LIKE.fullmatch(raw):
+            self._too_long("number", MAX_NUMBER, start, end)
+            return Numeral(0, start, end)
+        if len(raw) <= MAX_NAME:
             return self._number_like(raw, start, end)
-        maker: Callable[[Any, int, int], Datum] = _MAKERS[kind]
-        if len(raw) > MAX_NAME:
-            self._too_long("name", MAX_NAME, start, end)
-            return maker(raw[:MAX_NAME].lower(), start, end)
-        value = sys.intern(raw.lower())
-        self.known[raw] = (maker, value)
-        return maker(value, start, end)
+        self._too_long("name", MAX_NAME, start, end)
+        return MAKERS[kind](raw[:MAX_NAME].lower(), start, end)
 
     def string(self, start: int, end: int) -> String:
         """The datum of a string with its quotes."""
-        value = self.source.text[start + 1 : end - 1]
-        if "\\" in value:
-            value = _ESCAPE.sub(r"\1", value)
-        return String(value, start, end)
+        return String(string_value(self.source.text[start:end]), start, end)
 
     def illegal(self, start: int, end: int) -> None:
         """Keep characters that begin nothing; neighbours make one finding."""
@@ -179,14 +203,6 @@ class Notes:
         damage = sorted(self.damage)
         top = tuple(TopLevel(form, _hit(form, damage)) for form in forms)
         return Reading(self.source, top, tuple(self.comments), tuple(found))
-
-    def _number(self, raw: str, start: int, end: int) -> Datum:
-        if len(raw) > MAX_NUMBER:
-            self._too_long("number", MAX_NUMBER, start, end)
-            return Numeral(0, start, end)
-        value = number(float(raw)) if "." in raw else int(raw)
-        self.known[raw] = (Numeral, value)
-        return Numeral(value, start, end)
 
     def _number_like(self, raw: str, start: int, end: int) -> Datum:
         value = float(raw) if len(raw) <= MAX_NUMBER else math.inf

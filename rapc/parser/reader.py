@@ -9,27 +9,28 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
+from typing import Any
 
 from lark import Lark
 
-from rapc.parser.data import Datum, List, Reading
+from rapc.parser.data import Datum, List, Reading, String
 from rapc.parser.lexicon import (
-    ATOM,
-    BLOCK,
-    CLOSE,
-    COMMENT,
+    MAKERS,
     MAX_DEPTH,
-    OPEN,
-    STRING,
     Lexicon,
     Notes,
+    atom_value,
     comment_end,
+    string_value,
 )
 from rapc.parser.recovery import recover
 from rapc.parser.rejoin import rejoin
 from rapc.source import SourceFile
+
+_OPEN_ENDED = {'"': "string", ";": "comment"}
+"""What may hold `#|` without beginning a comment, by what it begins with."""
 
 _FORM_LINE = re.compile(r"^\((?:define|declare)-", re.I | re.M)
 
@@ -75,64 +76,116 @@ def _list_at(datum: Datum, offset: int) -> bool:
     return isinstance(datum, List) and datum.start == offset
 
 
+class _Unclosed(Exception):
+    """A string or comment is not closed."""
+
+
 def _scan(notes: Notes) -> list[Datum] | None:
     """The data of a sound file; None as soon as something does not close."""
-    text = notes.source.text
-    known = notes.known
+    find = _Words(notes).__getitem__
     items: list[Datum] = []
-    stack: list[list[Datum]] = []
-    starts: list[int] = []
-    at: int | None = 0
-    while at is not None:
-        tokens = notes.lexicon.token.finditer(text, at)
-        at = None
-        for match in tokens:
-            kind = match.lastindex
-            if kind == ATOM:
-                raw = match[ATOM]
-                end = match.end()
-                entry = known.get(raw)
-                if entry is None:
-                    items.append(notes.atom(raw, end - len(raw), end))
-                else:
-                    items.append(entry[0](entry[1], end - len(raw), end))
-            elif kind == OPEN:
-                if len(stack) == MAX_DEPTH:
-                    return None
-                stack.append(items)
-                starts.append(match.end() - 1)
-                items = []
-            elif kind == CLOSE:
-                if not stack:
-                    return None
-                closed = List(tuple(items), starts.pop(), match.end())
-                items = stack.pop()
-                items.append(closed)
-            elif kind is not None:
-                end = _other(notes, items, kind, match.start(kind), match.end())
-                if end < 0:
-                    return None
-                if end > match.end():
-                    at = end
-                    break
+    stack: list[tuple[list[Datum], int]] = []
+    try:
+        for first, pieces in _windows(notes):
+            at = first
+            for opens, make, value, start, end, closes, length in map(find, pieces):
+                if opens:
+                    if len(stack) + opens > MAX_DEPTH:
+                        return None
+                    stack.append((items, at))
+                    if opens > 1:
+                        stack += [([], left) for left in range(at + 1, at + opens)]
+                    items = []
+                if make is not None:
+                    items.append(make(value, at + start, at + end))
+                elif end:
+                    value(at, at + end)
+                if closes:
+                    if closes > len(stack):
+                        return None
+                    right = at + end
+                    while closes:
+                        right += 1
+                        closes -= 1  # noqa: PLW2901  # counting is what it is for
+                        inner = tuple(items)
+                        items, left = stack.pop()
+                        items.append(List(inner, left, right))
+                at += length
+    except _Unclosed:
+        return None
     return None if stack else items
 
 
-def _other(notes: Notes, items: list[Datum], kind: int, start: int, end: int) -> int:
-    """Take up a token that is neither parenthesis nor atom.
+def _windows(notes: Notes) -> Iterator[tuple[int, list[str]]]:
+    """The pieces of a text from one `#| |#` to the next, with the place of the first.
 
-    Returns where to go on, or -1 if the token does not close.
+    Raises _Unclosed.
     """
-    if kind == STRING:
-        items.append(notes.string(start, end))
-    elif kind == COMMENT:
-        notes.comment(start, end)
-    elif kind == BLOCK:
-        end = comment_end(notes.source.text, start)
-        if end > 0:
-            notes.comment(start, end)
-    elif notes.source.text[start] == '"':
-        return -1
-    else:
-        notes.illegal(start, end)
-    return end
+    text, lexicon = notes.source.text, notes.lexicon
+    at = 0
+    while at < len(text):
+        block = lexicon.block.search(text, at)
+        stop = block.start() if block else len(text)
+        pieces = lexicon.words.findall(text, at, stop)
+        begun = pieces and block and _OPEN_ENDED.get(pieces[-1][0])
+        if begun:  # a string or comment, which goes on behind what only looks like one
+            start = stop - len(pieces.pop())
+            whole = getattr(lexicon, begun).match(text, start)
+            if whole is None:
+                raise _Unclosed
+            pieces.append(whole[0])
+            stop = whole.end()
+        yield at, pieces
+        at = stop
+        if block and not begun:
+            at = comment_end(text, stop)
+            if at < 0:
+                raise _Unclosed
+            notes.comment(stop, at)
+
+
+_Word = tuple[int, Any, Any, int, int, int, int]
+"""What a piece of text means.
+
+How many lists it opens; what makes a datum, and of what, and where this stands in the
+piece; how many lists it closes; how long it is. With no maker but a place, what is
+called instead of one has something to note.
+"""
+
+
+class _Words(dict[str, _Word]):
+    """Pieces of a text (see `Lexicon.words`) and what each of them means."""
+
+    def __init__(self, notes: Notes) -> None:
+        self._notes = notes
+        self._match = notes.lexicon.word.match
+
+    def __missing__(self, piece: str) -> _Word:
+        """A piece not seen before. Raises _Unclosed."""
+        found = self._match(piece)
+        if found is None:
+            return self._other(piece)
+        kind = found.lastgroup or ""
+        start, end = found.span(kind)
+        raw = piece[start:end]
+        value = atom_value(kind, raw)
+        make = MAKERS[kind]
+        if value is None:
+            make, value = self._notes.atom, raw
+        word = (start, make, value, start, end, piece.count(")", end), len(piece))
+        self[piece] = word
+        return word
+
+    def _other(self, piece: str) -> _Word:
+        first, length = piece[0], len(piece)
+        if first in "() \t\r\n\f":
+            opens, closes = piece.count("("), piece.count(")")
+            self[piece] = word = (opens, None, None, 0, 0, closes, length)
+            return word
+        if first == ";":
+            return (0, None, self._notes.comment, 0, length, 0, length)
+        if first != '"':
+            return (0, None, self._notes.illegal, 0, length, 0, length)
+        if self._notes.lexicon.string.fullmatch(piece) is None:
+            raise _Unclosed
+        return (0, String, string_value(piece), 0, length, 0, length)
