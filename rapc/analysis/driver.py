@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
 
 import msgspec
-import networkx as nx
 
 from rapc import loader
 from rapc.analysis import suite, suppressions
@@ -132,22 +132,27 @@ def ordered(analyzers: Sequence[Analyzer[Any]]) -> tuple[Analyzer[Any], ...]:
     by_name = {analyzer.name: analyzer for analyzer in analyzers}
     if len(by_name) != len(analyzers):
         raise ValueError("two passes have one name")
-    graph: nx.DiGraph[str] = nx.DiGraph()
+    graph: TopologicalSorter[str] = TopologicalSorter()
     codes: set[str] = set()
     for analyzer in analyzers:
         _must_be_documented(analyzer, codes)
-        graph.add_node(analyzer.name)
+        graph.add(analyzer.name, *(need.name for need in analyzer.needs))
         for need in analyzer.needs:
             if by_name.get(need.name) is not need:
                 message = (
                     f"pass `{analyzer.name}` needs `{need.name}`, not in the suite"
                 )
                 raise ValueError(message)
-            graph.add_edge(need.name, analyzer.name)
-    if not nx.is_directed_acyclic_graph(graph):
-        circle = " -> ".join(edge[0] for edge in nx.find_cycle(graph))
-        raise ValueError(f"passes need each other in a circle: {circle}")
-    return tuple(by_name[name] for name in nx.lexicographical_topological_sort(graph))
+    try:
+        graph.prepare()
+    except CycleError as error:
+        circle = " -> ".join(error.args[1])
+        raise ValueError(f"passes need each other in a circle: {circle}") from None
+    order: list[str] = []
+    while ready := sorted(graph.get_ready()):
+        order += ready
+        graph.done(*ready)
+    return tuple(by_name[name] for name in order)
 
 
 def _must_be_documented(analyzer: Analyzer[Any], codes: set[str]) -> None:
