@@ -165,6 +165,22 @@ def test_who_drives_off_or_shoots_them_all_is_not_captured() -> None:
             assert safe == (each.world.ended() is None)
 
 
+def test_the_world_notes_how_each_encounter_ended() -> None:
+    leaver = Driver([thing("enemy-unit", count=2)])
+    leaver.world.advance(5)
+    leaver.drive("north")
+    fighter = armed(1, gun_hits=100, capture_time=0)
+    fighter.do("arm-toggle arm2 gun-1")
+    victim = Driver([thing("enemy-unit")], capture_time=0.01)
+    victim.world.advance(9)
+    for driver, how in ((leaver, "left"), (fighter, "shot"), (victim, "captured")):
+        [met] = driver.world.encounters
+        assert (met.time, met.place, met.how) == (0, "depot", how)
+    assert [e.units for d in (leaver, fighter) for e in d.world.encounters] == [2, 1]
+    assert fighter.world.encounters[0].until == fighter.world.now()
+    assert Driver().world.encounters == ()
+
+
 def test_switching_enemies_on_leaves_the_rest_of_the_luck_as_it_was() -> None:
     walks = []
     for interval in (0, 30):

@@ -15,7 +15,7 @@ from rapc.terms import Number, number
 from rapc.worlds.truck.kinds import ENEMY
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import Demon, Item
+from rapc.worlds.truck.state import Demon, Encounter, Item
 
 SAFE = frozenset({"warehouse", "depot"})
 """Kinds of places where no enemies come."""
@@ -75,21 +75,25 @@ def meet(scene: Scene) -> None:
     ** 2): it rises faster and faster.
     """
     state, settings = scene.state, scene.settings
-    if settings.capture_time == 0 or _captors(scene):
+    place, units = state.truck.place, len(_units(scene, state.truck.place))
+    if not units or _under_way(scene) is not None:
         return
-    if _units(scene, state.truck.place):
+    state.encounters.append(Encounter(state.now, place, units))
+    if settings.capture_time > 0:
         spread = sqrt(-log2(1 - scene.chance["enemies"].random()))
         due = number(round(state.now + settings.capture_time * spread, 2))
-        state.demons.append(Demon("capture", state.truck.place, due))
+        state.demons.append(Demon("capture", place, due))
 
 
 def capture(scene: Scene, demon: Demon) -> None:
     """The enemies have the truck, and the run is over."""
+    _over(scene, "captured")
     scene.end(f"captured at {demon.place}")
 
 
 def part(scene: Scene) -> None:
     """The truck sets off: enemies do not follow it, they go their own way."""
+    _over(scene, "left")
     _remove(scene, scene.state.truck.place)
 
 
@@ -107,6 +111,7 @@ def fire(scene: Scene, gun: Item) -> None:
         if rng.uniform(0, 100) < settings.gun_hits:
             scene.remove(targets.pop(0))
     if not targets:
+        _over(scene, "shot")
         _remove(scene, scene.state.truck.place)
 
 
@@ -114,8 +119,15 @@ def _units(scene: Scene, place: str) -> list[Item]:
     return [item for item in scene.items_at(place) if item.kind == ENEMY]
 
 
-def _captors(scene: Scene) -> bool:
-    return any(demon.job == "capture" for demon in scene.state.demons)
+def _under_way(scene: Scene) -> Encounter | None:
+    encounters = scene.state.encounters
+    return encounters[-1] if encounters and encounters[-1].until is None else None
+
+
+def _over(scene: Scene, how: str) -> None:
+    encounter = _under_way(scene)
+    if encounter is not None:
+        encounter.until, encounter.how = scene.state.now, how
 
 
 def _remove(scene: Scene, place: str) -> None:

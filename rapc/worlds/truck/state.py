@@ -77,6 +77,20 @@ class Delivery(msgspec.Struct, frozen=True):
     factory: str
 
 
+class Encounter(msgspec.Struct):
+    """Enemies and the truck were at one place, from a time on.
+
+    `until` is when that was over, None while it lasts; `how`: `shot` if no unit was
+    left, `left` if the truck set off, `captured`.
+    """
+
+    time: Number
+    place: str
+    units: int
+    until: Number | None = None
+    how: str | None = None
+
+
 class State(msgspec.Struct):
     """The whole state.
 
@@ -94,6 +108,7 @@ class State(msgspec.Struct):
     demons: list[Demon] = msgspec.field(default_factory=list)
     orders: list[Order] = msgspec.field(default_factory=list)
     deliveries: list[Delivery] = msgspec.field(default_factory=list)
+    encounters: list[Encounter] = msgspec.field(default_factory=list)
     sighted: dict[str, str] = msgspec.field(default_factory=dict)
     names: dict[str, str] = msgspec.field(default_factory=dict)
     named: int = 0

@@ -36,7 +36,7 @@ from rapc.worlds.truck.picture import draw
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import ARMS, Delivery, Order, State, Truck
+from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, State, Truck
 
 Stream = tuple[int, tuple[int, ...], float | None]
 """The state of a random stream, as `random.Random.getstate` tells it."""
@@ -191,6 +191,11 @@ class TruckWorld(World):
     def deliveries(self) -> tuple[Delivery, ...]:
         """The world's own log: every putting down of a rock at a factory, in order."""
         return tuple(self._scene.state.deliveries)
+
+    @property
+    def encounters(self) -> tuple[Encounter, ...]:
+        """The world's own log of meetings with enemies, in order."""
+        return tuple(msgspec.structs.replace(e) for e in self._scene.state.encounters)
 
     @property
     def orders(self) -> tuple[Order, ...]:
