@@ -1,4 +1,4 @@
-"""The facts of memory: stored once, indexed by name and by each argument.
+"""The facts of memory: stored once, by name; indexed by the arguments that are asked.
 
 Every index keeps its facts in the order of their last assertion, so whichever index
 a query takes, answers come in one order (semantics 2). Whether a fact may be
@@ -7,8 +7,10 @@ asserted is for `rapc.runtime.memory.memory` to say.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
+from rapc.compiler.vocabulary import Relation
 from rapc.runtime.world import Time
 from rapc.terms import Atom, Fact
 
@@ -18,91 +20,174 @@ NEVER: Time = float("-inf")
 Key = tuple[Atom, ...]
 """`(name,)` for all facts of a name, `(name, position, value)` for an argument."""
 
+Bucket = dict[Fact, None]
+"""The facts that have one value in one place, oldest assertion first."""
+
 
 def keys_of(fact: Fact) -> list[Key]:
-    """The keys of all indexes in which a fact stands."""
+    """The keys of all that a fact has in common with others: name, each argument."""
     name = fact[0]
     keys: list[Key] = [(name,)]
     keys.extend((name, at, fact[at]) for at in range(1, len(fact)))
     return keys
 
 
-class FactStore:
-    """Ground facts with time stamps and indexes.
+class Table:
+    """The facts of one name.
 
-    `values` holds, for each property with its index (all but the value), the fact
-    that is asserted; `buckets` the facts by `Key`; `stamps` the time of each fact's
-    last assertion; `serials` a number that grows with each assertion; `places` every
-    name and argument position that ever was in use.
+    `stamps` holds the time of each fact's last assertion, in the order of these
+    assertions. For a property `values` holds the fact that is asserted by its index:
+    the one argument before the value, or the tuple of them where there are more or
+    none. `length` is that of all facts, None where the declaration does not say.
+    These dicts stay the same objects for the life of the table.
     """
 
-    def __init__(self, is_property: Callable[[str], bool]) -> None:
-        self.values: dict[Fact, Fact] = {}
-        self.buckets: dict[Key, dict[Fact, None]] = {}
+    __slots__ = ("_indexes", "is_property", "length", "spread", "stamps", "values")
+
+    def __init__(self, relation: Relation | None) -> None:
+        self.is_property = relation is not None and relation.is_property
+        known = relation is not None and relation.arity is not None
+        self.length = relation.arity + 1 if known else None  # type: ignore[union-attr, operator]
         self.stamps: dict[Fact, Time] = {}
-        self.serials: dict[Fact, int] = {}
-        self.places: dict[tuple[str, int], None] = {}
-        self._is_property = is_property
-        self._serial = 0
+        self.values: dict[Any, Fact] = {}
+        self.spread: tuple[tuple[int, dict[Atom, Bucket]], ...] = ()
+        self._indexes: dict[int, dict[Atom, Bucket]] = {}
+
+    def index(self, at: int) -> dict[Atom, Bucket]:
+        """The facts by their argument in a place, counted from 1.
+
+        It is built when first asked for, and from then on kept up with the facts.
+        """
+        found = self._indexes.get(at)
+        if found is None:
+            found = self._indexes[at] = {}
+            for fact in self.stamps:
+                if at < len(fact):
+                    found.setdefault(fact[at], {})[fact] = None
+            self.spread = tuple(self._indexes.items())
+        return found
+
+    def bucket(self, known: list[tuple[int, Atom]]) -> Iterable[Fact]:
+        """Facts among which are all that have these arguments, oldest first.
+
+        The smallest of the indexes there are; one is built where there is none.
+        """
+        if not known:
+            return self.stamps
+        built = [(at, value) for at, value in known if at in self._indexes]
+        found = [self.index(at).get(value, {}) for at, value in built or known[:1]]
+        return min(found, key=len)
+
+
+class FactStore:
+    """Ground facts with time stamps and indexes, a `Table` for each name.
+
+    Args:
+        relation: the declaration of a name, if there is one.
+    """
+
+    def __init__(self, relation: Callable[[str], Relation | None]) -> None:
+        self.tables: dict[Atom, Table] = {}
+        self._relation = relation
+
+    def __contains__(self, fact: object) -> bool:
+        """Whether a fact is stored."""
+        table = self.tables.get(fact[0])  # type: ignore[index]
+        return table is not None and fact in table.stamps
+
+    def __iter__(self) -> Iterator[Fact]:
+        """All facts, name by name."""
+        for table in self.tables.values():
+            yield from table.stamps
+
+    def table(self, name: Atom) -> Table:
+        """The facts of a name, now and later: there is one table for each."""
+        found = self.tables.get(name)
+        if found is None:
+            found = self.tables[name] = Table(self._relation(str(name)))
+        return found
+
+    def stamp(self, fact: Fact) -> Time | None:
+        """The time of a fact's last assertion, or None."""
+        table = self.tables.get(fact[0])
+        return None if table is None else table.stamps.get(fact)
+
+    def asserted(self, index: Fact) -> Fact | None:
+        """The fact of a property that begins with all of it but the value, or None."""
+        table = self.tables.get(index[0])
+        if table is None:
+            return None
+        return table.values.get(index[1] if len(index) == 2 else index[1:])
 
     def add(self, fact: Fact, time: Time) -> Fact | None:
         """Store or refresh a fact; the fact it replaces is removed and returned."""
+        table = self.tables.get(fact[0])
+        if table is None:
+            table = self.table(fact[0])
+        stamps = table.stamps
         replaced = None
-        if self._is_property(str(fact[0])):
-            old = self.values.get(fact[:-1])
-            if old is not None and old != fact:
-                self.remove(old)
-                replaced = old
-            self.values[fact[:-1]] = fact
-        self._serial += 1
-        buckets = self.buckets
-        if fact in self.stamps:
-            for key in keys_of(fact):
-                bucket = buckets[key]
-                del bucket[fact]
-                bucket[fact] = None
-        else:
-            for key in keys_of(fact):
-                bucket = buckets.setdefault(key, {})
-                bucket[fact] = None
-            for at in range(1, len(fact)):
-                self.places[str(fact[0]), at] = None
-        self.stamps[fact] = time
-        self.serials[fact] = self._serial
+        if fact in stamps:
+            del stamps[fact]
+            self._leave(table, fact)
+        elif table.is_property:
+            index = fact[1] if len(fact) == 3 else fact[1:-1]
+            replaced = table.values.get(index)
+            if replaced is not None:
+                del stamps[replaced]
+                self._leave(table, replaced)
+            table.values[index] = fact
+        stamps[fact] = time
+        for at, buckets in table.spread:
+            if at < len(fact):
+                bucket = buckets.get(fact[at])
+                if bucket is None:
+                    buckets[fact[at]] = {fact: None}
+                else:
+                    bucket[fact] = None
         return replaced
 
     def remove(self, fact: Fact) -> None:
         """Remove a fact that is there."""
-        for key in keys_of(fact):
-            bucket = self.buckets[key]
-            del bucket[fact]
-            if not bucket:
-                del self.buckets[key]
-        del self.stamps[fact]
-        del self.serials[fact]
-        if self.values.get(fact[:-1]) == fact:
-            del self.values[fact[:-1]]
+        table = self.tables[fact[0]]
+        del table.stamps[fact]
+        if table.is_property:
+            del table.values[fact[1] if len(fact) == 3 else fact[1:-1]]
+        self._leave(table, fact)
+
+    def _leave(self, table: Table, fact: Fact) -> None:
+        for at, buckets in table.spread:
+            if at < len(fact):
+                bucket = buckets[fact[at]]
+                if len(bucket) == 1:
+                    del buckets[fact[at]]
+                else:
+                    del bucket[fact]
 
     def starting(self, prefix: Fact) -> list[Fact]:
         """The facts that start with a prefix, oldest first."""
-        sets = [self.buckets.get(key, {}) for key in keys_of(prefix)]
+        table = self.tables.get(prefix[0])
+        if table is None:
+            return []
         size = len(prefix)
-        return [fact for fact in min(sets, key=len) if fact[:size] == prefix]
+        if size == table.length:
+            return [prefix] if prefix in table.stamps else []
+        if table.is_property and size + 1 == table.length:
+            fact = table.values.get(prefix[1] if size == 2 else prefix[1:])
+            return [] if fact is None else [fact]
+        known = [(at, prefix[at]) for at in range(1, size)]
+        return [fact for fact in table.bucket(known) if fact[:size] == prefix]
 
-    def mentioning(self, value: Atom) -> list[Fact]:
-        """The facts with a value in any argument, oldest first, each once."""
-        buckets = self.buckets
-        found: dict[Fact, None] = {}
-        for name, at in self.places:
-            found.update(buckets.get((name, at, value), {}))
-        return sorted(found, key=self.serials.__getitem__)
-
-    def matching(self, pattern: tuple[Atom | None, ...]) -> Iterator[Fact]:
+    def matching(self, pattern: tuple[Atom | None, ...]) -> list[Fact]:
         """The facts that match a pattern (None: anything), oldest first."""
-        name = str(pattern[0])
+        table = self.tables.get(pattern[0])  # type: ignore[arg-type]
+        if table is None:
+            return []
+        size = len(pattern)
         known = [(at, v) for at, v in enumerate(pattern) if at and v is not None]
-        sets = [self.buckets.get((name, at, v), {}) for at, v in known]
-        smallest = min(sets, key=len) if sets else self.buckets.get((name,), {})
-        for fact in list(smallest):
-            if len(fact) == len(pattern) and all(fact[at] == v for at, v in known):
-                yield fact
+        if len(known) == size - 1:
+            return [pattern] if pattern in table.stamps else []  # type: ignore[list-item]
+        return [
+            fact
+            for fact in table.bucket(known)
+            if len(fact) == size and all([fact[at] == v for at, v in known])
+        ]

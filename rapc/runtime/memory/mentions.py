@@ -1,0 +1,49 @@
+"""Which facts speak of items of indistinct classes, found without a search.
+
+What becomes of these facts when items turn out to be one, or are forgotten, is for
+`rapc.runtime.memory.recognition.merging` to say.
+"""
+
+from __future__ import annotations
+
+from rapc.terms import Fact
+
+PREFIX = "item-"
+"""How the memory names of such items begin."""
+
+
+class Mentions:
+    """The facts in memory by the items that stand in their arguments.
+
+    Facts of all names stand in one order, that of their last assertion.
+    """
+
+    __slots__ = ("_facts",)
+
+    def __init__(self) -> None:
+        self._facts: dict[str, dict[Fact, None]] = {}
+
+    def came(self, fact: Fact) -> None:
+        """A fact was asserted, perhaps again."""
+        for part in fact[1:]:
+            if type(part) is str and part[:5] == PREFIX:
+                known = self._facts.get(part)
+                if known is None:
+                    self._facts[part] = {fact: None}
+                else:
+                    known.pop(fact, None)
+                    known[fact] = None
+
+    def went(self, fact: Fact) -> None:
+        """A fact is no longer there."""
+        for part in fact[1:]:
+            if type(part) is str and part[:5] == PREFIX:
+                known = self._facts.get(part)
+                if known is not None:
+                    known.pop(fact, None)
+                    if not known:
+                        del self._facts[part]
+
+    def of(self, name: str) -> list[Fact]:
+        """The facts that mention an item, oldest first, each once."""
+        return list(self._facts.get(name, ()))
