@@ -116,21 +116,6 @@ FUNCTIONS: Mapping[str, Callable[[Sequence[object]], Number]] = {
 """The built-in functions of terms."""
 
 
-def less(a: object, b: object) -> bool:
-    """`(< a b)`: false on anything but two numbers."""
-    return _comparable(a, b) and a < b  # type: ignore[operator]  # both are numbers
-
-
-def less_equal(a: object, b: object) -> bool:
-    """`(<= a b)`: false on anything but two numbers."""
-    return _comparable(a, b) and a <= b  # type: ignore[operator]  # both are numbers
-
-
-def _comparable(a: object, b: object) -> bool:
-    kinds = (int, float)
-    return type(a) in kinds and type(b) in kinds
-
-
 def as_value(result: object) -> Value:
     """What a registered function returned as the value of a term.
 

@@ -1,14 +1,14 @@
 """Formulas to generated Python: one function per kind of formula.
 
-A formula becomes a generator that yields its solutions in the order semantics 2
+A formula becomes a function that finds its solutions in the order semantics 2
 promises: `and` is nested loops, left to right; `or` and long conjunctions become
-generators of their own; `not` asks such a generator for a first solution. The result
+generators of their own; `not` a function that stops at a first solution. The result
 depends on which variables are bound beforehand, so a formula is compiled once for
 each such set that occurs (`rapc.compiler.query`), and one that uses a variable which
 only some branch of an `or` before it binds is written once for either case.
 
 Terms and facts have modules of their own. Generated code is handed a context `ctx`
-(see `rapc.compiler.query.Context`).
+(see `rapc.compiler.query.Context`) when a query meets its memory.
 """
 
 from __future__ import annotations
@@ -16,9 +16,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from rapc.compiler import facts
-from rapc.compiler.emitter import MAX_LOOPS, Scope
+from rapc.compiler.emitter import MAX_LOOPS, Ending, Scope
+from rapc.compiler.steps import Way
 from rapc.compiler.terms import Clause, arguments, attempt, known_value, match
 from rapc.ir import nodes
+from rapc.terms import is_number
 
 
 def write(clause: Clause, scope: Scope, formula: nodes.Formula) -> None:
@@ -54,6 +56,7 @@ def _variables(node: object) -> Iterator[str]:
 
 def _truth(clause: Clause, scope: Scope, formula: nodes.Truth) -> None:
     if not formula.value:
+        clause.note(formula, Way.NEVER)
         scope.line(scope.skip)
 
 
@@ -77,6 +80,7 @@ def _conjuncts(formula: nodes.And) -> Iterator[nodes.Formula]:
 
 
 def _or(clause: Clause, scope: Scope, formula: nodes.Or) -> None:
+    clause.note(formula, Way.EITHER, most=None)
     _through(clause, scope, "either", formula.parts)
 
 
@@ -88,10 +92,12 @@ def _through(
         scope.line(scope.skip)
         return
     needed = [name for branch in branches for name in variables(branch)]
-    inner = scope.child(prefix, needed)
-    writers = [inner.child(prefix, inner.parameters) for _ in branches]
+    inner = scope.child(prefix, needed, Ending.EACH)
+    writers = [inner.child(prefix, inner.parameters, Ending.EACH) for _ in branches]
+    clause.emitter.depth += len(branches) > 1
     for writer, branch in zip(writers, branches, strict=True):
         write(clause, writer, branch)
+    clause.emitter.depth -= len(branches) > 1
     exports = _exports(scope, writers, needed)
     for writer in writers:
         _export(writer, exports)
@@ -106,6 +112,7 @@ def _in_either_case(clause: Clause, scope: Scope, formula: nodes.Formula) -> Non
     Writing it here for each case would take two to the number of such variables.
     """
     names = variables(formula)
+    clause.note(formula, Way.LATER, most=None)
     known = scope.bound | scope.maybe
     values = [scope.local(name) if name in known else "UNBOUND" for name in names]
     later = clause.emitter.constant(clause.later(formula))
@@ -153,38 +160,45 @@ def _export(writer: Scope, exports: Sequence[str]) -> None:
     for name in exports:
         if name not in writer.bound | writer.maybe:
             writer.line(f"{writer.local(name)} = UNBOUND")
-    writer.finish(exports)
+    writer.finish(writer.values(exports))
     writer.close()
 
 
 def _not(clause: Clause, scope: Scope, formula: nodes.Not) -> None:
-    inner = scope.child("no", variables(formula.part))
+    clause.note(formula, Way.NEITHER)
+    inner = scope.child("no", variables(formula.part), Ending.ANY)
+    clause.emitter.depth += 1
     write(clause, inner, formula.part)
-    inner.finish(())
+    clause.emitter.depth -= 1
+    inner.finish("True")
     inner.close()
-    scope.refuse(f"next({scope.call(inner)}, None) is not None")
+    scope.refuse(scope.call(inner))
 
 
 # --- tests -----------------------------------------------------------------------
 
 
 def _compare(clause: Clause, scope: Scope, formula: nodes.Compare) -> None:
+    clause.note(formula, Way.TEST)
     args = arguments(clause, scope, (formula.left, formula.right))
     if args is None:
         return
     left, right = args
     if formula.op == "=":
-        scope.require(f"{left} == {right}")
+        scope.refuse(f"{left} != {right}")
     elif formula.op == "n=":
-        scope.require(f"{left} != {right}")
+        scope.refuse(f"{left} == {right}")
     else:
-        if formula.op in (">", ">="):
-            left, right = right, left
-        test = "less_equal" if "=" in formula.op else "less"
-        scope.require(f"{test}({left}, {right})")
+        numbers = [
+            f"type({known}) in NUMBERS"
+            for known, term in zip(args, (formula.left, formula.right), strict=True)
+            if not (isinstance(term, nodes.Const) and is_number(term.value))
+        ]
+        scope.require(" and ".join([*numbers, f"{left} {formula.op} {right}"]))
 
 
 def _set_test(clause: Clause, scope: Scope, formula: nodes.SetTest) -> None:
+    clause.note(formula, Way.TEST)
     args = arguments(clause, scope, formula.args)
     if args is None:
         return
@@ -196,6 +210,7 @@ def _set_test(clause: Clause, scope: Scope, formula: nodes.SetTest) -> None:
 
 
 def _history(clause: Clause, scope: Scope, formula: nodes.History) -> None:
+    clause.note(formula, Way.TEST)
     if formula.query == "method-tried":
         args = arguments(clause, scope, formula.args)
         if args is not None:
@@ -215,17 +230,20 @@ def _history(clause: Clause, scope: Scope, formula: nodes.History) -> None:
 def _sensor_name(clause: Clause, scope: Scope, formula: nodes.SensorName) -> None:
     item = known_value(clause, scope, formula.item)
     if item is None:
+        clause.note(formula, Way.ITEMS, most=None)
         local = clause.emitter.fresh("t")
         scope.loop(f"for {local} in ctx.accessible_items():")
         match(clause, scope, formula.item, local)
         match(clause, scope, formula.value, clause.emitter.constant("true"))
         return
+    clause.note(formula, Way.TEST)
     state = clause.emitter.fresh("t")
     scope.line(f"{state} = 'true' if ctx.is_accessible({item}) else 'false'")
     match(clause, scope, formula.value, state)
 
 
 def _count(clause: Clause, scope: Scope, formula: nodes.Count) -> None:
+    clause.note(formula, Way.TEST)
     args = arguments(clause, scope, (formula.kind, formula.place))
     if args is None:
         return

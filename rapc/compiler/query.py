@@ -1,16 +1,19 @@
 """Compiled queries and terms: what the interpreter asks in a cycle.
 
-A `Query` is made once for a clause and compiled, lazily, once for each set of
-variables that is bound when it is asked; nothing reads the IR afterwards.
+A `Query` is made once for a clause. It is compiled, lazily, once for each set of
+variables that is bound when it is asked, and meets each memory once (`Query.on`);
+nothing reads the IR afterwards.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, Protocol
 
 from rapc.compiler import builtin, formulas
-from rapc.compiler.emitter import Emitter, Scope
+from rapc.compiler.emitter import Emitter, Ending, Scope, made
+from rapc.compiler.steps import Step
 from rapc.compiler.terms import Clause
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
@@ -24,16 +27,12 @@ class Context(Protocol):
     """What generated code asks of memory and of the task whose clause it is."""
 
     @property
-    def values(self) -> Any:
-        """The asserted fact of each property, by all of it but the value."""
+    def facts(self) -> Any:
+        """The facts by name: `rapc.runtime.memory.facts.FactStore`."""
 
     @property
-    def buckets(self) -> Any:
-        """The facts of each index key, oldest assertion first."""
-
-    @property
-    def stamps(self) -> Any:
-        """The time of each fact's last assertion."""
+    def asked(self) -> dict[Query, Asked]:
+        """The queries that have met this memory."""
 
     @property
     def functions(self) -> Mapping[str, Callable[..., Any]]:
@@ -46,11 +45,11 @@ class Context(Protocol):
     def fault(self, where: str, what: str) -> None:
         """Trace that a clause met an unbound variable or an ill-typed value."""
 
-    def young(self, fact: Fact, limit: Number) -> bool:
-        """Whether a fact was asserted less than `limit` time units ago."""
+    def young(self, stamp: Number, limit: Number) -> bool:
+        """Whether a fact with that stamp is younger than `limit` time units."""
 
-    def age(self, fact: Fact) -> Number:
-        """Time units since a fact was last asserted."""
+    def age(self, stamp: Number) -> Number:
+        """Time units since a stamp."""
 
     def is_here(self, fact: Fact | None, place: object) -> bool:
         """Whether `place` is `external` and a location fact says it of an item."""
@@ -92,35 +91,26 @@ class Query:
         self.where = where
         self.variables = formulas.variables(formula)
         self._vocabulary = vocabulary
-        self._plans: dict[tuple[bool, ...], _Plan] = {}
+        self._plans: dict[tuple[frozenset[str], Ending, bool], Plan] = {}
 
-    def solutions(self, ctx: Context, env: Bindings) -> Iterator[dict[str, Value]]:
-        """The new bindings of each solution, in order, found one at a time."""
-        plan = self._plan(env)
-        for solution in plan.start(ctx, *[env[n] for n in plan.inputs]):
-            yield {
-                name: value
-                for name, value in zip(plan.outputs, solution, strict=True)
-                if value is not builtin.UNBOUND
-            }
+    def on(self, ctx: Context) -> Asked:
+        """The query as it is asked of one memory, again and again."""
+        asked = ctx.asked.get(self)
+        if asked is None:
+            asked = ctx.asked[self] = Asked(self, ctx)
+        return asked
 
     def first(self, ctx: Context, env: Bindings) -> dict[str, Value] | None:
         """The new bindings of the first solution, or None."""
-        plan = self._plan(env)
-        solution = next(plan.start(ctx, *[env[n] for n in plan.inputs]), None)
-        if solution is None:
-            return None
-        return {
-            name: value
-            for name, value in zip(plan.outputs, solution, strict=True)
-            if value is not builtin.UNBOUND
-        }
+        return (ctx.asked.get(self) or self.on(ctx)).first(env)
 
     def holds(self, ctx: Context, env: Bindings) -> bool:
         """Whether there is a solution."""
-        plan = self._plan(env)
-        found = next(plan.start(ctx, *[env[n] for n in plan.inputs]), None)
-        return found is not None
+        return (ctx.asked.get(self) or self.on(ctx)).holds(env)
+
+    def solutions(self, ctx: Context, env: Bindings) -> Iterator[dict[str, Value]]:
+        """The new bindings of each solution, in order, found one at a time."""
+        return (ctx.asked.get(self) or self.on(ctx)).solutions(env)
 
     def extended(self, ctx: Context, values: Sequence[Any]) -> Iterator[list[Any]]:
         """The values of all variables for each solution, given those known so far.
@@ -129,57 +119,161 @@ class Query:
         """
         pairs = zip(self.variables, values, strict=True)
         env = {name: value for name, value in pairs if value is not builtin.UNBOUND}
-        plan = self._plan(env)
-        for solution in plan.start(ctx, *[env[n] for n in plan.inputs]):
-            found = {**env, **dict(zip(plan.outputs, solution, strict=True))}
+        for solution in self.solutions(ctx, env):
+            found = {**env, **solution}
             yield [found.get(name, builtin.UNBOUND) for name in self.variables]
+
+    def plan(self, bound: frozenset[str], ending: Ending, given: bool = False) -> Plan:
+        """The formula compiled for a set of bound variables; see `Plan`."""
+        key = (bound, ending, given)
+        plan = self._plans.get(key)
+        if plan is None:
+            inputs = tuple(name for name in self.variables if name in bound)
+            emitter, outputs = self._written(inputs, ending, given)
+            plan = Plan(emitter, inputs, outputs)
+            self._plans[key] = plan
+        return plan
+
+    def steps(self, bound: frozenset[str]) -> Sequence[Step]:
+        """What is done, step by step, where these variables are bound."""
+        inputs = tuple(name for name in self.variables if name in bound)
+        return self._written(inputs, Ending.FIRST, False)[0].steps
+
+    def _written(
+        self, inputs: tuple[str, ...], ending: Ending, given: bool
+    ) -> tuple[Emitter, tuple[str, ...]]:
+        """The code for a set of bound variables, and the variables it binds."""
+        emitter = Emitter()
+        scope = Scope(emitter, "query", inputs, ending)
+        clause = Clause(emitter, self._vocabulary, self.where, self._later)
+        head = _given(scope) if given else _from_environment(scope)
+        formulas.write(clause, scope, self.formula)
+        known = scope.bound | scope.maybe
+        outputs = tuple(n for n in self.variables if n in known and n not in inputs)
+        scope.finish(_answer(scope, outputs))
+        scope.close(head)
+        return emitter, outputs
 
     def _later(self, part: nodes.Formula) -> Query:
         return Query(part, self._vocabulary, self.where)
 
-    def _plan(self, env: Bindings) -> _Plan:
-        key = tuple([name in env for name in self.variables])
-        plan = self._plans.get(key)
-        if plan is None:
-            plan = self._plans[key] = self._compile(key)
-        return plan
 
-    def _compile(self, key: tuple[bool, ...]) -> _Plan:
-        inputs = [n for n, bound in zip(self.variables, key, strict=True) if bound]
-        emitter = Emitter()
-        scope = Scope(emitter, "query", inputs)
-        clause = Clause(emitter, self._vocabulary, self.where, self._later)
-        formulas.write(clause, scope, self.formula)
-        outputs = [
-            n
-            for n in self.variables
-            if n in scope.bound | scope.maybe and n not in inputs
-        ]
-        scope.finish(outputs)
-        scope.close()
-        namespace = emitter.namespace
-        source = "\n\n".join(emitter.functions)
-        code = compile(source, f"<{self.where}>", "exec")
-        exec(code, namespace)  # noqa: S102  # generated here; no program text is in it
-        return _Plan(namespace["query"], tuple(inputs), tuple(outputs), source)
+def _given(scope: Scope) -> list[str]:
+    """The head of a function that is given the values of its variables by place.
+
+    Names that items have lost since are first replaced, by who sees to them.
+    """
+    names = ", ".join(scope.local(name) for name in scope.parameters)
+    return [f"def query({names}):", f"    if aliases: return aliased({names})"]
 
 
-class _Plan:
-    """A formula compiled for one set of bound variables."""
+def _from_environment(scope: Scope) -> list[str]:
+    """The head of a function that takes what it needs from an environment."""
+    return [
+        "def query(env):",
+        *(
+            f"    {scope.local(name)} = env[{scope.emitter.constant(name)}]"
+            for name in scope.parameters
+        ),
+    ]
 
-    __slots__ = ("inputs", "outputs", "source", "start")
+
+def _answer(scope: Scope, outputs: Sequence[str]) -> str:
+    """The expression for the new bindings, without variables that have none."""
+    pairs = [(scope.emitter.constant(name), scope.local(name)) for name in outputs]
+    if not scope.maybe.isdisjoint(outputs):
+        listed = "".join(f"({key}, {value}), " for key, value in pairs)
+        return f"{{k: v for k, v in ({listed}) if v is not UNBOUND}}"
+    return f"{{{', '.join(f'{key}: {value}' for key, value in pairs)}}}"
+
+
+class Plan:
+    """A formula compiled for one set of bound variables and one way to end.
+
+    `inputs` are the bound variables that it uses, `outputs` those that it may bind;
+    `source` is the generated text, `constants` what it is handed.
+    """
+
+    __slots__ = ("constants", "inputs", "outputs", "source")
 
     def __init__(
-        self,
-        start: Any,
-        inputs: tuple[str, ...],
-        outputs: tuple[str, ...],
-        source: str,
+        self, emitter: Emitter, inputs: tuple[str, ...], outputs: tuple[str, ...]
     ) -> None:
-        self.start: Callable[..., Iterator[tuple[Any, ...]]] = start
+        self.source = emitter.source()
+        self.constants = tuple(emitter.constants)
         self.inputs = inputs
         self.outputs = outputs
-        self.source = source
+
+    def bind(
+        self,
+        ctx: Context,
+        aliases: Mapping[str, str] | None = None,
+        aliased: Callable[..., Any] | None = None,
+    ) -> Callable[..., Any]:
+        """The function that asks one memory.
+
+        While `aliases` holds anything, `aliased` is called in its place.
+        """
+        return made(self.source)(ctx, self.constants, aliases, aliased)
+
+
+Ask = Callable[[Bindings], Any]
+
+
+class Asked:
+    """A query on one memory: each of its functions takes the environment alone.
+
+    `first` returns the new bindings of the first solution, or None; `holds` whether
+    there is a solution; `solutions` the new bindings of each, one at a time.
+    """
+
+    __slots__ = ("first", "holds", "solutions")
+
+    def __init__(self, query: Query, ctx: Context) -> None:
+        names = query.variables
+        choose = _chooser(len(names))
+        self.first: Callable[[Bindings], dict[str, Value] | None] = choose(
+            _Plans(query, ctx, Ending.FIRST), names
+        )
+        self.holds: Callable[[Bindings], bool] = choose(
+            _Plans(query, ctx, Ending.ANY), names
+        )
+        each: Ask = choose(_Plans(query, ctx, Ending.EACH), names)
+        self.solutions: Callable[[Bindings], Iterator[dict[str, Value]]] = each
+
+
+class _Plans(dict[int, Ask]):
+    """The functions of a query by a number with a bit for each bound variable."""
+
+    __slots__ = ("_ctx", "_ending", "_query")
+
+    def __init__(self, query: Query, ctx: Context, ending: Ending) -> None:
+        super().__init__()
+        self._query = query
+        self._ctx = ctx
+        self._ending = ending
+
+    def __missing__(self, key: int) -> Ask:
+        names = enumerate(self._query.variables)
+        bound = frozenset(name for at, name in names if key >> at & 1)
+        plan = self._query.plan(bound, self._ending)
+        found = self[key] = plan.bind(self._ctx)
+        return found
+
+
+@lru_cache(maxsize=64)
+def _chooser(count: int) -> Callable[[_Plans, Sequence[str]], Ask]:
+    """Makes the function that picks a plan by which of its variables are bound."""
+    names = "".join(f"n{at}, " for at in range(count))
+    bits = " | ".join(f"(n{at} in env) << {at}" for at in range(count))
+    lines = ["def make(plans, names):"]
+    if count:
+        lines.append(f"    ({names}) = names")
+    lines += [f"    def ask(env): return plans[{bits or 0}](env)", "    return ask"]
+    namespace: dict[str, Any] = {}
+    exec("\n".join(lines), namespace)  # noqa: S102  # made of the count alone
+    maker: Callable[[_Plans, Sequence[str]], Ask] = namespace["make"]
+    return maker
 
 
 class TermValue:

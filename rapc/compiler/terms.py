@@ -7,9 +7,11 @@ wrong kind is traced as a fault and gives up the candidate (semantics 2).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from rapc.compiler import builtin
 from rapc.compiler.emitter import Emitter, Scope
+from rapc.compiler.steps import Step, Way
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 
@@ -31,16 +33,11 @@ class Clause:
         self.vocabulary = vocabulary
         self.later = later
         self.where = emitter.constant(where)
-        emitter.namespace.update(
-            UNBOUND=builtin.UNBOUND,
-            Fault=builtin.Fault,
-            as_value=builtin.as_value,
-            less=builtin.less,
-            less_equal=builtin.less_equal,
-            holds=builtin.holds,
-            set_members=builtin.set_members,
-            NUMBERS=(int, float),
-        )
+
+    def note(self, formula: nodes.Formula, way: Way, **rest: Any) -> None:
+        """Note what is done for a part of the formula, before its code is written."""
+        step = Step(formula, self.emitter.depth, way, **rest)
+        self.emitter.steps.append(step)
 
 
 def fault(clause: Clause, scope: Scope, what: str) -> None:
@@ -122,7 +119,7 @@ def match(clause: Clause, scope: Scope, term: nodes.Term, value: str) -> None:
     """Match a term with a value that is there: test it or bind a variable."""
     known = known_value(clause, scope, term)
     if known is not None:
-        scope.require(f"{known} == {value}")
+        scope.refuse(f"{known} != {value}")
         return
     assert isinstance(term, nodes.Var)
     if term.anonymous:

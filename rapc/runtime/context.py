@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from rapc.compiler.query import Asked, Query
 from rapc.runtime.events import QueryFaulted
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.memory.memory import EXTERNAL, Memory
@@ -27,9 +28,8 @@ class QueryContext:
         recorder: Recorder,
         functions: Mapping[str, Callable[..., Any]],
     ) -> None:
-        self.values = memory.facts.values
-        self.buckets = memory.facts.buckets
-        self.stamps = memory.facts.stamps
+        self.facts = memory.facts
+        self.asked: dict[Query, Asked] = {}
         self.functions = functions
         self.view = MemoryView(memory, recorder)
         self.task: Task | None = None
@@ -47,18 +47,18 @@ class QueryContext:
         """Trace that a value is not what a clause needs: `a number`, say."""
         self.fault(where, f"`{format_atom(value)}` is not {wanted}")
 
-    def young(self, fact: Fact, limit: Number) -> bool:
-        """Whether a fact was asserted less than `limit` time units ago."""
-        stale = self.stamps[fact] + limit
+    def young(self, stamp: Time, limit: Number) -> bool:
+        """Whether a fact with that stamp is younger than `limit` time units."""
+        stale = stamp + limit
         if self._recorder.time >= stale:
             return False
         if self.horizon is not None:
             self.horizon.append(stale)
         return True
 
-    def age(self, fact: Fact) -> Number:
-        """Time units since a fact was last asserted."""
-        return number(self._recorder.time - self.stamps[fact])
+    def age(self, stamp: Time) -> Number:
+        """Time units since a stamp."""
+        return number(self._recorder.time - stamp)
 
     def is_here(self, fact: Fact | None, place: object) -> bool:
         """Whether `place` is `external` and a location fact says it of an item."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -12,8 +13,9 @@ from rapc.ir import nodes
 from rapc.library import link
 from rapc.parser.parse import parse
 from rapc.resources import Counter, SetResource, Value
+from rapc.runtime.memory.facts import FactStore, Table
 from rapc.source import SourceFile
-from rapc.terms import Fact, Text
+from rapc.terms import Atom, Fact, Text
 
 from .memories import Faults, Memories, apply, memories, query
 
@@ -247,29 +249,41 @@ def test_the_short_form_of_a_declaration_without_a_list_is_unknown() -> None:
 
 
 class Watched:
-    """Index buckets that count the facts handed out of them."""
+    """Facts that count how many of them are run through."""
 
-    def __init__(self, buckets: dict[object, dict[Fact, None]]) -> None:
-        self.buckets = buckets
+    def __init__(self, store: FactStore) -> None:
+        self.store = store
         self.seen = 0
 
-    def get(self, key: object, default: tuple[()] = ()) -> WatchedBucket:
-        """The bucket of a key."""
-        return WatchedBucket(self, list(self.buckets.get(key, default)))
+    def table(self, name: str) -> WatchedTable:
+        """The facts of a name."""
+        return WatchedTable(self, self.store.table(name))
 
 
-class WatchedBucket:
-    """One bucket under watch."""
+class WatchedTable:
+    """One table under watch."""
 
-    def __init__(self, whole: Watched, facts: list[Fact]) -> None:
+    def __init__(self, whole: Watched, table: Table) -> None:
         self.whole = whole
-        self.facts = facts
+        self.table = table
+        self.values = table.values
+        self.stamps = WatchedFacts(whole, table.stamps)
 
-    def __len__(self) -> int:
-        return len(self.facts)
+    def index(self, at: int) -> dict[Atom, WatchedFacts]:
+        """The facts by one argument."""
+        buckets = self.table.index(at).items()
+        return {value: WatchedFacts(self.whole, facts) for value, facts in buckets}
+
+
+class WatchedFacts(dict[Fact, Any]):
+    """Facts of one name, or of one name and argument, under watch."""
+
+    def __init__(self, whole: Watched, facts: dict[Fact, Any]) -> None:
+        super().__init__(facts)
+        self.whole = whole
 
     def __iter__(self) -> Iterator[Fact]:
-        for fact in self.facts:
+        for fact in super().__iter__():
             self.whole.seen += 1
             yield fact
 
@@ -278,6 +292,7 @@ class WatchedBucket:
     ("text", "most"),
     [
         ("(q i77 ?x)", 1),
+        ("(q i77 77)", 0),  # all known: is it there?
         ("(q ?x 7)", 10),
         ("(s ?x 8 0)", 10),  # the smaller of two indexes: 10 facts, not 500
         ("(s ?x ?y 0)", 500),
@@ -286,7 +301,7 @@ class WatchedBucket:
         ("(and (q ?x 7) (color ?x ?y))", 10),
         ("(and (color ?x c7) (q ?x ?y) (s ?x ? 1))", 30),
         ("(and (or (q ?x 7) (p nobody)) (q ?x ?y))", 20),
-        ("(not (q i77 7))", 1),
+        ("(not (q i77 7))", 0),
         ("(believe (q ?x 7) 5)", 10),
     ],
 )
@@ -296,8 +311,8 @@ def test_a_bound_argument_keeps_a_query_from_scanning(text: str, most: int) -> N
         both.memory.assert_fact(("q", f"i{at}", at % 100), "test")
         both.memory.assert_fact(("s", f"i{at}", at % 100, at % 2), "test")
         both.memory.assert_fact(("color", f"i{at}", f"c{at % 100}"), "test")
-    watched = Watched(both.context.buckets)  # type: ignore[arg-type]
-    both.context.buckets = watched  # type: ignore[assignment]
+    watched = Watched(both.context.facts)
+    both.context.facts = watched  # type: ignore[assignment]
     assert list(query(formula(text)).solutions(both.context, {})) or "not" in text
     assert watched.seen <= most
 

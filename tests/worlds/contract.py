@@ -81,7 +81,7 @@ def answer(robot: Robot, request: Fact) -> tuple[object, ...]:
     robot.digest(request, reply.result, reply.data)
     robot.listen()
     assert list(world.messages()) == []
-    return reply, world.now(), sorted(robot.memory.facts.stamps, key=str)
+    return reply, world.now(), sorted(robot.memory.facts, key=str)
 
 
 def wait_for_end(world: World) -> Reply:

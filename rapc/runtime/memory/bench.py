@@ -149,7 +149,7 @@ class MemoryBench:
     def _description(self, of: Description) -> DescriptionView:
         properties: dict[Fact, tuple[Atom, Time | None]] = {}
         for index, value in of.values.items():
-            stamp = self._memory.facts.stamps[index[0], of.name, *index[1:], value]
+            stamp = self._memory.facts.stamp((index[0], of.name, *index[1:], value))
             properties[index] = (value, None if stamp == NEVER else stamp)
         return DescriptionView(
             name=of.name or None,

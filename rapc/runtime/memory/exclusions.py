@@ -59,7 +59,7 @@ class Exclusions:
         facts: FactStore,
     ) -> None:
         self._facts = facts
-        self._pairs: dict[str, list[tuple[_Side, _Side]]] = {}
+        self._pairs: dict[Atom, list[tuple[_Side, _Side]]] = {}
         for declared in properties:
             for exclusion in declared.excludes:
                 one = _owner(declared, exclusion)
@@ -70,12 +70,13 @@ class Exclusions:
     def __bool__(self) -> bool:
         return bool(self._pairs)
 
-    def of(self, fact: Fact) -> list[Fact]:
+    def of(self, fact: Fact) -> Sequence[Fact]:
         """The facts in memory that cannot stand beside a fact, oldest first."""
-        return list(dict.fromkeys(self._of(fact)))
+        pairs = self._pairs.get(fact[0])
+        return () if pairs is None else list(dict.fromkeys(self._of(fact, pairs)))
 
-    def _of(self, fact: Fact) -> Iterator[Fact]:
-        for mine, other in self._pairs.get(str(fact[0]), ()):
+    def _of(self, fact: Fact, pairs: Iterable[tuple[_Side, _Side]]) -> Iterator[Fact]:
+        for mine, other in pairs:
             bound = mine.bound(fact)
             if bound is not None:
                 for found in self._facts.matching(other.pattern(bound)):

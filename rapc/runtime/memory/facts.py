@@ -189,5 +189,5 @@ class FactStore:
         return [
             fact
             for fact in table.bucket(known)
-            if len(fact) == size and all([fact[at] == v for at, v in known])
+            if len(fact) == size and all(fact[at] == v for at, v in known)
         ]

@@ -38,11 +38,11 @@ class MemoryView:
 
         Defaults are not consulted, and `external` is what is stored as such.
         """
-        return list(self._memory.facts.matching(self._memory.canonical(pattern)))
+        return self._memory.facts.matching(self._memory.canonical(pattern))
 
     def value(self, *index: Atom) -> Atom | None:
         """The asserted value of a property for an index, or None."""
-        fact = self._memory.facts.values.get(self._memory.canonical(index))
+        fact = self._memory.facts.asserted(self._memory.canonical(index))
         return None if fact is None else fact[-1]
 
     def count(self, kind: str, place: Atom) -> int:
@@ -68,7 +68,7 @@ class MemoryView:
 
     def age(self, *fact: Atom) -> Time | None:
         """Time units since a fact was last asserted, or None."""
-        stamp = self._memory.facts.stamps.get(self._memory.canonical(fact))
+        stamp = self._memory.facts.stamp(self._memory.canonical(fact))
         return None if stamp is None or stamp == NEVER else self.now - stamp
 
 
@@ -180,7 +180,7 @@ class HandlerAccess(MemoryView):
             self._counted[self._stored(place)] = None
 
     def _lose_others(self, place: Atom) -> None:
-        for fact in list(self._memory.facts.matching(("location", None, place))):
+        for fact in self._memory.facts.matching(("location", None, place)):
             item = self._memory.items.known.get(str(fact[1]))
             if item is None or item.accessible or isinstance(item, Description):
                 continue

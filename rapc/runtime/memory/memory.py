@@ -7,17 +7,21 @@ that `external` can be computed (semantics 7). Queries are in `rapc.compiler`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from rapc.compiler.vocabulary import Relation, Vocabulary
 from rapc.runtime.events import FactAsserted, FactErased
 from rapc.runtime.memory.facts import FactStore
 from rapc.runtime.memory.items import Items
+from rapc.runtime.memory.mentions import Mentions
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.world import Time
 from rapc.spell import counted
 from rapc.terms import Atom, Fact, Text, format_list, number
+
+_KINDS = frozenset((str, int, float, Text))
+"""The types of what may stand in a fact."""
 
 EXTERNAL = "external"
 """The place outside the robot, wherever it is."""
@@ -48,8 +52,10 @@ class Memory:
 
     `changed` is called with every fact that came, was refreshed or went; `moved` with
     a word when something else that queries see has changed: `external`,
-    `know-sensor-name` or `location` (for the size of a set); `described` with every
-    fact that came or was refreshed (True) or went (False); `excluded` returns the
+    `know-sensor-name` or `location` (for the size of a set). Where items of indistinct
+    classes may come, `described` is called with every fact that came or was refreshed
+    (True) or went (False), but with none whose value another one replaces, and
+    `mentions` finds the facts that speak of such items. `excluded` returns the
     facts in memory that one cannot stand beside. `set_size` is the size of the
     expectation set of a class and a place, None for a distinct class.
     """
@@ -58,21 +64,18 @@ class Memory:
         self, vocabulary: Vocabulary, recorder: Recorder, clock: Callable[[], Time]
     ) -> None:
         self.vocabulary = vocabulary
-        self.facts = FactStore(self._is_property)
+        self.facts = FactStore(vocabulary.relations.get)
         self.items = Items()
         self.place: Atom | None = None
         self.changed: Callable[[Fact], None] = lambda fact: None
         self.moved: Callable[[str], None] = lambda word: None
         self.described: Callable[[Fact, bool], None] | None = None
-        self.excluded: Callable[[Fact], list[Fact]] | None = None
+        self.mentions: Mentions | None = None
+        self.excluded: Callable[[Fact], Sequence[Fact]] | None = None
         self.set_size: Callable[[object, object], int | None] = lambda kind, at: None
         self._recorder = recorder
         self._clock = clock
         self._notations: dict[Fact, Notation] = {}
-
-    def _is_property(self, name: str) -> bool:
-        relation = self.vocabulary.relations.get(name)
-        return relation is not None and relation.is_property
 
     # --- changes -------------------------------------------------------------
 
@@ -83,11 +86,16 @@ class Memory:
             FactError: if the declarations do not allow it.
         """
         relation = self._relation(fact)
-        fact = self.vocabulary.short_fact(tuple([_in_one_form(part) for part in fact]))
-        fact = self.canonical(fact)
-        if relation.arity is not None and len(fact) - 1 != relation.arity:
+        size = relation.arity
+        if float in map(type, fact):
+            fact = tuple([_in_one_form(part) for part in fact])
+        if size == len(fact) > 1 and relation.is_property:
+            fact = (*fact, "true")
+        if self.items.aliases:
+            fact = self.canonical(fact)
+        if size is not None and len(fact) - 1 != size:
             raise FactError(
-                f"`{relation.name}` takes {counted(relation.arity, 'argument')}, "
+                f"`{relation.name}` takes {counted(size, 'argument')}, "
                 f"not {len(fact) - 1}: {format_list(fact)}"
             )
         if relation.is_property and len(fact) == 1:
@@ -126,9 +134,9 @@ class Memory:
         relation = self.vocabulary.relations.get(str(fact[0])) if fact else None
         if relation is None:
             raise FactError(f"`{fact[0] if fact else ''}` is not declared")
-        for part in fact:
-            if type(part) not in (str, int, float, Text):
-                raise FactError(f"`{part}` is not a symbol, number or string")
+        if not _KINDS.issuperset(map(type, fact)):
+            odd = next(part for part in fact if type(part) not in _KINDS)
+            raise FactError(f"`{odd}` is not a symbol, number or string")
         return relation
 
     def assert_fact(self, fact: Fact, by: str) -> None:
@@ -152,13 +160,18 @@ class Memory:
                 self._remove(other, "memory")
         replaced = self.facts.add(fact, self._clock() if stamp is None else stamp)
         if replaced is not None:
-            self._notations.pop(replaced, None)
+            if self._notations:
+                self._notations.pop(replaced, None)
+            if self.mentions is not None:
+                self.mentions.went(replaced)
             if recorder.on:
                 recorder.emit(FactErased, fact=format_list(replaced), by=by)
             self.changed(replaced)
         if recorder.on:
             recorder.emit(FactAsserted, fact=format_list(fact), by=by)
         self.changed(fact)
+        if self.mentions is not None:
+            self.mentions.came(fact)
         if self.described is not None:
             self.described(fact, True)
 
@@ -169,16 +182,20 @@ class Memory:
             FactError: if the prefix names nothing declared.
         """
         self._relation(prefix)
-        prefix = self.canonical(prefix)
+        if self.items.aliases:
+            prefix = self.canonical(prefix)
         for fact in self.facts.starting(prefix):
             self._remove(fact, by)
 
     def _remove(self, fact: Fact, by: str) -> None:
-        self._notations.pop(fact, None)
+        if self._notations:
+            self._notations.pop(fact, None)
         self.facts.remove(fact)
         if self._recorder.on:
             self._recorder.emit(FactErased, fact=format_list(fact), by=by)
         self.changed(fact)
+        if self.mentions is not None:
+            self.mentions.went(fact)
         if self.described is not None:
             self.described(fact, False)
 
@@ -191,7 +208,7 @@ class Memory:
         then only its stamp is new and nothing is to be taken away.
         """
         notation = self._notations.get(fact)
-        if notation is None and fact in self.facts.stamps:
+        if notation is None and fact in self.facts:
             self._store(fact, "notation")
             return None
         if notation is None:
@@ -214,7 +231,7 @@ class Memory:
     def rename(self, fact: Fact, renamed: Fact, stamp: Time) -> None:
         """A fact gets other names and keeps its stamp and whoever notes it."""
         notation = self._notations.get(fact)
-        was_there = renamed in self.facts.stamps
+        was_there = renamed in self.facts
         noted = self._notations.get(renamed)
         self.take(fact)
         self.put(renamed, stamp)
@@ -243,16 +260,16 @@ class Memory:
 
     def facts_at(self, place: object) -> Iterator[Fact]:
         """Location facts of a place, `external` computed, oldest assertion first."""
-        buckets = self.facts.buckets
-        there: dict[Fact, None] = buckets.get(("location", 2, place), {})  # type: ignore[arg-type]
+        located = self.facts.table("location")
+        index = located.index(2)
+        there = index.get(place, {})  # type: ignore[call-overload]
         if place != EXTERNAL or self.place is None:
             return iter(there)
-        near = buckets.get(("location", 2, self.place), {})
-        found = [fact for fact in near if self.is_here(fact)]
-        found.extend(there)
-        if there:
-            found.sort(key=self.facts.serials.__getitem__)
-        return iter(found)
+        near = [fact for fact in index.get(self.place, ()) if self.is_here(fact)]
+        if not near or not there:
+            return iter(near or there)
+        either = {*near, *there}
+        return iter([fact for fact in located.stamps if fact in either])
 
 
 def _in_one_form(part: Atom) -> Atom:

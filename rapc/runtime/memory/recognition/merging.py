@@ -21,19 +21,20 @@ def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> N
     Of two values the newer stays, at one time that of the name `first`; but of those
     that the name `own` has, whatever the stamps, none is lost ("" for no name).
     """
-    stamps = memory.facts.stamps
-    sources = dict.fromkeys(memory.facts.mentioning(kept), kept)
-    for fact in memory.facts.mentioning(lost):
+    assert memory.mentions is not None
+    sources = dict.fromkeys(memory.mentions.of(kept), kept)
+    for fact in memory.mentions.of(lost):
         renamed = tuple([kept if part == lost else part for part in fact])
         renamed = (fact[0], *renamed[1:])
         rival = _rival(memory, renamed)
         if rival is None or rival == fact:
-            memory.rename(fact, renamed, stamps[fact])
+            memory.rename(fact, renamed, _stamp_of(memory, fact))
             sources[renamed] = lost
         elif rival == renamed:
-            memory.rename(fact, renamed, max(stamps[fact], stamps[rival]))
+            newer = max(_stamp_of(memory, fact), _stamp_of(memory, rival))
+            memory.rename(fact, renamed, newer)
         elif _wins(memory, (lost, fact), (kept, rival), first, own):
-            stamp = stamps[fact]
+            stamp = _stamp_of(memory, fact)
             memory.take(rival)
             memory.rename(fact, renamed, stamp)
             sources[renamed] = lost
@@ -45,17 +46,19 @@ def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> N
 
 def _rival(memory: Memory, fact: Fact) -> Fact | None:
     """The fact in memory that is this one, or has another value of its property."""
-    if fact in memory.facts.stamps:
-        return fact
-    return memory.facts.values.get(fact[:-1])
+    return fact if fact in memory.facts else memory.facts.asserted(fact[:-1])
+
+
+def _stamp_of(memory: Memory, fact: Fact) -> Time:
+    """The stamp of a fact that is there."""
+    return memory.facts.table(fact[0]).stamps[fact]
 
 
 def _wins(
     memory: Memory, one: tuple[str, Fact], other: tuple[str, Fact], first: str, own: str
 ) -> bool:
     """Whether the first of two facts that disagree, each with its source, stays."""
-    stamps = memory.facts.stamps
-    mine, theirs = stamps[one[1]], stamps[other[1]]
+    mine, theirs = (_stamp_of(memory, fact) for _, fact in (one, other))
     if own and NEVER not in (mine, theirs) and own in (one[0], other[0]):
         return own == one[0]
     if mine != theirs:
@@ -67,13 +70,13 @@ def _keep_newer(memory: Memory, sources: dict[Fact, str], first: str, own: str) 
     """Of facts that a merge has brought together and exclude each other, one goes."""
     assert memory.excluded is not None
     for fact, source in sources.items():
-        if fact not in memory.facts.stamps:
+        if fact not in memory.facts:
             continue
         for other in memory.excluded(fact):
             one, two = (source, fact), (sources.get(other, ""), other)
             if _wins(memory, one, two, first, own):
                 memory.take(other)
-            elif fact in memory.facts.stamps:
+            elif fact in memory.facts:
                 memory.take(fact)
                 break
 
@@ -86,22 +89,22 @@ def make_alike(memory: Memory, members: Sequence[Description]) -> None:
     if len(members) < 2:
         return
     indexes = dict.fromkeys(i for member in members for i in member.values)
-    stamps = memory.facts.stamps
     for index in indexes:
         values = {member.values.get(index) for member in members}
         shared = values.pop() if len(values) == 1 else None
         value: Atom = UNKNOWN if shared is None else shared
         facts = [_fact(m, index, value) for m in members if not m.empty]
-        stamp = NEVER if shared is None else min(stamps[fact] for fact in facts)
+        stamp = NEVER if shared is None else min(_stamp_of(memory, f) for f in facts)
         _stamp(memory, facts, stamp)
     named = [member for member in members if not member.empty]
     for of_all in ([_class(m) for m in named], [_place(m) for m in named]):
-        _stamp(memory, of_all, min((stamps[fact] for fact in of_all), default=NEVER))
+        stamps = [_stamp_of(memory, fact) for fact in of_all]
+        _stamp(memory, of_all, min(stamps, default=NEVER))
 
 
 def _stamp(memory: Memory, facts: Sequence[Fact], stamp: Time) -> None:
     for fact in facts:
-        if memory.facts.stamps.get(fact) != stamp:
+        if memory.facts.stamp(fact) != stamp:
             memory.put(fact, stamp)
 
 
@@ -120,5 +123,6 @@ def _fact(member: Description, index: Fact, value: Atom) -> Fact:
 
 def forget_facts(memory: Memory, name: str) -> None:
     """All facts that mention a name go."""
-    for fact in memory.facts.mentioning(name):
+    assert memory.mentions is not None
+    for fact in memory.mentions.of(name):
         memory.take(fact)

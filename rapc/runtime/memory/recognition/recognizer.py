@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection
 
 from rapc.runtime.events import ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.memory.memory import Memory
+from rapc.runtime.memory.mentions import PREFIX, Mentions
 from rapc.runtime.memory.recognition import leaving, merging
 from rapc.runtime.memory.recognition.descriptions import (
     UNKNOWN,
@@ -61,6 +62,7 @@ class Recognizer:
         self._lost: dict[Description, None] = {}
         if self._classes:
             memory.described = self._described
+            memory.mentions = Mentions()
             memory.set_size = self._set_size
 
     def recognises(self, kind: str) -> bool:
@@ -101,9 +103,9 @@ class Recognizer:
 
     def _new(self, kind: str, sensor: str) -> Description:
         self._number += 1
-        while f"item-{self._number}" in self._memory.items.known:
+        while f"{PREFIX}{self._number}" in self._memory.items.known:
             self._number += 1
-        name = f"item-{self._number}" if sensor else ""
+        name = f"{PREFIX}{self._number}" if sensor else ""
         return Description(self._number, name, sensor, kind)
 
     def _set(self, kind: str, place: Atom) -> ExpectationSet | None:
