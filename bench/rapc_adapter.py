@@ -209,14 +209,14 @@ class Rapc(Peer):
             believe("class", item, kind, "true")
             believe("color", item, color)
             believe("size", item, size)
-        self.question = self.run.question(QUERY)
+        self.question = self.run.question(QUERY, "?p")
 
     def w2_first(self, place: str) -> str | None:
-        found = self.question.first({"?p": place})
+        found = self.question.first(place)
         return None if found is None else str(found["?x"])
 
     def w2_all(self, place: str) -> int:
-        return len(self.question.all({"?p": place}))
+        return len(self.question.all(place))
 
     def w3_setup(self, n: int) -> None:
         world = Functions(primitives={"reset": (1, self.woken)})

@@ -91,7 +91,7 @@ class Query:
         self.where = where
         self.variables = formulas.variables(formula)
         self._vocabulary = vocabulary
-        self._plans: dict[tuple[frozenset[str], Ending, bool], Plan] = {}
+        self._plans: dict[tuple[tuple[str, ...], Ending, bool], Plan] = {}
 
     def on(self, ctx: Context) -> Asked:
         """The query as it is asked of one memory, again and again."""
@@ -123,20 +123,22 @@ class Query:
             found = {**env, **solution}
             yield [found.get(name, builtin.UNBOUND) for name in self.variables]
 
-    def plan(self, bound: frozenset[str], ending: Ending, given: bool = False) -> Plan:
-        """The formula compiled for a set of bound variables; see `Plan`."""
-        key = (bound, ending, given)
+    def plan(
+        self, inputs: tuple[str, ...], ending: Ending, given: bool = False
+    ) -> Plan:
+        """The formula compiled for some bound variables, all of them its own.
+
+        Its function takes an environment, or is given the values one by one.
+        """
+        key = (inputs, ending, given)
         plan = self._plans.get(key)
         if plan is None:
-            inputs = tuple(name for name in self.variables if name in bound)
             emitter, outputs = self._written(inputs, ending, given)
-            plan = Plan(emitter, inputs, outputs)
-            self._plans[key] = plan
+            plan = self._plans[key] = Plan(emitter, inputs, outputs)
         return plan
 
-    def steps(self, bound: frozenset[str]) -> Sequence[Step]:
+    def steps(self, inputs: tuple[str, ...]) -> Sequence[Step]:
         """What is done, step by step, where these variables are bound."""
-        inputs = tuple(name for name in self.variables if name in bound)
         return self._written(inputs, Ending.FIRST, False)[0].steps
 
     def _written(
@@ -255,7 +257,7 @@ class _Plans(dict[int, Ask]):
 
     def __missing__(self, key: int) -> Ask:
         names = enumerate(self._query.variables)
-        bound = frozenset(name for at, name in names if key >> at & 1)
+        bound = tuple(name for at, name in names if key >> at & 1)
         plan = self._query.plan(bound, self._ending)
         found = self[key] = plan.bind(self._ctx)
         return found

@@ -365,15 +365,18 @@ class Interpreter:
         """The goals of all live tasks by number, with the inputs that are known."""
         return standing.goals(self._machine)
 
-    def question(self, formula: Formula | str) -> Question:
+    def question(self, formula: Formula | str, *given: str) -> Question:
         """A formula, or its text, made ready to be asked of memory again and again.
 
+        `given` are the variables whose values come with each asking, in that order.
+
         Raises:
-            TextError: a ValueError, for a text that is no formula.
+            ValueError: for a text that is no formula (`TextError`), and for a
+                variable that the formula does not have.
         """
         if isinstance(formula, str):
             formula = parse_formula(formula)
-        return Question(self._machine, formula)
+        return Question(self._machine, formula, given)
 
     def waiting(self) -> tuple[str, ...]:
         """Each task that is not done, and what it waits for, for a person to read."""

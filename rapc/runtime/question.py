@@ -6,60 +6,84 @@ history of methods has no answer (semantics 2).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
+from typing import Any
 
+from rapc.compiler.emitter import Ending
 from rapc.compiler.query import Query
 from rapc.ir.nodes import Formula
 from rapc.resources import Value
 from rapc.runtime.context import QueryContext
 from rapc.runtime.machine import Machine
 from rapc.runtime.renaming import with_names
+from rapc.spell import nearest
 
-Bindings = Mapping[str, Value]
-"""Variables, with their question marks, and what they stand for."""
+Answer = dict[str, Value]
+"""What an answer binds besides what was given; a variable it leaves free is absent."""
 
 
 class Question:
-    """A formula that can be asked again and again; made by `Interpreter.question`."""
+    """A formula that can be asked again and again; made by `Interpreter.question`.
 
-    __slots__ = ("_aliases", "_formula", "_machine", "_query")
+    Each way to ask takes the values of the variables in `given`, in their order, and
+    is the generated function itself: `first` returns the first answer or None, `all`
+    the list of all answers in the order of semantics 2, `holds` whether there is one.
 
-    def __init__(self, machine: Machine, formula: Formula) -> None:
+    Args:
+        machine: the run whose memory is asked.
+        formula: what is asked.
+        given: the variables, with their question marks, that get values.
+
+    Raises:
+        ValueError: for a variable that the formula does not have, or one given twice.
+    """
+
+    __slots__ = (
+        "_aliases",
+        "_context",
+        "_formula",
+        "_machine",
+        "_query",
+        "all",
+        "first",
+        "given",
+        "holds",
+    )
+
+    def __init__(
+        self, machine: Machine, formula: Formula, given: Sequence[str] = ()
+    ) -> None:
+        self.given = tuple(given)
         self._machine = machine
         self._formula = formula
+        self._context = QueryContext(
+            machine.memory, machine.recorder, machine.context.functions
+        )
         self._aliases = -1
         self._query = self._compiled()
+        for name in self.given:
+            _check(name, self._query.variables, self.given)
+        self.first: Callable[..., Answer | None] = self._ready(Ending.FIRST)
+        self.all: Callable[..., list[Answer]] = self._ready(Ending.ALL)
+        self.holds: Callable[..., bool] = self._ready(Ending.ANY)
 
-    def holds(self, given: Bindings | None = None) -> bool:
-        """Whether there is an answer, with some variables given."""
-        return self.first(given) is not None
-
-    def first(self, given: Bindings | None = None) -> dict[str, Value] | None:
-        """What the first answer binds besides what is given; None without one."""
-        query, context, known = self._put(given)
-        asking, context.task = context.task, None
-        found = query.first(context, known)
-        context.task = asking
-        return found
-
-    def all(self, given: Bindings | None = None) -> list[dict[str, Value]]:
-        """What each answer binds, in the order of semantics 2."""
-        query, context, known = self._put(given)
-        asking, context.task = context.task, None
-        found = list(query.solutions(context, known))
-        context.task = asking
-        return found
-
-    def _put(self, given: Bindings | None) -> tuple[Query, QueryContext, Bindings]:
-        """What is asked, of whom, and what is given in the names that stand now."""
-        known = given or {}
+    def _ready(self, ending: Ending) -> Callable[..., Any]:
+        """The function that asks, until items get other names."""
         items = self._machine.memory.items
-        if items.aliases:
-            known = {
-                n: items.canonical(v) if isinstance(v, str) else v
-                for n, v in known.items()
-            }
-        return self._compiled(), self._machine.context, known
+        renamed: dict[Query, Callable[..., Any]] = {}
+
+        def aliased(*values: Value) -> Any:
+            """Ask in the names that stand now."""
+            known = [items.canonical(v) if isinstance(v, str) else v for v in values]
+            query = self._compiled()
+            if query not in renamed:
+                plan = query.plan(self.given, ending, given=True)
+                renamed.clear()
+                renamed[query] = plan.bind(self._context)
+            return renamed[query](*known)
+
+        plan = self._query.plan(self.given, ending, given=True)
+        return plan.bind(self._context, items.aliases, aliased)
 
     def _compiled(self) -> Query:
         """The query; made anew once items named in it have got other names."""
@@ -72,3 +96,12 @@ class Question:
             compiler = self._machine.library.compiler
             self._query = compiler.query(formula, "question", formula.span)
         return self._query
+
+
+def _check(name: str, known: Sequence[str], given: Sequence[str]) -> None:
+    if name not in known:
+        near = nearest(name, known)
+        hint = f"; did you mean `{near}`?" if near else ""
+        raise ValueError(f"`{name}` is not in the question{hint}")
+    if given.count(name) > 1:
+        raise ValueError(f"`{name}` is given twice")

@@ -184,7 +184,7 @@ def test_an_older_name_serves_whoever_comes_with_the_younger() -> None:
     interpreter.assert_fact("known", merge.with_ or "")
     assert memory.query("known", None) == [("known", merge.item)]
     assert interpreter.question(f"(color {merge.with_} red)").holds()
-    assert interpreter.question("(color ?x red)").holds({"?x": merge.with_ or ""})
+    assert interpreter.question("(color ?x red)", "?x").holds(merge.with_)
     assert not interpreter.question("(color item-99 red)").holds()
 
 
