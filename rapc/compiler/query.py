@@ -137,9 +137,13 @@ class Query:
             plan = self._plans[key] = Plan(emitter, inputs, outputs)
         return plan
 
-    def steps(self, inputs: tuple[str, ...]) -> Sequence[Step]:
+    def steps(self, inputs: tuple[str, ...]) -> tuple[Step, ...]:
         """What is done, step by step, where these variables are bound."""
-        return self._written(inputs, Ending.FIRST, False)[0].steps
+        return tuple(self._written(inputs, Ending.FIRST, False)[0].steps)
+
+    def outputs(self, inputs: tuple[str, ...]) -> tuple[str, ...]:
+        """The variables that a solution may bind where these are bound."""
+        return self.plan(inputs, Ending.FIRST).outputs
 
     def _written(
         self, inputs: tuple[str, ...], ending: Ending, given: bool

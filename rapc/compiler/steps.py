@@ -16,7 +16,7 @@ from rapc.ir import nodes
 class Way(Enum):
     """How a part of a formula is worked off."""
 
-    MEMBER = "is it in memory"
+    MEMBER = "look whether it is in memory"
     VALUE = "look up the value"
     INDEX = "run through an index"
     SMALLEST = "run through the smallest of some indexes"
@@ -24,8 +24,8 @@ class Way(Enum):
     TEST = "test"
     ITEMS = "run through the items within reach"
     EITHER = "each branch in turn"
-    NEITHER = "no solution of"
-    LATER = "whatever of it is bound by then"
+    NEITHER = "there is no solution of"
+    LATER = "compiled when it is asked, for what then is bound"
     NEVER = "never holds"
 
 

@@ -1,0 +1,140 @@
+"""How the clauses of a RAP are asked of memory, for a person to read.
+
+What is told are the steps that the writers of generated code note as they write it
+(`rapc.compiler.steps`), so it is what is done. How many facts an index holds is for
+memory to say, in a run; here it is said which of them are looked at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import msgspec
+
+from rapc.compiler.plans import CompiledLibrary, MethodPlan, RapPlan
+from rapc.compiler.query import Query
+from rapc.compiler.steps import Step, Way
+from rapc.ir import nodes
+from rapc.parser.printer import format_formula, format_term
+from rapc.spell import nearest
+
+
+class Asking(msgspec.Struct, frozen=True):
+    """How one clause is asked.
+
+    `where` is the clause with its place in the source; `bound` are the variables of
+    it that have a value beforehand, `binds` those that its solution adds; `steps`
+    are done from left to right, with backtracking (semantics 2).
+    """
+
+    where: str
+    bound: tuple[str, ...]
+    binds: tuple[str, ...]
+    steps: tuple[Step, ...]
+
+
+def explain(library: CompiledLibrary, name: str) -> tuple[Asking, ...]:
+    """How each clause of a RAP is asked, in the order of a task's way (semantics 3).
+
+    A step's `for` formulas are shown as they are asked where the environment holds
+    inputs, resources and what choosing the method has bound, and no output yet.
+
+    Raises:
+        ValueError: for a name that is no RAP of the library.
+    """
+    plan = library.rap(name)
+    if plan is None:
+        near = nearest(name, library.library.raps)
+        hint = f"; did you mean `{near}`?" if near else ""
+        raise ValueError(f"there is no RAP `{name}`{hint}")
+    return tuple(_of_rap(plan))
+
+
+def _of_rap(plan: RapPlan) -> Iterator[Asking]:
+    own = (*plan.inputs, *(r.variable.name for r in plan.node.resources))
+    clauses = (plan.succeed, plan.monitor_state, plan.preconditions, plan.constraints)
+    for clause in clauses:
+        if clause is not None:
+            yield _asking(clause, own)
+    for method in plan.methods:
+        yield from _of_method(method, own)
+
+
+def _of_method(method: MethodPlan, own: tuple[str, ...]) -> Iterator[Asking]:
+    known = own
+    if method.choice is not None:
+        choice = _asking(method.choice, own)
+        known = (*own, *choice.binds)
+        yield choice
+    for step in method.steps:
+        for _, condition in step.conditions:
+            yield _asking(condition, known)
+
+
+def _asking(query: Query, known: Sequence[str]) -> Asking:
+    bound = tuple(name for name in query.variables if name in known)
+    return Asking(query.where, bound, query.outputs(bound), query.steps(bound))
+
+
+# --- in words ---------------------------------------------------------------------
+
+
+def tell(askings: Sequence[Asking]) -> Iterator[str]:
+    """What `explain` returns as lines of text: a heading and a line for each step."""
+    for asking in askings:
+        given = f" ({' '.join(asking.bound)} bound)" if asking.bound else ""
+        yield f"{asking.where}{given}"
+        for step in asking.steps:
+            yield f"{'  ' * (step.depth + 1)}{told(step)}"
+
+
+def told(step: Step) -> str:
+    """A step in words: the part of the formula, and what is done for it."""
+    if step.way in (Way.EITHER, Way.NEITHER):
+        return f"{step.way.value}:"
+    parts = [_how(step)]
+    if step.default is not None:
+        parts.append(f"without one the default `{step.default}`")
+    if step.tested:
+        terms = ", ".join(_term(step, at) for at in step.tested)
+        parts.append(f"compare with {terms}")
+    if step.binds:
+        parts.append(f"bind {' '.join(step.binds)}")
+    return f"{format_formula(step.formula)}: {'; '.join(parts)}"
+
+
+def _how(step: Step) -> str:
+    pattern = _pattern(step)
+    if step.way is Way.TEST:
+        return "test"
+    if step.way is Way.VALUE and pattern is not None:
+        index = " ".join([pattern.name, *(_term(step, at) for at in step.by)])
+        return f"look up the value of ({index})"
+    if step.way is Way.ALL and pattern is not None:
+        return f"run through all facts of `{pattern.name}`"
+    if step.way is Way.INDEX:
+        return f"run through the facts with {_place(step, step.by[0])}"
+    if step.way is Way.SMALLEST:
+        places = [_place(step, at) for at in step.by]
+        return f"run through the facts with {' or '.join(places)}, the fewer"
+    words: str = step.way.value
+    return words
+
+
+def _pattern(step: Step) -> nodes.Pattern | None:
+    formula = step.formula
+    if isinstance(formula, nodes.Believe):
+        return formula.pattern
+    return formula if isinstance(formula, nodes.Pattern) else None
+
+
+def _term(step: Step, at: int) -> str:
+    """An argument of a step's pattern; the value `true` may be left out in it."""
+    pattern = _pattern(step)
+    if pattern is None or at > len(pattern.args):
+        return "true"
+    return format_term(pattern.args[at - 1])
+
+
+def _place(step: Step, at: int) -> str:
+    return f"{_term(step, at)} as argument {at}"

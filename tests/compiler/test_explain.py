@@ -1,0 +1,80 @@
+"""What is told of the plans of queries, and that it is what they do."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc.compiler.explain import explain, tell
+from rapc.compiler.plans import CompiledLibrary
+from rapc.loader import load_text
+
+LIBRARY = """\
+(declare-memory-property location (?item ?place) unknown)
+(declare-memory-property class (?item ?class ?value) false)
+(declare-memory-property size (?item ?size) nominal)
+(declare-memory-proposition road (?from ?to ?kind))
+(declare-memory-proposition wet (?place))
+(declare-memory-function nominal)
+(define-rap (fetch ?item ?from => ?way)
+  (resources (set ?seen))
+  (succeed (and (location ?item depot) (road ?from depot ?way)))
+  (monitor-state (believe (location ?item ?from) 20))
+  (preconditions (not (or (wet ?from) (class ?item fragile true))))
+  (method straight
+    (context (and (road ?from ?next ?kind) (road ?next depot ?kind)
+                  (size ?item ?size) (> ?size 3) (class ?other ? true)
+                  (not (member ?seen ?other)) (class ?item box false)))
+    (task-net
+      (t1 (fetch ?item ?next) ((road ?next ? ?any) for t2))
+      (t2 (fetch ?item depot))))
+  (method round
+    (context (or (wet ?x) (road ?x ?y ?) (road ?p ?q ?p)))
+    (task-net)))
+"""
+
+TOLD = """\
+succeed at <text>:9 (?item ?from bound)
+  (location ?item depot): look whether it is in memory
+  (road ?from depot ?way): run through the facts with ?from as argument 1 or depot as \
+argument 2, the fewer; compare with ?from, depot; bind ?way
+monitor-state at <text>:10 (?item ?from bound)
+  (believe (location ?item ?from) 20): look up the value of (location ?item); without \
+one the default `unknown`; compare with ?from
+preconditions at <text>:11 (?from ?item bound)
+  there is no solution of:
+    each branch in turn:
+      (wet ?from): look whether it is in memory
+      (class ?item fragile true): look whether it is in memory
+context of method `straight` at <text>:13 (?from ?item ?seen bound)
+  (road ?from ?next ?kind): run through the facts with ?from as argument 1; bind ?next \
+?kind
+  (road ?next depot ?kind): look whether it is in memory
+  (size ?item ?size): look up the value of (size ?item); without one the default \
+`nominal`; bind ?size
+  (> ?size 3): test
+  (class ?other ? true): run through the facts with true as argument 3; bind ?other
+  there is no solution of:
+    (member ?seen ?other): test
+  (class ?item box false): look up the value of (class ?item box); without one the \
+default `false`; compare with false
+`for t2` formula at <text>:17 (?next bound)
+  (road ?next ? ?any): run through the facts with ?next as argument 1; bind ?any
+context of method `round` at <text>:20
+  each branch in turn:
+    (wet ?x): run through all facts of `wet`; bind ?x
+    (road ?x ?y ?): run through all facts of `road`; bind ?x ?y
+    (road ?p ?q ?p): run through all facts of `road`; bind ?p ?q
+"""
+
+
+def test_each_clause_is_told_as_it_is_asked() -> None:
+    loaded = load_text(LIBRARY)
+    assert loaded.diagnostics == ()
+    lines = tell(explain(CompiledLibrary(loaded.library), "fetch"))
+    assert "\n".join(lines) + "\n" == TOLD
+
+
+def test_a_name_that_is_no_rap_is_refused() -> None:
+    library = CompiledLibrary(load_text(LIBRARY).library)
+    with pytest.raises(ValueError, match="no RAP `fech`; did you mean `fetch`"):
+        explain(library, "fech")
