@@ -65,14 +65,14 @@ class List(msgspec.Struct, frozen=True, gc=False):
 Datum = Symbol | Variable | Keyword | Numeral | String | List
 
 
-class TopLevel(msgspec.Struct, frozen=True):
+class TopLevel(msgspec.Struct, frozen=True, gc=False):
     """A datum at the top level; `damaged` if the reader had to repair it."""
 
     datum: Datum
     damaged: bool
 
 
-class Comment(msgspec.Struct, frozen=True):
+class Comment(msgspec.Struct, frozen=True, gc=False):
     """A comment with its marks: `; ...` to the end of the line, or `#| ... |#`."""
 
     text: str

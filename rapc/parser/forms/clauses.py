@@ -21,15 +21,15 @@ def clauses(
     """
     for datum in data:
         name = head_of(datum)
-        if name is None or not isinstance(datum, List):
+        if name is not None and type(datum) is List and name in known:
+            yield name, datum
+        elif name is None or type(datum) is not List:
             ctx.report(
                 "malformed-clause",
                 f"{kind_of(datum)} stands where a clause of `{owner}` is wanted",
                 datum,
                 help="a clause is a list that begins with its name",
             )
-        elif name in known:
-            yield name, datum
         elif name in RAP_CLAUSES or name in METHOD_CLAUSES:
             other = "a method" if name in METHOD_CLAUSES else "the RAP itself"
             ctx.report(
@@ -56,8 +56,10 @@ def single(
     """
     kept: dict[str, list[List]] = {}
     for name, datum in found:
-        have = kept.setdefault(name, [])
-        if have and name not in many:
+        have = kept.get(name)
+        if have is None:
+            kept[name] = [datum]
+        elif name not in many:
             ctx.report(
                 "duplicate-clause",
                 f"there is a second `{name}`",
@@ -71,22 +73,23 @@ def single(
 
 def lone_formula(ctx: Context, datum: List) -> nodes.Formula | None:
     """The formula of a clause that holds just one."""
+    if len(datum.items) == 2:
+        return formula(ctx, datum.items[1])
     name, operands = head_of(datum), datum.items[1:]
     if not operands:
         ctx.report("malformed-clause", f"`{name}` has no formula", datum)
         return None
     first, *others = operands
-    if others:
-        stray = next((d for d in others if head_of(d) in _CLAUSES), None)
-        ctx.report(
-            "malformed-clause",
-            f"`{name}` takes one formula, not {len(operands)}",
-            others[0],
-            help=f"a `)` may be missing before `({head_of(stray)}`"
-            if stray
-            else "`and` joins several",
-            fix=None if stray else ctx.wrap(first, operands[-1], "(and ", sure=False),
-        )
+    stray = next((d for d in others if head_of(d) in _CLAUSES), None)
+    ctx.report(
+        "malformed-clause",
+        f"`{name}` takes one formula, not {len(operands)}",
+        others[0],
+        help=f"a `)` may be missing before `({head_of(stray)}`"
+        if stray
+        else "`and` joins several",
+        fix=None if stray else ctx.wrap(first, operands[-1], "(and ", sure=False),
+    )
     return formula(ctx, first)
 
 

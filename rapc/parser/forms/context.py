@@ -33,13 +33,14 @@ class Context:
 
     def __init__(self, source: SourceFile, room: int) -> None:
         self.source = source
+        self.file = source.name
         self.room = room
         self.diagnostics: list[Diagnostic] = []
         self.lost = False
 
     def span(self, datum: Datum) -> Span:
         """The place of a datum."""
-        return Span(self.source.name, datum.start, datum.end)
+        return Span(self.file, datum.start, datum.end)
 
     def text(self, datum: Datum) -> str:
         """A datum as it was written."""

@@ -44,14 +44,15 @@ def _leaves(datum: Datum) -> int:
 
 
 def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
-    if isinstance(datum, List):
+    if type(datum) is List:
         name = head_of(datum)
-        special = _SPECIAL.get(name) if name else None
-        if special:
-            return special(ctx, datum)
-        if name is not None and name not in CALLS and name not in TRUTHS:
-            return pattern(ctx, datum)
-    elif isinstance(datum, Symbol) and datum.name in TRUTHS:
+        if name is not None:
+            special = _SPECIAL.get(name)
+            if special:
+                return special(ctx, datum)
+            if name not in CALLS and name not in TRUTHS:
+                return pattern(ctx, datum)
+    elif type(datum) is Symbol and datum.name in TRUTHS:
         return nodes.Truth(TRUTHS[datum.name], ctx.span(datum))
     _no_formula(ctx, datum)
     return None
@@ -78,8 +79,7 @@ def _no_formula(ctx: Context, datum: Datum) -> None:
 
 
 def _parts(ctx: Context, datum: List) -> tuple[nodes.Formula, ...]:
-    made = [_formula(ctx, part) for part in datum.items[1:]]
-    return tuple([part for part in made if part is not None])
+    return tuple(filter(None, [_formula(ctx, part) for part in datum.items[1:]]))
 
 
 def _and(ctx: Context, datum: List) -> nodes.Formula | None:
@@ -113,8 +113,11 @@ def _not(ctx: Context, datum: List) -> nodes.Formula | None:
     return nodes.Not(parts[0], ctx.span(datum))
 
 
+_Comparison = Literal["=", "n=", "<", ">", "<=", ">="]
+
+
 def _compare(ctx: Context, datum: List) -> nodes.Formula | None:
-    op = cast(Literal["=", "n=", "<", ">", "<=", ">="], head_of(datum))
+    op = cast(_Comparison, head_of(datum))
     args = _exactly(ctx, datum, 2, 2, "two terms")
     return nodes.Compare(op, args[0], args[1], ctx.span(datum)) if args else None
 

@@ -21,7 +21,7 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
     """
     items = datum.items[1:]
     name: str | int | None = None
-    if items and not isinstance(items[0], List):
+    if items and type(items[0]) is not List:
         name, items = _name(ctx, items[0]), items[1:]
     found = single(ctx, clauses(ctx, items, "method", METHOD_CLAUSES))
     one = {key: rows[0] for key, rows in found.items()}

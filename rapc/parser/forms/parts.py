@@ -145,7 +145,7 @@ def _argument(
 
 def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
     """A variable with a name that is not yet among those `seen`."""
-    if not isinstance(datum, Variable) or datum.name == "?":
+    if type(datum) is not Variable or datum.name == "?":
         what = "a bare `?`" if isinstance(datum, Variable) else kind_of(datum)
         message = f"a variable with a name is wanted here, not {what}"
         ctx.report("malformed-form", message, datum)

@@ -79,7 +79,7 @@ def _index(ctx: Context, clause: List) -> Datum | None:
 
 def _name(ctx: Context, datum: List, index: Datum | None) -> Symbol | None:
     """The name in an index, if there is one."""
-    if isinstance(index, Symbol):
+    if type(index) is Symbol:
         ctx.report(
             "malformed-goal",
             "the index stands in parentheses",
@@ -88,7 +88,7 @@ def _name(ctx: Context, datum: List, index: Datum | None) -> Symbol | None:
             fix=ctx.wrap(index, index, "(", sure=False),
         )
         return index
-    if isinstance(index, List) and index.items:
+    if type(index) is List and index.items:
         first = index.items[0]
         if isinstance(first, Symbol) and first.name != "=>":
             return first
@@ -111,7 +111,7 @@ def _rap(
     index: Datum,
     found: Mapping[str, Sequence[List]],
 ) -> nodes.DefineRap:
-    whole = index if isinstance(index, List) else List((), name.start, name.end)
+    whole = index if type(index) is List else List((), name.start, name.end)
     inputs, outputs = _parameters(ctx, *split_arrow(ctx, whole))
     one = {key: rows[0] for key, rows in found.items()}
     formulas = {
@@ -154,13 +154,9 @@ def _parameters(
     ctx: Context, before: Sequence[Datum], after: Sequence[Datum]
 ) -> tuple[tuple[nodes.Var, ...], tuple[nodes.Var, ...]]:
     seen: dict[str, Datum] = {}
-    sides: tuple[list[nodes.Var], list[nodes.Var]] = ([], [])
-    for side, data in zip(sides, (before, after), strict=True):
-        for datum in data:
-            variable = parameter(ctx, datum, seen)
-            if variable is not None:
-                side.append(variable)
-    return tuple(sides[0]), tuple(sides[1])
+    inputs = [parameter(ctx, datum, seen) for datum in before]
+    outputs = [parameter(ctx, datum, seen) for datum in after]
+    return tuple(filter(None, inputs)), tuple(filter(None, outputs))
 
 
 def _duration(ctx: Context, clause: List | None) -> nodes.Term | None:

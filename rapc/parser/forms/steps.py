@@ -18,15 +18,14 @@ _MODES = ("proceed", "succeed", "fail")
 
 def task_net(ctx: Context, datum: List) -> nodes.TaskNet:
     """`(task-net step...)`."""
-    made = [_step(ctx, row) for row in datum.items[1:]]
-    steps = tuple([step for step in made if step is not None])
+    steps = tuple(filter(None, [_step(ctx, row) for row in datum.items[1:]]))
     return nodes.TaskNet(steps, ctx.span(datum))
 
 
 def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
     """`(tag [priority] goal annotation...)`."""
     tag = head_of(datum)
-    if tag is None or not isinstance(datum, List):
+    if tag is None or type(datum) is not List:
         ctx.report(
             "malformed-step",
             "a step begins with its tag, a symbol",
@@ -36,13 +35,13 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
         return None
     items = datum.items[1:]
     priority = 0
-    if items and isinstance(items[0], Numeral):
+    if items and type(items[0]) is Numeral:
         priority, items = _priority(ctx, items[0]), items[1:]
     if not items:
         ctx.report("malformed-step", f"the step `{tag}` asks for nothing", datum)
         return None
     asked = goal(ctx, items[0])
-    annotations = _annotations(ctx, items[1:])
+    annotations = _annotations(ctx, items[1:]) if len(items) > 1 else ()
     if asked is None:
         return None
     return nodes.Step(tag, priority, asked, annotations, ctx.span(datum))
@@ -72,7 +71,7 @@ def _bare_for(
     ctx: Context, data: Sequence[Datum], at: int
 ) -> tuple[nodes.Annotation | None, int] | None:
     """`for tag`, alone or behind a formula, without the parentheses it needs."""
-    formed = isinstance(data[at], List) and head_of(data[at]) not in ANNOTATIONS
+    formed = type(data[at]) is List and head_of(data[at]) not in ANNOTATIONS
     start = at + 1 if formed else at
     if len(data) < start + 2 or not _is_for(data[start]):
         return None
@@ -92,11 +91,11 @@ def _bare_for(
 
 
 def _is_for(datum: Datum) -> bool:
-    return isinstance(datum, Symbol) and datum.name == "for"
+    return type(datum) is Symbol and datum.name == "for"
 
 
 def _annotation(ctx: Context, datum: Datum) -> nodes.Annotation | None:
-    if not isinstance(datum, List) or not datum.items:
+    if type(datum) is not List or not datum.items:
         message = f"{kind_of(datum)} stands where an annotation is wanted"
         ctx.report("malformed-annotation", message, datum)
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rapc.ir import nodes
-from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol, Variable
+from rapc.parser.data import Datum, Keyword, List, Numeral, String, Symbol, Variable
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.names import CALLS, QUERIES
 from rapc.source import Span
@@ -26,22 +26,22 @@ _ARITY: Mapping[str, tuple[int, int | None, str]] = {
 
 def term(ctx: Context, datum: Datum) -> nodes.Term | None:
     """A constant, a variable or a computed term."""
-    span = Span(ctx.source.name, datum.start, datum.end)
-    if isinstance(datum, Variable):
-        return nodes.Var(datum.name, span)
-    if isinstance(datum, Symbol | Keyword):
-        return nodes.Const(datum.name, span)
-    if isinstance(datum, Numeral):
-        return nodes.Const(datum.value, span)
-    if isinstance(datum, List):
+    if type(datum) is Variable:
+        return nodes.Var(datum.name, Span(ctx.file, datum.start, datum.end))
+    if type(datum) is List:
         return _call(ctx, datum)
+    span = Span(ctx.file, datum.start, datum.end)
+    if type(datum) is Symbol or type(datum) is Keyword:
+        return nodes.Const(datum.name, span)
+    if type(datum) is Numeral:
+        return nodes.Const(datum.value, span)
+    assert type(datum) is String
     return nodes.Const(Text(datum.value), span)
 
 
 def terms(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Term, ...]:
     """Terms in a row; what is none has been reported and is left out."""
-    made = (term(ctx, datum) for datum in data)
-    return tuple([node for node in made if node is not None])
+    return tuple(filter(None, [term(ctx, datum) for datum in data]))
 
 
 def _call(ctx: Context, datum: List) -> nodes.Call | None:
@@ -74,7 +74,7 @@ def _call(ctx: Context, datum: List) -> nodes.Call | None:
 def pattern(ctx: Context, datum: Datum) -> nodes.Pattern | None:
     """A plain proposition: a name and its arguments."""
     name = head_of(datum)
-    if name is None or not isinstance(datum, List):
+    if name is None or type(datum) is not List:
         ctx.report(
             "malformed-proposition",
             f"a proposition is wanted here, not {_what(datum)}",
@@ -82,7 +82,7 @@ def pattern(ctx: Context, datum: Datum) -> nodes.Pattern | None:
             help="write a name and its arguments in parentheses",
         )
         return None
-    if name in QUERIES or name in CALLS:
+    if name in _NO_PROPOSITIONS:
         ctx.report(
             "malformed-proposition",
             f"`{name}` heads no proposition",
@@ -90,13 +90,16 @@ def pattern(ctx: Context, datum: Datum) -> nodes.Pattern | None:
             help="only plain propositions can stand here",
         )
         return None
-    return nodes.Pattern(name, terms(ctx, datum.items[1:]), ctx.span(datum))
+    place = Span(ctx.file, datum.start, datum.end)
+    return nodes.Pattern(name, terms(ctx, datum.items[1:]), place)
+
+
+_NO_PROPOSITIONS = frozenset((*QUERIES, *CALLS))
 
 
 def patterns(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:
     """Propositions in a row; what is none has been reported and is left out."""
-    made = (pattern(ctx, datum) for datum in data)
-    return tuple([node for node in made if node is not None])
+    return tuple(filter(None, [pattern(ctx, datum) for datum in data]))
 
 
 def signal(ctx: Context, datum: Datum) -> nodes.Pattern | None:
@@ -125,7 +128,7 @@ def signal(ctx: Context, datum: Datum) -> nodes.Pattern | None:
 def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
     """What a step or a task asks for: `(rap args... [=> outs...])`."""
     name = head_of(datum)
-    if name is None or not isinstance(datum, List) or name == ARROW:
+    if name is None or type(datum) is not List or name == ARROW:
         ctx.report(
             "malformed-goal",
             f"a goal is wanted here, not {_what(datum)}",
@@ -135,8 +138,10 @@ def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
         return None
     inputs, outputs = split_arrow(ctx, datum)
     made = terms(ctx, inputs)
-    outs = tuple(out for out in terms(ctx, outputs) if _plain(ctx, out, datum))
-    return nodes.Goal(name, made, outs, ctx.span(datum))
+    outs: tuple[nodes.Term, ...] = ()
+    if outputs:
+        outs = tuple(out for out in terms(ctx, outputs) if _plain(ctx, out, datum))
+    return nodes.Goal(name, made, outs, Span(ctx.file, datum.start, datum.end))
 
 
 def split_arrow(
@@ -144,9 +149,12 @@ def split_arrow(
 ) -> tuple[tuple[Datum, ...], tuple[Datum, ...]]:
     """What stands before and after the `=>` of an index or a goal."""
     items = datum.items[1:]
-    places = [i for i, d in enumerate(items) if type(d) is Symbol and d.name == ARROW]
-    if not places:
+    for item in items:
+        if type(item) is Symbol and item.name == ARROW:
+            break
+    else:
         return items, ()
+    places = [i for i, d in enumerate(items) if type(d) is Symbol and d.name == ARROW]
     first = places[0]
     for place in places[1:]:
         ctx.report(
