@@ -15,6 +15,7 @@ from rapc.compiler.plans import CompiledLibrary
 from rapc.ir import tests
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.memory import FactError
+from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission
 from rapc.runtime.world import World
@@ -77,6 +78,7 @@ def run_case(
     seed: int = 0,
     wrap: Wrap | None = None,
     coverage: Coverage | None = None,
+    listener: Listener | None = None,
 ) -> Outcome:
     """Run a test once.
 
@@ -85,6 +87,7 @@ def run_case(
         seed: the seed of interpreter and faults.
         wrap: what to put around the world: faults.
         coverage: is told what the run exercises.
+        listener: is told every event of the run, as a trace is.
     """
     place = case.test.name_span
     try:
@@ -106,6 +109,8 @@ def run_case(
         coverage.begin(case.library.library)
         running.interpreter.listen(coverage)
         running.interpreter.watch_contexts(coverage.context)
+    if listener is not None:
+        running.interpreter.listen(listener)
     running.run()
     return running.outcome()
 
