@@ -62,6 +62,7 @@ Value = Atom | Resource
 
 def frozen(value: Value) -> object:
     """A value as detectors compare it: resources by what they hold now."""
-    if isinstance(value, Counter | SetResource):
-        return value.frozen()
+    kind = type(value)
+    if kind is Counter or kind is SetResource:
+        return value.frozen()  # type: ignore[union-attr]  # it is a resource
     return value

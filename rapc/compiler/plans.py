@@ -12,11 +12,9 @@ from rapc.compiler.dependencies import Watch, watches
 from rapc.compiler.query import Query, TermValue
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
-from rapc.ir.walk import subterms
+from rapc.ir.walk import subformulas, subterms
 from rapc.library import Library
 from rapc.source import Span
-
-_DONE = nodes.History("last-result", (nodes.Const("okay"),))
 
 
 class StepPlan:
@@ -25,7 +23,8 @@ class StepPlan:
     `before` counts the steps that must have ended first, `after` are the positions of
     those that wait for this one, each once; `conditions`
     the `for` formulas that point at this step, each with the position of the step
-    that carries it; both in the order of the text.
+    that carries it; both in the order of the text. `rap` is the RAP it asks for, once
+    that has been looked up.
     """
 
     __slots__ = (
@@ -38,6 +37,7 @@ class StepPlan:
         "node",
         "outputs",
         "position",
+        "rap",
         "until",
         "waits",
         "windows",
@@ -57,6 +57,12 @@ class StepPlan:
         self.windows: tuple[WindowPlan, ...] = ()
         self.effects: list[EffectPlan] = []
         self.waits: list[WaitPlan] = []
+        self.rap: RapPlan | None = None
+
+    @property
+    def timed(self) -> bool:
+        """Whether more than order decides when the step may run."""
+        return bool(self.windows or self.waits)
 
 
 class ReceiverPlan:
@@ -114,11 +120,14 @@ class MethodPlan:
 
     `name` is what the trace prints, and `index` the place in the order of choice.
     `users` are, for each variable, the positions of the steps whose inputs or windows
-    use it.
+    use it. `binds` says whether steps may add to the method's environment, `dated`
+    whether windows are reckoned from the ends of steps.
     """
 
     __slots__ = (
+        "binds",
         "choice",
+        "dated",
         "index",
         "name",
         "node",
@@ -150,6 +159,9 @@ class MethodPlan:
         elif isinstance(node.body, nodes.TaskNet):
             self.steps = _steps(compiler, node.body)
         self.users = _users(self.steps)
+        self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
+        windows = [window for step in self.steps for window in step.windows]
+        self.dated = any(isinstance(window.reference, int) for window in windows)
 
 
 class RequestPlan:
@@ -167,20 +179,33 @@ class RequestPlan:
 
 
 class RapPlan:
-    """A RAP ready to be instantiated."""
+    """A RAP ready to be instantiated.
+
+    `succeed` is None where no clause is given: `(last-result okay)`; `endless` is set
+    where it can never hold. `identity` is that of a task without inputs. `monitored`
+    says whether there is a monitor clause, `ages` whether it asks how old beliefs
+    are, `conditional` whether preconditions or
+    constraints, `prepares` whether something is to be made of the inputs.
+    """
 
     __slots__ = (
+        "ages",
+        "conditional",
         "constraints",
         "duration",
+        "endless",
+        "identity",
         "inputs",
         "methods",
         "monitor_state",
         "monitor_time",
+        "monitored",
         "name",
         "node",
         "outputs",
         "preconditions",
         "prepared_from",
+        "prepares",
         "repeat_while",
         "resources",
         "succeed",
@@ -192,13 +217,18 @@ class RapPlan:
         self.name = node.name
         self.inputs = tuple(v.name for v in node.inputs)
         self.outputs = tuple(v.name for v in node.outputs)
-        self.succeed = compiler.query(node.succeed or _DONE, "succeed", node.span)
+        self.identity = (node.name,)
+        self.succeed = compiler.clause(node.succeed, "succeed", node)
+        self.endless = isinstance(node.succeed, nodes.Truth) and not node.succeed.value
         self.preconditions = compiler.clause(node.preconditions, "preconditions", node)
         self.constraints = compiler.clause(node.constraints, "constraints", node)
         self.repeat_while = compiler.clause(node.repeat_while, "repeat-while", node)
         self.monitor_state = compiler.clause(node.monitor_state, "monitor-state", node)
         self.watches: tuple[Watch, ...] = ()
+        self.ages = False
         if node.monitor_state is not None:
+            asked = subformulas(node.monitor_state)
+            self.ages = any(isinstance(part, nodes.Believe) for part in asked)
             self.watches = watches(node.monitor_state, compiler.vocabulary)
         self.monitor_time: WindowPlan | None = None
         if node.monitor_time is not None:
@@ -215,15 +245,13 @@ class RapPlan:
             for r in node.resources
         )
         self.prepared_from = _used(node)
+        self.monitored = bool(node.monitor_state or node.monitor_time)
+        self.conditional = bool(node.preconditions or node.constraints)
+        self.prepares = bool(node.resources or node.duration or node.monitor_time)
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)
         )
-
-    @property
-    def monitored(self) -> bool:
-        """Whether the RAP has a monitor clause."""
-        return self.monitor_state is not None or self.monitor_time is not None
 
 
 def _used(node: nodes.DefineRap) -> frozenset[str]:

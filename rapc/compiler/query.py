@@ -283,12 +283,13 @@ def _chooser(count: int) -> Callable[[_Plans, Sequence[str]], Ask]:
 
 
 class TermValue:
-    """A term ready to be computed in an environment."""
+    """A term ready to be computed in an environment; `name` if it is a variable."""
 
-    __slots__ = ("_compute", "term", "where")
+    __slots__ = ("_compute", "name", "term", "where")
 
     def __init__(self, term: nodes.Term, where: str) -> None:
         self.term = term
+        self.name = term.name if isinstance(term, nodes.Var) else None
         self.where = where
         self._compute = _compile_term(term)
 

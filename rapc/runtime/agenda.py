@@ -1,7 +1,8 @@
 """The agenda: the tasks that may run now, and which of them runs next.
 
 Order of choice (T 3.2.4, semantics 4): higher priority; earlier latest start; tasks
-none of whose methods has ended badly; the family on top of the stack; chance.
+none of whose methods has ended badly; the family on top of the stack; chance. A task
+that is alone on the agenda is neither sorted nor grouped.
 """
 
 from __future__ import annotations
@@ -47,56 +48,93 @@ class Agenda:
         self.stack: list[tuple[int, int]] = []
         self.last_family: int | None = None
         self._rng = rng
+        self._only: Task | None = None
         self._tasks: dict[int, Task] = {}
         self._groups: dict[_Key, _Group] = {}
         self._keys: list[_Key] = []
 
     def __len__(self) -> int:
-        return len(self._tasks)
+        return len(self._tasks) + (self._only is not None)
 
     def __contains__(self, task: Task) -> bool:
-        return task.number in self._tasks
+        return task is self._only or task.number in self._tasks
 
     def add(self, task: Task) -> None:
         """A task has become eligible."""
-        task.key = (-task.priority, task.limit - task.duration, task.failed)
-        group = self._groups.get(task.key)
+        only = self._only
+        if only is not None:
+            self._only = None
+            self._insert(only)
+        elif not self._tasks:
+            self._only = task
+            return
+        self._insert(task)
+
+    def _insert(self, task: Task) -> None:
+        key = task.key = (-task.priority, task.limit - task.duration, task.failed)
+        group = self._groups.get(key)
         if group is None:
-            group = self._groups[task.key] = _Group()
-            insort(self._keys, task.key)
+            group = self._groups[key] = _Group()
+            insort(self._keys, key)
         group.add(task)
         self._tasks[task.number] = task
 
     def discard(self, task: Task) -> None:
         """A task that was eligible no longer is; others are left alone."""
-        if self._tasks.pop(task.number, None) is None:
-            return
-        group = self._groups[task.key]
+        if task is self._only:
+            self._only = None
+        elif self._tasks.pop(task.number, None) is not None:
+            self._take_out(task)
+
+    def _take_out(self, task: Task) -> None:
+        key = task.key
+        assert key is not None
+        group = self._groups[key]
         group.discard(task)
         if not group.numbers:
-            del self._groups[task.key]
-            del self._keys[bisect_left(self._keys, task.key)]
+            del self._groups[key]
+            del self._keys[bisect_left(self._keys, key)]
 
     def choose(self) -> Task | None:
         """Take the next task off the agenda, or None if none is eligible."""
-        if not self._keys:
+        task = self._only
+        if task is not None:
+            self._only = None
+        elif self._keys:
+            task = self._pick()
+        else:
             return None
+        stack = self.stack
+        if not stack or stack[-1] != (task.priority, task.family):
+            self._focus(task)
+        return task
+
+    def _pick(self) -> Task:
+        """The next of several."""
         key = self._keys[0]
-        priority = -int(key[0])
+        group = self._groups[key]
+        numbers = group.numbers
+        if len(numbers) == 1:
+            task = self._tasks.pop(numbers[0])
+            del self._groups[key]
+            del self._keys[0]
+            return task
+        self._drop_above(-int(key[0]))
+        if self.stack:
+            numbers = group.families.get(self.stack[-1][1], numbers)
+        at = self._rng.randrange(len(numbers)) if len(numbers) > 1 else 0
+        task = self._tasks.pop(numbers[at])
+        self._take_out(task)
+        return task
+
+    def _drop_above(self, priority: int) -> None:
+        """Pop what has nothing eligible at or above its priority."""
         stack = self.stack
         while stack and stack[-1][0] > priority:
             stack.pop()
-        group = self._groups[key]
-        numbers = group.numbers
-        if stack:
-            numbers = group.families.get(stack[-1][1], numbers)
-        at = self._rng.randrange(len(numbers)) if len(numbers) > 1 else 0
-        task = self._tasks[numbers[at]]
-        self.discard(task)
-        self._focus(task)
-        return task
 
     def _focus(self, task: Task) -> None:
+        self._drop_above(task.priority)
         stack = self.stack
         if not stack or task.priority > stack[-1][0]:
             stack.append((task.priority, task.family))

@@ -15,7 +15,7 @@ from rapc.runtime.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.monitors import time_of
 from rapc.runtime.submission import Submission
-from rapc.runtime.task import Env, MethodRun, State, Task
+from rapc.runtime.task import ELIGIBLE, Env, MethodRun, Task, Waiting
 from rapc.terms import number
 
 
@@ -24,7 +24,7 @@ def create_top(machine: Machine, submission: Submission) -> Task:
     name, *args = machine.memory.canonical(submission.goal)
     plan = machine.library.rap(str(name))
     assert plan is not None
-    task = Task(plan, None)
+    task = Task(plan, None, None)
     task.goal_args = tuple(args)
     fix_inputs(task)
     repeats_ancestor(machine, task)
@@ -33,9 +33,29 @@ def create_top(machine: Machine, submission: Submission) -> Task:
     machine.foreground += not task.background
     create(machine, task)
     if submission.deadline is not None:
-        task.given_deadline = submission.deadline
+        task.wait = task.wait or Waiting()
+        task.wait.given_deadline = submission.deadline
         machine.monitors.state_deadline(task)
     let_go(machine, task)
+    return task
+
+
+def make(machine: Machine, run: MethodRun, step: StepPlan) -> Task:
+    """The task of a step, not yet numbered, with its inputs as far as they are there.
+
+    Raises:
+        LookupError: for a RAP that no checked library can lack.
+    """
+    plan = step.rap
+    if plan is None:
+        plan = step.rap = machine.library.rap(step.node.goal.name)
+        if plan is None:
+            raise LookupError(f"no RAP is named `{step.node.goal.name}`")
+    task = Task(plan, run, step)
+    if plan.inputs:
+        fill_inputs(machine, task)
+    else:
+        task.bound = True
     return task
 
 
@@ -43,21 +63,24 @@ def create(machine: Machine, task: Task) -> None:
     """A task joins the run, told of with its inputs as they are now."""
     if task.step is not None and task.step.computes:
         fill_inputs(machine, task)
-    task.number = machine.next_number()
-    task.made = machine.recorder.time
-    task.family = task.family or task.number
-    machine.tasks[task.number] = task
+    number = task.number = machine.next_number()
+    if task.step is None:
+        task.family = number
+    machine.tasks[number] = task
     if machine.recorder.on:
         machine.recorder.emit(
             TaskCreated,
-            task=task.number,
+            task=number,
             goal=task.goal(),
             parent=task.parent.number if task.parent is not None else None,
             family=task.family,
             priority=task.priority,
             step=task.step.node.tag if task.step is not None else None,
         )
-    _prepare(machine, task)
+    if task.plan.prepares:
+        if task.wait is not None:
+            task.wait.made = machine.recorder.time
+        _prepare(machine, task)
 
 
 def _prepare(machine: Machine, task: Task) -> None:
@@ -78,7 +101,8 @@ def _prepare(machine: Machine, task: Task) -> None:
             task.env[resource.variable.name] = made
     if plan.duration is not None:
         task.duration = time_of(machine.context, plan.duration, task.env) or 0
-    machine.monitors.arm(task, task.made)
+    if task.wait is not None:
+        machine.monitors.arm(task, task.wait.made)
 
 
 def _make(
@@ -100,12 +124,16 @@ def _make(
 
 
 def fix_inputs(task: Task) -> None:
-    """Keep the inputs of a task that are bound."""
-    given = zip(task.plan.inputs, task.goal_args, strict=True)
-    inputs = {name: value for name, value in given if value is not None}
-    names = [resource.variable.name for resource, _ in task.plan.resources]
-    task.env = {**inputs, **{n: task.env[n] for n in names if n in task.env}}
-    task.bound = None not in task.goal_args
+    """Keep the inputs of a task that are bound, and the resources it has."""
+    plan, args = task.plan, task.goal_args
+    task.bound = None not in args
+    given = zip(plan.inputs, args, strict=True)
+    env = {name: value for name, value in given if value is not None}
+    for resource, _ in plan.resources:
+        name = resource.variable.name
+        if name in task.env:
+            env[name] = task.env[name]
+    task.env = env
 
 
 def repeats_ancestor(machine: Machine, task: Task) -> bool:
@@ -113,14 +141,17 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
 
     Asked once, when its inputs are first all bound: this is who it is from now.
     """
-    values = [frozen(value) for value in task.goal_args if value is not None]
-    task.identity = (task.plan.name, *values)
+    identity: tuple[object, ...] = task.plan.identity
+    if task.goal_args:
+        values = [frozen(value) for value in task.goal_args if value is not None]
+        identity = (*identity, *values)
+    task.identity = identity
     above = task.parent
-    if above is not None and above.identity == task.identity:
+    if above is not None and above.identity == identity:
         return True
-    if task.identity not in machine.under_way:
+    if identity not in machine.under_way:
         return False
-    while above is not None and above.identity != task.identity:
+    while above is not None and above.identity != identity:
         above = above.parent
     return above is not None
 
@@ -131,28 +162,33 @@ def let_go(machine: Machine, task: Task) -> None:
     A step with `wait-for` listens from now; one that is to wait for its signal
     before it goes on is held until then.
     """
+    wait = task.wait
+    if wait is None:
+        make_ready(machine, task)
+        return
     if task.step is not None:
         read_windows(machine, task, last=True)
-        _listen(machine, task, task.step)
-    if not task.held:
+        _listen(machine, task, wait, task.step)
+    if not wait.held:
         when_time_comes(machine, task)
 
 
-def _listen(machine: Machine, task: Task, step: StepPlan) -> None:
+def _listen(machine: Machine, task: Task, wait: Waiting, step: StepPlan) -> None:
     env = task.within.env if task.within is not None else {}
-    for wait in step.waits:
-        machine.listening.setdefault(wait.signal, {})[task.number] = task
-        if wait.mode == "proceed" and not task.held:
-            task.held = True
-            task.blocked_on = format_formula(wait.pattern, env)
+    for signal in step.waits:
+        machine.listening.setdefault(signal.signal, {})[task.number] = task
+        if signal.mode == "proceed" and not wait.held:
+            wait.held = True
+            wait.blocked_on = on = format_formula(signal.pattern, env)
             if machine.recorder.on:
-                machine.recorder.emit(TaskBlocked, task=task.number, on=task.blocked_on)
+                machine.recorder.emit(TaskBlocked, task=task.number, on=on)
 
 
 def when_time_comes(machine: Machine, task: Task) -> None:
     """A task may run as soon as its start times have come."""
-    if task.opens > machine.recorder.time:
-        machine.monitors.at(task.opens, task)
+    wait = task.wait
+    if wait is not None and wait.opens > machine.recorder.time:
+        machine.monitors.at(wait.opens, task)
     else:
         make_ready(machine, task)
 
@@ -167,7 +203,7 @@ def make_ready(machine: Machine, task: Task) -> None:
     if task.plan.monitored and task.bound and not task.spoilt:
         machine.monitors.first_test(task)
     else:
-        task.state = State.ELIGIBLE
+        task.state = ELIGIBLE
         machine.agenda.add(task)
 
 
@@ -177,31 +213,33 @@ def read_windows(machine: Machine, task: Task, last: bool = False) -> None:
     When the order lets the step run it is for the `last` time: what is unbound then
     is a fault, and spoils the task as a time that is no number does.
     """
-    run = task.within
-    if run is None or not task.windows:
+    run, wait = task.within, task.wait
+    if run is None or wait is None or not wait.windows:
         return
     unread = []
-    for window in task.windows:
+    for window in wait.windows:
         base = _base(run, window)
         if base is None or not (last or window.uses <= run.env.keys()):
             unread.append(window)
         else:
-            _open(machine, task, run, window, base)
-    task.windows = tuple(unread)
+            _open(machine, task, wait, window, base)
+    wait.windows = tuple(unread)
 
 
 def _open(
-    machine: Machine, task: Task, run: MethodRun, window: WindowPlan, base: float
+    machine: Machine, task: Task, wait: Waiting, window: WindowPlan, base: float
 ) -> None:
-    machine.context.task = run.task
-    start = time_of(machine.context, window.start, run.env)
-    stop = None if start is None else time_of(machine.context, window.stop, run.env)
+    context = machine.context
+    context.task = task.parent
+    env = task.within.env if task.within is not None else {}
+    start = time_of(context, window.start, env)
+    stop = None if start is None else time_of(context, window.stop, env)
     if start is None or stop is None:
         task.spoilt = True
         return
-    task.opens = max(task.opens, number(base + start))
-    if base + stop < task.given_deadline:
-        task.given_deadline = base + stop
+    wait.opens = max(wait.opens, number(base + start))
+    if base + stop < wait.given_deadline:
+        wait.given_deadline = base + stop
         machine.monitors.state_deadline(task)
 
 
@@ -210,16 +248,21 @@ def _base(run: MethodRun, window: WindowPlan) -> float | None:
         return run.started
     if window.reference == "absolute":
         return 0
-    return run.ends[int(window.reference)]
+    return None if run.ends is None else run.ends[int(window.reference)]
 
 
 def fill_inputs(machine: Machine, task: Task) -> None:
     """Read a step's inputs from its method's environment, as far as they are there."""
-    if task.step is None or task.within is None:
+    step, run = task.step, task.within
+    if step is None or run is None:
         return
-    machine.context.task = task.within.task
-    env = task.within.env
-    task.goal_args = tuple([arg.value(machine.context, env) for arg in task.step.args])
+    context, env = machine.context, run.env
+    context.task = run.task
+    values = []
+    for arg in step.args:
+        name = arg.name
+        values.append(arg.value(context, env) if name is None else env.get(name))
+    task.goal_args = tuple(values)
     fix_inputs(task)
-    if task.number:
+    if task.number and task.plan.prepares:
         _prepare(machine, task)

@@ -6,31 +6,31 @@ Semantics 3, steps 5 to 7 (T 3.2.2, 3.2.5, 7.4.1).
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-import msgspec
+from typing import TypeVar
 
 from rapc.compiler.plans import MethodPlan
 from rapc.ir import nodes
-from rapc.resources import Value, frozen
+from rapc.resources import frozen
 from rapc.runtime.events import SolverCalled
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import Task
+from rapc.runtime.task import Env, Task
+
+_Any = TypeVar("_Any")
 
 
-class Choice(msgspec.Struct, frozen=True):
-    """A method with what its choice binds.
+_Held = tuple[MethodPlan, Env]
+"""A method that holds, with what its choice binds first."""
 
-    `key` is what the futile-loop detector sees: the method and every binding alive,
-    resources by value.
+Key = tuple[object, ...]
+"""What the futile-loop detector sees: the method and every binding alive, resources
+by value."""
+
+
+def choose(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
+    """The method to try, what it binds, and its key; None if there is none.
+
+    Asks a solver in that case.
     """
-
-    method: MethodPlan
-    found: dict[str, Value]
-    key: tuple[object, ...]
-
-
-def choose(machine: Machine, task: Task) -> Choice | None:
-    """The method to try, or None if there is none; asks a solver in that case."""
     machine.context.task = task
     repeat = task.plan.repeat_while
     if repeat is not None and not repeat.holds(machine.context, task.env):
@@ -38,40 +38,55 @@ def choose(machine: Machine, task: Task) -> Choice | None:
     holding = _holding(machine, task)
     if not holding and _ask_solver(machine, task):
         holding = _holding(machine, task)
-    if len(holding) > 1:
-        holding = _least(holding, [_failures(task, c) for c in holding])
-    if len(holding) > 1:
-        holding = _least(holding, [task.choices.get(c.key, 0) for c in holding])
-    if len(holding) > 1:
-        return holding[machine.rng.randrange(len(holding))]
-    return holding[0] if holding else None
+    if not holding:
+        return None
+    held = tuple(map(frozen, task.env.values()))
+    if len(holding) == 1:
+        [(method, found)] = holding
+        return method, found, _key(method, held, found)
+    return _choose_among(machine, task, held, holding)
 
 
-def _failures(task: Task, choice: Choice) -> int:
-    return task.failures.get(choice.method.index, 0)
+def _choose_among(
+    machine: Machine, task: Task, held: Key, holding: list[_Held]
+) -> tuple[MethodPlan, Env, Key]:
+    """One of several: failed least, then chosen least, then by chance."""
+    holding = _least(holding, [task.failures_of(method) for method, _ in holding])
+    keys = [_key(method, held, found) for method, found in holding]
+    choices = [(m, f, key) for (m, f), key in zip(holding, keys, strict=True)]
+    if len(choices) > 1:
+        choices = _least(choices, [task.times_chosen(key) for key in keys])
+    if len(choices) > 1:
+        return choices[machine.rng.randrange(len(choices))]
+    return choices[0]
 
 
-def _least(choices: Sequence[Choice], counts: Sequence[int]) -> list[Choice]:
+def _key(method: MethodPlan, held: Key, found: Env) -> Key:
+    if not found:
+        return (method.index, held)
+    return (method.index, held, *[(n, frozen(value)) for n, value in found.items()])
+
+
+def _least(choices: Sequence[_Any], counts: Sequence[int]) -> list[_Any]:
     least = min(counts)
     return [c for c, count in zip(choices, counts, strict=True) if count == least]
 
 
-def _holding(machine: Machine, task: Task) -> list[Choice]:
+def _holding(machine: Machine, task: Task) -> list[_Held]:
     """The methods that hold, in the order of the text, with their first bindings."""
-    context = machine.context
+    context, env = machine.context, task.env
     context.task = task
-    held = tuple((name, frozen(value)) for name, value in task.env.items())
-    choices = []
+    held: list[_Held] = []
     for method in machine.methods(task.plan):
-        found: dict[str, Value] | None = {}
-        if method.choice is not None:
-            found = method.choice.first(context, task.env)
-            if machine.context_asked is not None and method.node.context is not None:
-                machine.context_asked(task.plan.name, method.name, found is not None)
+        if method.choice is None:
+            held.append((method, {}))
+            continue
+        found = method.choice.first(context, env)
         if found is not None:
-            bound = tuple((name, frozen(value)) for name, value in found.items())
-            choices.append(Choice(method, found, (method.index, held, bound)))
-    return choices
+            held.append((method, found))
+        if machine.context_asked is not None and method.node.context is not None:
+            machine.context_asked(task.plan.name, method.name, found is not None)
+    return held
 
 
 def _ask_solver(machine: Machine, task: Task) -> bool:

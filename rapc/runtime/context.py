@@ -70,7 +70,7 @@ class QueryContext:
 
     def method_tried(self, name: object) -> bool:
         """Whether the task has tried a method of that name."""
-        return self.task is not None and name in self.task.tried
+        return self.task is not None and self.task.has_tried(name)
 
     def last_result(self, method: object = None) -> str | None:
         """The result of the last method, or of the last one so named, or None."""
@@ -78,7 +78,7 @@ class QueryContext:
             return None
         if method is None:
             return self.task.last_result
-        return self.task.results.get(method)
+        return self.task.result_of(method)
 
     def accessible_items(self) -> Sequence[str]:
         """The items with a sensor name, in the order of introduction."""

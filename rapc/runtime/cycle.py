@@ -11,10 +11,11 @@ from rapc.runtime.beginnings import (
     create,
     fill_inputs,
     let_go,
+    make,
     read_windows,
     repeats_ancestor,
 )
-from rapc.runtime.choice import Choice, choose
+from rapc.runtime.choice import choose
 from rapc.runtime.endings import (
     FUTILE_LOOP,
     INTERFERENCE,
@@ -30,19 +31,22 @@ from rapc.runtime.events import FamilySwitched, MethodChosen, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.memory import FactError
 from rapc.runtime.requests import ground, request
-from rapc.runtime.task import MethodRun, State, Task
+from rapc.runtime.task import RUNNING, Env, MethodRun, Task
 from rapc.runtime.world import OKAY
 from rapc.terms import format_atom
 
 
 def run_cycle(machine: Machine, task: Task) -> None:
     """Process the task that the agenda has chosen."""
-    machine.recorder.cycle += 1
+    recorder, plan = machine.recorder, task.plan
+    recorder.cycle += 1
     if not task.bound:
         fill_inputs(machine, task)
-    _tell_selected(machine, task)
-    task.after_method = False
-    if not task.begun and not task.plan.monitored:
+    if recorder.on:
+        _tell_selected(machine, task)
+    machine.agenda.last_family = task.family
+    after_method, task.after_method = task.after_method, False
+    if not (task.begun or plan.monitored):
         _begin(machine, task)
     if (not task.bound or task.identity is None) and _misses_inputs(machine, task):
         return
@@ -51,27 +55,43 @@ def run_cycle(machine: Machine, task: Task) -> None:
         return
     if not task.begun:
         _begin(machine, task)
-    machine.context.task = task
-    found = task.plan.succeed.first(machine.context, task.env)
+    found = _found(machine, task)
     if found is not None:
         succeed(machine, task, found)
-    elif task.plan.monitored and not machine.monitors.holds(task):
+    elif plan.monitored and not (
+        task.begun and machine.monitors.still_hold(task, after_method)
+    ):
         machine.monitors.block(task)
-    elif not _conditions_hold(machine, task):
+    elif _is_conditional(task) and not _conditions_hold(machine, task):
         if task.live:
             fail(machine, task, INTERFERENCE)
     else:
         _try_method(machine, task)
 
 
+def _found(machine: Machine, task: Task) -> Env | None:
+    """What `succeed` binds if it holds; without the clause, a method's good end."""
+    query = task.plan.succeed
+    if query is None:
+        return {} if task.last_result == OKAY else None
+    if task.plan.endless:
+        return None
+    machine.context.task = task
+    return query.first(machine.context, task.env)
+
+
+def _is_conditional(task: Task) -> bool:
+    """Whether conditions of its own, its step or its ancestors are put on a task."""
+    if task.plan.conditional or task.constrained is not None:
+        return True
+    return task.step is not None and bool(task.step.conditions)
+
+
 def _tell_selected(machine: Machine, task: Task) -> None:
-    agenda, recorder = machine.agenda, machine.recorder
-    if recorder.on:
-        last = agenda.last_family
-        if last is not None and last != task.family:
-            recorder.emit(FamilySwitched, task=task.number, from_=last, to=task.family)
-        recorder.emit(TaskSelected, task=task.number, goal=task.goal())
-    agenda.last_family = task.family
+    recorder, last = machine.recorder, machine.agenda.last_family
+    if last is not None and last != task.family:
+        recorder.emit(FamilySwitched, task=task.number, from_=last, to=task.family)
+    recorder.emit(TaskSelected, task=task.number, goal=task.goal())
 
 
 def _begin(machine: Machine, task: Task) -> None:
@@ -80,7 +100,7 @@ def _begin(machine: Machine, task: Task) -> None:
     if step is None or run is None or not step.until:
         task.begun = True
         return
-    if task.plan.monitored and not machine.monitors.holds(task):
+    if task.plan.monitored and not machine.monitors.still_hold(task, False):
         return
     task.begun = True
     followers(machine, run, until(machine, run, step.position, at_end=False))
@@ -148,51 +168,44 @@ def _try_method(machine: Machine, task: Task) -> None:
     if choice is None:
         fail(machine, task, NO_METHOD)
         return
-    count = task.choices.get(choice.key, 0)
-    if count >= machine.settings.futile_limit:
+    method, found, key = choice
+    if task.times_chosen(key) >= machine.settings.futile_limit:
         fail(machine, task, FUTILE_LOOP)
         return
-    task.choices[choice.key] = count + 1
-    run = MethodRun(
-        task, choice.method, {**task.env, **choice.found}, machine.recorder.time
-    )
-    steps = _spawn(machine, run)
-    if steps is None:
+    task.note_choice(key)
+    env = task.env
+    if found:
+        env = {**env, **found}
+    elif method.binds:
+        env = env.copy()
+    run = MethodRun(task, method, env, machine.recorder.time)
+    if method.steps and not _spawn(machine, run):
         fail(machine, task, FUTILE_LOOP)
         return
-    _start(machine, run, steps, choice)
+    _start(machine, run)
 
 
-def _spawn(machine: Machine, run: MethodRun) -> list[Task] | None:
-    """The steps' tasks, not yet numbered; None if one repeats an ancestor."""
-    tasks = []
+def _spawn(machine: Machine, run: MethodRun) -> bool:
+    """Make the steps' tasks, not yet numbered; False if one repeats an ancestor."""
+    run.steps = tasks = []
     for step in run.plan.steps:
-        plan = machine.library.rap(step.node.goal.name)
-        if plan is None:
-            raise LookupError(f"no RAP is named `{step.node.goal.name}`")
-        task = Task(plan, run)
-        task.step = step
-        task.priority = run.task.priority + step.node.priority
-        task.waiting = step.before
-        task.windows = step.windows
-        task.goal_args = ()
+        task = make(machine, run, step)
         tasks.append(task)
-    run.steps = tasks
-    for task in tasks:
-        fill_inputs(machine, task)
         if task.bound and repeats_ancestor(machine, task):
-            return None
-    return tasks
+            return False
+    return True
 
 
-def _start(machine: Machine, run: MethodRun, steps: list[Task], choice: Choice) -> None:
+def _start(machine: Machine, run: MethodRun) -> None:
     """Step 9: the method starts and the task waits for it."""
     task, method = run.task, run.plan
     task.run = run
-    machine.under_way[task.identity] += 1
-    task.state = State.RUNNING
-    task.timer = None
-    task.tried.add(method.node.name)
+    under_way = machine.under_way
+    under_way[task.identity] = under_way.get(task.identity, 0) + 1
+    task.state = RUNNING
+    if task.wait is not None:
+        task.wait.timer = None
+    task.begin_method(method)
     if machine.recorder.on:
         machine.recorder.emit(
             MethodChosen,
@@ -201,20 +214,26 @@ def _start(machine: Machine, run: MethodRun, steps: list[Task], choice: Choice) 
             method=method.name,
             bindings={name: format_atom(v) for name, v in run.env.items()},
         )
-    if not _note(machine, run, method):
-        run.steps = []
+    if method.notations and not _note(machine, run, method):
+        run.steps = ()
         end_method(machine, run, INTERFERENCE)
-        return
-    if method.request is not None:
+    elif method.request is not None:
         request(machine, run, method.request)
-        return
+    else:
+        _let_steps_go(machine, run)
+
+
+def _let_steps_go(machine: Machine, run: MethodRun) -> None:
+    """The steps' tasks join the run; those that wait for none may go on."""
+    steps = run.steps
     for step in steps:
         create(machine, step)
     for step in steps:
-        read_windows(machine, step)
+        if step.wait is not None:
+            read_windows(machine, step)
         if step.waiting == 0:
             let_go(machine, step)
-    if run.left == 0:
+    if not steps:
         end_method(machine, run, OKAY)
 
 
@@ -230,5 +249,5 @@ def _note(machine: Machine, run: MethodRun, method: MethodPlan) -> bool:
             machine.context.fault(plan.where, str(error))
             return False
         if notation is not None:
-            run.notations.append(notation)
+            run.notations = (*run.notations, notation)
     return True

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.compiler.plans import ReceiverPlan
+from rapc.compiler.plans import ReceiverPlan, StepPlan
 from rapc.resources import Value
 from rapc.runtime.beginnings import (
     fill_inputs,
@@ -26,7 +26,7 @@ from rapc.runtime.events import (
     TaskSucceeded,
 )
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import Env, MethodRun, State, Task
+from rapc.runtime.task import ELIGIBLE, ENDED, Env, MethodRun, Task
 from rapc.runtime.world import OKAY
 from rapc.terms import format_atom
 
@@ -40,15 +40,17 @@ SIGNAL = "signal"
 
 def succeed(machine: Machine, task: Task, found: Env) -> None:
     """A task's `succeed` holds: hand its outputs up and end it, or fail it."""
-    outputs = _outputs(task, found)
+    outputs = _outputs(task, found) if task.plan.outputs else {}
     step, run = task.step, task.within
     bound: Env | None = {}
     changes: list[Change] | None = []
     if step is not None and run is not None:
-        names = zip(task.plan.outputs, step.outputs, strict=False)
-        arriving = [(to, outputs[name]) for name, to in names if name in outputs]
-        bound = receive(machine, run, arriving)
-        changes = None if bound is None else changes_of(machine, run, step, bound)
+        if step.outputs:
+            names = zip(task.plan.outputs, step.outputs, strict=False)
+            arriving = [(to, outputs[name]) for name, to in names if name in outputs]
+            bound = receive(machine, run, arriving)
+        if step.effects and bound is not None:
+            changes = changes_of(machine, run, step, bound)
     if bound is None or changes is None:
         fail(machine, task, INTERFERENCE)
         return
@@ -64,10 +66,11 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         )
     if step is None or run is None:
         return
-    run.env.update(bound)
+    if bound:
+        run.env.update(bound)
     for change in changes:
         carry_out(machine, task, change)
-    step_ended(machine, run, step.position, bound)
+    step_ended(machine, run, step, bound)
 
 
 def _outputs(task: Task, found: Env) -> Env:
@@ -99,19 +102,23 @@ def receive(
 
 
 def step_ended(
-    machine: Machine, run: MethodRun, position: int, bound: Iterable[str] = ()
+    machine: Machine, run: MethodRun, step: StepPlan, bound: Iterable[str] = ()
 ) -> None:
     """A step has ended by itself: `until`s, then its followers or the method's end.
 
     `bound` are the variables of its method that its outputs have bound.
     """
-    run.ends[position] = machine.recorder.time
     run.left -= 1
-    ended = [position, *until(machine, run, position, at_end=True)]
-    if late_recursion(machine, run, bound):
+    if run.ends is not None:
+        run.ends[step.position] = machine.recorder.time
+    ended = [step.position]
+    if step.until:
+        ended += until(machine, run, step.position, at_end=True)
+    if bound and late_recursion(machine, run, bound):
         return
-    followers(machine, run, ended)
-    if run.left == 0:
+    if run.left:
+        followers(machine, run, ended)
+    else:
         end_method(machine, run, OKAY)
 
 
@@ -121,13 +128,16 @@ def followers(machine: Machine, run: MethodRun, ended: Iterable[int]) -> None:
     for position in ended:
         for behind in run.plan.steps[position].after:
             task = run.steps[behind]
-            if not task.live:
+            if task.state is ENDED:
                 continue
-            read_windows(machine, task)
+            if task.wait is not None:
+                read_windows(machine, task)
             task.waiting -= 1
             if task.waiting == 0:
                 freed.append(behind)
-    for behind in sorted(freed):
+    if len(freed) > 1:
+        freed.sort()
+    for behind in freed:
         let_go(machine, run.steps[behind])
 
 
@@ -144,8 +154,9 @@ def until(
         if when != at_end or not task.live:
             continue
         remove(machine, task, "until")
-        run.lapsed.add(target)
-        run.ends[target] = machine.recorder.time
+        run.lapsed |= {target}
+        if run.ends is not None:
+            run.ends[target] = machine.recorder.time
         run.left -= 1
         ended.append(target)
     return ended
@@ -211,26 +222,24 @@ def end_method(
     """A method ends; steps still live leave, and its task comes up again."""
     task = run.task
     _stop(machine, task)
-    for step in run.steps:
-        if step.live:
-            remove(machine, step, cause)
+    if run.left:
+        for step in run.steps:
+            if step.state is not ENDED:
+                remove(machine, step, cause)
+    run.steps = ()
     for notation in run.notations:
         machine.memory.forget(notation)
     if machine.recorder.on:
         machine.recorder.emit(
             MethodEnded, task=task.number, method=run.plan.name, result=result
         )
-    task.last_result = result
-    task.results[run.plan.node.name] = result
-    if result == OKAY:
+    task.end_method(run.plan, result)
+    if result == OKAY and task.plan.outputs:
         task.success_env = run.env
-    else:
-        task.failed = True
-        at = run.plan.index
-        task.failures[at] = task.failures.get(at, 0) + 1
     task.after_method = True
-    task.state = State.ELIGIBLE
-    machine.monitors.arm(task, machine.recorder.time)
+    task.state = ELIGIBLE
+    if task.plan.monitor_time is not None:
+        machine.monitors.arm(task, machine.recorder.time)
     machine.agenda.add(task)
 
 
@@ -271,14 +280,17 @@ def _stop(machine: Machine, task: Task) -> MethodRun | None:
     """A task is at work no longer; what it was at."""
     run, task.run = task.run, None
     if run is not None:
-        machine.under_way[task.identity] -= 1
-        if not machine.under_way[task.identity]:
+        others = machine.under_way[task.identity] - 1
+        if others:
+            machine.under_way[task.identity] = others
+        else:
             del machine.under_way[task.identity]
     return run
 
 
 def _drop(machine: Machine, run: MethodRun) -> None:
     """A method leaves without ending: its request and notations are nobody's."""
+    run.steps = ()
     if run.ticket is not None and run.ticket in machine.pending:
         machine.pending[run.ticket] = (None, machine.pending[run.ticket][1])
     for notation in run.notations:
@@ -286,12 +298,13 @@ def _drop(machine: Machine, run: MethodRun) -> None:
 
 
 def _leave(machine: Machine, task: Task) -> None:
-    if task.step is not None:
+    if task.step is None:
+        machine.foreground -= not task.background
+    else:
         for wait in task.step.waits:
             machine.listening.get(wait.signal, {}).pop(task.number, None)
-    elif not task.background:
-        machine.foreground -= 1
     machine.agenda.discard(task)
-    task.state = State.ENDED
-    machine.monitors.forget(task)
+    task.state = ENDED
+    if task.wait is not None:
+        machine.monitors.forget(task)
     machine.tasks.pop(task.number, None)

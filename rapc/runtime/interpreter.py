@@ -289,7 +289,7 @@ class Interpreter:
             self._expected -= not submission.background
             self._create(submission)
         for task in machine.monitors.due():
-            if not task.held:
+            if task.wait is None or not task.wait.held:
                 when_time_comes(machine, task)
         machine.monitors.settle()
 

@@ -119,7 +119,7 @@ class Machine:
         self.tasks: dict[int, Task] = {}
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}
-        self.under_way: Counter[object] = Counter()
+        self.under_way: dict[object, int] = {}
         self.foreground = 0
         self.succeeded = 0
         self.until: Time | None = None
@@ -150,7 +150,7 @@ class Machine:
     def recount(self) -> None:
         """Count anew which identities are at work: items have got other names."""
         at_work = [task for task in self.tasks.values() if task.run is not None]
-        self.under_way = Counter(task.identity for task in at_work)
+        self.under_way = dict(Counter(task.identity for task in at_work))
 
     def next_number(self) -> int:
         """The number of a new task, from 1."""
@@ -164,8 +164,9 @@ class Machine:
 
     def methods(self, plan: RapPlan) -> tuple[MethodPlan, ...]:
         """A RAP's methods with those that solvers have added in this run."""
-        added = self._overlay.get(plan.name)
-        return plan.methods if added is None else (*plan.methods, *added)
+        if not self._overlay:
+            return plan.methods
+        return (*plan.methods, *self._overlay.get(plan.name, ()))
 
     def add_method(self, plan: RapPlan, method: MethodPlan) -> None:
         """A solver's method joins the RAP for the rest of the run."""

@@ -10,29 +10,33 @@ from __future__ import annotations
 import heapq
 import math
 
-from rapc.compiler.dependencies import ANYTHING, WatchKey
+from rapc.compiler.dependencies import WatchKey
 from rapc.compiler.query import TermValue
 from rapc.parser.printer import format_formula
 from rapc.resources import Resource
 from rapc.runtime.agenda import Agenda
 from rapc.runtime.context import QueryContext
 from rapc.runtime.events import DeadlineMissed, TaskBlocked, TaskWoken
-from rapc.runtime.memory.facts import keys_of
+from rapc.runtime.listeners import Listeners
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.recorder import Recorder
-from rapc.runtime.task import Env, State, Task
+from rapc.runtime.task import BLOCKED, ELIGIBLE, UNTESTED, WAITING, Env, Task, Waiting
 from rapc.runtime.world import Time
 from rapc.terms import Fact, Number, format_atom, number
 
 _CROWD = 256
 """How many times may be waited for before stale ones are looked for."""
 
+_NOW = -math.inf
+_NEVER = math.inf
+
 
 class Monitors:
     """All waiting for states and times in a run.
 
     Timers stand in one heap by time and task number; what is due is handed out by
-    `due`. Tasks to be tested are collected in `_dirty` and tested by number.
+    `due`. Tasks to be tested are collected in `dirty` and tested by number. Before
+    `next_look` nothing falls due by time.
     """
 
     def __init__(
@@ -45,9 +49,9 @@ class Monitors:
         self._context = context
         self._recorder = recorder
         self._agenda = agenda
-        self._listeners: dict[WatchKey, dict[int, Task]] = {}
-        self._keys: dict[int, list[WatchKey]] = {}
-        self._dirty: dict[int, Task] = {}
+        self._listeners = Listeners()
+        self.dirty: dict[int, Task] = {}
+        self.next_look: float = _NEVER
         self._aging: dict[int, Task] = {}
         self._tested_at: Time = -1
         self._timers: list[tuple[Time, int, Task]] = []
@@ -62,70 +66,62 @@ class Monitors:
     # --- listening -------------------------------------------------------------
 
     def _fact_changed(self, fact: Fact) -> None:
-        if self._listeners:
-            for key in keys_of(fact):
-                self._wake(key)
-            self._wake(ANYTHING)
+        self._listeners.of_fact(fact, self.dirty)
 
     def _word_changed(self, word: str) -> None:
-        self._wake((word,))
-        self._wake(ANYTHING)
+        self._listeners.of_word(word, self.dirty)
 
     def resource_changed(self, resource: Resource) -> None:
         """A set or counter has changed: who asks about it is tested again."""
-        self._wake(resource)
+        self._listeners.of(resource, self.dirty)
 
-    def _wake(self, key: WatchKey) -> None:
-        listeners = self._listeners.get(key)
-        if listeners is not None:
-            self._dirty.update(listeners)
-
-    def _listen(self, task: Task) -> None:
-        if task.watching:
-            return
-        task.watching = True
-        keys: list[WatchKey] = []
+    def _listen(self, task: Task, wait: Waiting) -> None:
+        keys: dict[WatchKey, None] = {}
         for watch in task.plan.watches:
             key = watch.resolve(task.env)
             if key is not None:
-                self._listeners.setdefault(key, {})[task.number] = task
-                keys.append(key)
+                keys[key] = None
             if watch.age is not None and watch.age not in task.env:
                 self._aging[task.number] = task
-        self._keys[task.number] = keys
+                self.next_look = _NOW
+        for key in keys:
+            self._listeners.add(key, task)
+        wait.keys = tuple(keys)
 
     def forget(self, task: Task) -> None:
         """A task has ended: it listens to nothing any more, and waits for no time."""
-        task.timer = None
-        self._missed.pop(task.number, None)
-        self._ignore(task)
+        wait = task.wait
+        if wait is not None:
+            wait.timer = None
+            self._missed.pop(task.number, None)
+            self._ignore(task, wait)
 
-    def _ignore(self, task: Task) -> None:
-        self._dirty.pop(task.number, None)
+    def _ignore(self, task: Task, wait: Waiting) -> None:
+        self.dirty.pop(task.number, None)
         self._aging.pop(task.number, None)
-        for key in self._keys.pop(task.number, ()):
-            listeners = self._listeners.get(key)
-            if listeners is not None:
-                listeners.pop(task.number, None)
-                if not listeners:
-                    del self._listeners[key]
+        for key in wait.keys or ():
+            self._listeners.drop(key, task)
+        wait.keys = None
 
     def rebind(self, task: Task) -> None:
         """A task's bindings have got other names: listen to those, and test again."""
-        if not task.watching:
+        wait = task.wait
+        if wait is None or wait.keys is None:
             return
-        self._ignore(task)
-        task.watching = False
-        self._listen(task)
-        self._dirty[task.number] = task
-        if task.state is State.BLOCKED and self._recorder.on:
-            task.blocked_on = self.reason(task)
+        self._ignore(task, wait)
+        self._listen(task, wait)
+        self.dirty[task.number] = task
+        if task.state is BLOCKED and self._recorder.on:
+            wait.blocked_on = self.reason(task)
 
     # --- times -----------------------------------------------------------------
 
     def at(self, time: Time, task: Task) -> None:
         """Look at a task again when the clock has come to `time`, not before."""
-        task.timer = time
+        wait = task.wait
+        assert wait is not None
+        wait.timer = time
+        self.next_look = min(self.next_look, time)
         if (time, task.number) not in self._set:
             self._set.add((time, task.number))
             heapq.heappush(self._timers, (time, task.number, task))
@@ -134,9 +130,9 @@ class Monitors:
 
     def _tidy(self) -> None:
         """Drop times that nobody waits for, and deadlines no longer stated."""
-        self._timers = [entry for entry in self._timers if entry[0] == entry[2].timer]
+        self._timers = [entry for entry in self._timers if _awaited(entry)]
         self._set = {entry[:2] for entry in self._timers}
-        stated = [e for e in self._deadlines if e[2].live and e[2].deadline == e[0]]
+        stated = [e for e in self._deadlines if e[2].live and _stated(e[2]) == e[0]]
         self._deadlines = stated
         self._stated = {entry[:2] for entry in stated}
         heapq.heapify(self._timers)
@@ -145,20 +141,19 @@ class Monitors:
 
     def state_deadline(self, task: Task) -> None:
         """A task's own deadline has been set or has changed."""
+        deadline = _stated(task)
         inherited = task.parent.limit if task.parent is not None else math.inf
-        task.limit = min(inherited, task.deadline)
-        if (
-            task.deadline < math.inf
-            and (task.deadline, task.number) not in self._stated
-        ):
-            self._stated.add((task.deadline, task.number))
-            heapq.heappush(self._deadlines, (task.deadline, task.number, task))
+        task.limit = min(inherited, deadline)
+        if deadline < math.inf and (deadline, task.number) not in self._stated:
+            self.next_look = min(self.next_look, deadline)
+            self._stated.add((deadline, task.number))
+            heapq.heappush(self._deadlines, (deadline, task.number, task))
             if len(self._deadlines) > self._crowded:
                 self._tidy()
 
     def next_time(self) -> Time | None:
         """The next time at which something that is waited for comes, or None."""
-        while self._timers and self._timers[0][0] != self._timers[0][2].timer:
+        while self._timers and not _awaited(self._timers[0]):
             self._pop()
         return self._timers[0][0] if self._timers else None
 
@@ -172,20 +167,21 @@ class Monitors:
         started = []
         now = self._recorder.time
         while self._timers and self._timers[0][0] <= now:
-            time, task = self._pop()
-            if time != task.timer:
+            awaited = _awaited(self._timers[0])
+            _, task = self._pop()
+            if not awaited or task.wait is None:
                 continue
-            task.timer = None
-            if task.state is State.WAITING:
+            task.wait.timer = None
+            if task.state is WAITING:
                 started.append(task)
-            elif task.state in (State.BLOCKED, State.ELIGIBLE):
-                self._dirty[task.number] = task
+            elif task.state is BLOCKED or task.state is ELIGIBLE:
+                self.dirty[task.number] = task
         return started
 
     def arm(self, task: Task, since: Time) -> None:
         """Set a task's `monitor-time`: `since` it was made or finished a method."""
-        plan = task.plan.monitor_time
-        if plan is None:
+        plan, wait = task.plan.monitor_time, task.wait
+        if plan is None or wait is None:
             return
         self._note_missed(task)
         self._context.task = task
@@ -195,32 +191,50 @@ class Monitors:
         if start is None or stop is None:
             task.spoilt = True
             return
-        task.ready_at = number(base + start)
-        task.monitor_deadline = base + stop
+        wait.ready_at = number(base + start)
+        wait.monitor_deadline = base + stop
         self.state_deadline(task)
 
     # --- testing ----------------------------------------------------------------
 
     def first_test(self, task: Task) -> None:
         """A monitored task may run as far as order and time go: test it first."""
-        task.state = State.UNTESTED
-        self._dirty[task.number] = task
+        task.state = UNTESTED
+        self.dirty[task.number] = task
 
     def settle(self) -> None:
         """Test all that may have changed, by task number; tell missed deadlines."""
         if self._aging and self._recorder.time != self._tested_at:
-            self._dirty.update(self._aging)
+            self.dirty.update(self._aging)
         self._tested_at = self._recorder.time
         self._look_for_missed()
-        if not self._dirty and not self._missed:
-            return
-        dirty, self._dirty = self._dirty, {}
+        if self._missed:
+            self._settle_with_missed()
+        elif len(self.dirty) == 1:
+            self._test(self.dirty.popitem()[1])
+        elif self.dirty:
+            dirty = dict(self.dirty)
+            self.dirty.clear()
+            for tasknumber in sorted(dirty):
+                self._test(dirty[tasknumber])
+        self._look_ahead()
+
+    def _settle_with_missed(self) -> None:
+        dirty = dict(self.dirty)
+        self.dirty.clear()
         missed, self._missed = self._missed, {}
         for tasknumber in sorted(dirty.keys() | missed.keys()):
             if tasknumber in dirty:
                 self._test(dirty[tasknumber])
             for deadline in missed.get(tasknumber, ()):
                 self._tell_missed(tasknumber, deadline)
+
+    def _look_ahead(self) -> None:
+        """Find out when something falls due by time next."""
+        self.next_look = _NOW if self._aging or self._missed else _NEVER
+        for heap in (self._timers, self._deadlines):
+            if heap:
+                self.next_look = min(self.next_look, heap[0][0])
 
     def _look_for_missed(self) -> None:
         deadlines = self._deadlines
@@ -232,9 +246,11 @@ class Monitors:
 
     def _note_missed(self, task: Task) -> None:
         """Note that the clock has passed a task's deadline: once for each."""
-        if task.deadline < self._recorder.time and task.deadline != task.missed:
-            task.missed = task.deadline
-            self._missed.setdefault(task.number, []).append(task.deadline)
+        wait, deadline = task.wait, _stated(task)
+        if wait and deadline < self._recorder.time and deadline != wait.missed:
+            wait.missed = deadline
+            self._missed.setdefault(task.number, []).append(deadline)
+            self.next_look = _NOW
 
     def _tell_missed(self, tasknumber: int, deadline: float) -> None:
         if self._recorder.on:
@@ -244,34 +260,51 @@ class Monitors:
 
     def _test(self, task: Task) -> None:
         """Test a task that is untested, blocked, or woken and not yet selected."""
-        if task.after_method or task.state not in (
-            State.UNTESTED,
-            State.BLOCKED,
-            State.ELIGIBLE,
+        state = task.state
+        if task.after_method or not (
+            state is BLOCKED or state is UNTESTED or state is ELIGIBLE
         ):
             return
         if self.holds(task):
-            if task.state is State.BLOCKED and self._recorder.on:
-                self._recorder.emit(TaskWoken, task=task.number, on=task.blocked_on)
-            if task.state is not State.ELIGIBLE:
-                task.state = State.ELIGIBLE
+            if state is BLOCKED and self._recorder.on:
+                on = task.wait.blocked_on if task.wait is not None else ""
+                self._recorder.emit(TaskWoken, task=task.number, on=on)
+            if state is not ELIGIBLE:
+                task.state = ELIGIBLE
                 self._agenda.add(task)
-        elif task.state is not State.BLOCKED:
+        elif state is not BLOCKED:
             self._agenda.discard(task)
             self.block(task)
 
+    def still_hold(self, task: Task, after_method: bool) -> bool:
+        """Whether the monitors of a task that was selected hold.
+
+        Most were tested before the choice; again only if something has changed since,
+        or if the task comes up after its method.
+        """
+        wait = task.wait
+        if after_method or wait is None or wait.keys is None:
+            return self.holds(task)
+        return task.number not in self.dirty or self.holds(task)
+
     def holds(self, task: Task) -> bool:
         """Whether a task's monitors hold now; listens for when that may change."""
-        self._listen(task)
-        task.timer = None
-        if self._recorder.time < task.ready_at:
-            self.at(task.ready_at, task)
+        wait = task.wait
+        assert wait is not None
+        if wait.keys is None:
+            self._listen(task, wait)
+        self.dirty.pop(task.number, None)
+        wait.timer = None
+        if self._recorder.time < wait.ready_at:
+            self.at(wait.ready_at, task)
             return False
         plan = task.plan.monitor_state
         if plan is None:
             return True
         context = self._context
         context.task = task
+        if not task.plan.ages:
+            return plan.holds(context, task.env)
         context.horizon = []
         found = plan.holds(context, task.env)
         if context.horizon:
@@ -281,19 +314,30 @@ class Monitors:
 
     def block(self, task: Task) -> None:
         """A task cannot go on until its monitors hold; its loops start afresh."""
-        task.state = State.BLOCKED
-        task.choices.clear()
-        if self._recorder.on:
-            task.blocked_on = self.reason(task)
-            self._recorder.emit(TaskBlocked, task=task.number, on=task.blocked_on)
+        task.state = BLOCKED
+        task.forget_choices()
+        if self._recorder.on and task.wait is not None:
+            task.wait.blocked_on = on = self.reason(task)
+            self._recorder.emit(TaskBlocked, task=task.number, on=on)
 
     def reason(self, task: Task) -> str:
         """What a monitored task waits for: a time, or its formula as it is bound."""
-        plan = task.plan.monitor_state
-        if plan is None or self._recorder.time < task.ready_at:
-            return f"time {format_atom(task.ready_at)}"
+        plan, wait = task.plan.monitor_state, task.wait
+        ready_at = 0 if wait is None else wait.ready_at
+        if plan is None or self._recorder.time < ready_at:
+            return f"time {format_atom(ready_at)}"
         bindings = {name: format_atom(value) for name, value in task.env.items()}
         return format_formula(plan.formula, bindings)
+
+
+def _awaited(entry: tuple[Time, int, Task]) -> bool:
+    """Whether a task still waits for the time of a timer."""
+    return entry[2].wait is not None and entry[2].wait.timer == entry[0]
+
+
+def _stated(task: Task) -> float:
+    """The deadline that a task itself states."""
+    return math.inf if task.wait is None else task.wait.deadline
 
 
 def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:

@@ -49,8 +49,9 @@ def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
     """Rename in one task; whether its monitors see another binding."""
     task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
     task.identity = _in_value(task.identity, lost, kept)
-    if task.choices:
-        counts: dict[object, int] = {}
+    task.choice = _in_value(task.choice, lost, kept)
+    if task.choices is not None:
+        counts: dict[tuple[object, ...], int] = {}
         for key, count in task.choices.items():
             renamed = _in_value(key, lost, kept)
             counts[renamed] = counts.get(renamed, 0) + count

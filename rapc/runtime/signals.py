@@ -31,7 +31,7 @@ def _decide(machine: Machine, task: Task, content: Fact) -> None:
     assert task.step is not None
     assert run is not None
     for wait in task.step.waits:
-        if wait.mode == "proceed" and not task.held:
+        if wait.mode == "proceed" and not (task.wait and task.wait.held):
             continue
         found = _matched(machine, task, wait, content)
         if found is None:
@@ -56,7 +56,8 @@ def _matched(machine: Machine, task: Task, wait: WaitPlan, content: Fact) -> Env
 
 
 def _proceed(machine: Machine, task: Task, content: Fact) -> None:
-    task.held = False
+    if task.wait is not None:
+        task.wait.held = False
     if machine.recorder.on:
         on = format_list(content)
         machine.recorder.emit(events.TaskWoken, task=task.number, on=on)

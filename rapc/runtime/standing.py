@@ -10,7 +10,7 @@ import msgspec
 
 from rapc.runtime.events import RunStarted, TaskResult
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import State, Task
+from rapc.runtime.task import BLOCKED, ELIGIBLE, UNTESTED, WAITING, Task
 from rapc.runtime.world import OKAY, Time
 from rapc.terms import number
 
@@ -50,11 +50,11 @@ def _entry(machine: Machine, task: Task) -> AgendaEntry:
     slack = None
     if deadline is not None:
         slack = number(deadline - task.duration - machine.recorder.time)
-    state = State.WAITING if task.state is State.UNTESTED else task.state
+    state = WAITING if task.state is UNTESTED else task.state
     return AgendaEntry(
         task=task.number,
         goal=task.goal(),
-        state=state.value,
+        state=state,
         priority=task.priority,
         family=task.family,
         parent=task.parent.number if task.parent is not None else None,
@@ -68,13 +68,13 @@ def _entry(machine: Machine, task: Task) -> AgendaEntry:
 def _obstacle(machine: Machine, task: Task) -> str:
     if task.run is not None:
         return "its method"
-    if task.held:
-        return task.blocked_on
+    if task.wait is not None and task.wait.held:
+        return task.wait.blocked_on
     if task.waiting:
         return "steps before it"
-    if task.state is State.BLOCKED:
+    if task.state is BLOCKED:
         return machine.monitors.reason(task)
-    return "" if task.state in (State.ELIGIBLE, State.UNTESTED) else "its time"
+    return "" if task.state in (ELIGIBLE, UNTESTED) else "its time"
 
 
 def tell_start(
@@ -135,7 +135,8 @@ def waiting(machine: Machine) -> tuple[str, ...]:
     return tuple(
         f"{task.goal()} [{task.number}] {_awaited(machine, task)}"
         for task in machine.tasks.values()
-        if task.run is None and (not task.waiting or task.held)
+        if task.run is None
+        and (not task.waiting or (task.wait is not None and task.wait.held))
     )
 
 

@@ -1,34 +1,88 @@
 """Tasks and the methods they are carrying out: state only, no behaviour of its own.
 
 What happens to a task in a cycle is in `rapc.runtime.cycle`, what happens when
-something ends in `rapc.runtime.endings` (T 3.4.1, semantics 3).
+something ends in `rapc.runtime.endings` (T 3.4.1, semantics 3). A task is made for
+every step of every method, so what few tasks have stands apart: `Waiting` for times,
+signals and monitors, `History` from the second method or the first failure on.
 """
 
 from __future__ import annotations
 
-import enum
 import math
+from typing import Final
 
+from rapc.compiler.dependencies import WatchKey
 from rapc.compiler.plans import MethodPlan, RapPlan, StepPlan, WindowPlan
 from rapc.parser.printer import format_term
 from rapc.resources import Value
 from rapc.runtime.memory.memory import Notation
-from rapc.runtime.world import Time
+from rapc.runtime.world import OKAY, Time
 from rapc.terms import format_atom
 
 Env = dict[str, Value]
 """Variables and what they are bound to."""
 
+WAITING: Final = "waiting"
+UNTESTED: Final = "untested"
+ELIGIBLE: Final = "eligible"
+BLOCKED: Final = "blocked"
+RUNNING: Final = "running"
+ENDED: Final = "ended"
+"""Where a task stands between its cycles."""
 
-class State(enum.Enum):
-    """Where a task stands between its cycles."""
 
-    WAITING = "waiting"
-    UNTESTED = "untested"
-    ELIGIBLE = "eligible"
-    BLOCKED = "blocked"
-    RUNNING = "running"
-    ENDED = "ended"
+class Waiting:
+    """What a task may have to wait for besides its turn.
+
+    `opens` is the latest start of its windows, `windows` those whose times are not
+    yet known; `held` is set while it waits for a signal. `ready_at` is when its
+    monitored time comes, counted from when it was `made` at first; `keys` are the
+    changes it listens to, None before it does. `timer` is the time it waits for now,
+    `blocked_on` what the trace says of it. The deadlines are those given by windows or
+    a host, by `monitor-time`, and the one last told of as missed.
+    """
+
+    __slots__ = (
+        "blocked_on",
+        "given_deadline",
+        "held",
+        "keys",
+        "made",
+        "missed",
+        "monitor_deadline",
+        "opens",
+        "ready_at",
+        "timer",
+        "windows",
+    )
+
+    def __init__(self, windows: tuple[WindowPlan, ...] = ()) -> None:
+        self.windows = windows
+        self.opens: Time = 0
+        self.held = False
+        self.ready_at: Time = 0
+        self.made: Time = 0
+        self.keys: tuple[WatchKey, ...] | None = None
+        self.timer: Time | None = None
+        self.blocked_on = ""
+        self.given_deadline: float = math.inf
+        self.monitor_deadline: float = math.inf
+        self.missed: float | None = None
+
+    @property
+    def deadline(self) -> float:
+        """The deadline that the task itself states: by window, monitor or host."""
+        return min(self.given_deadline, self.monitor_deadline)
+
+
+class History:
+    """What the methods of a task have come to: results by name, failures by index."""
+
+    __slots__ = ("failures", "results")
+
+    def __init__(self) -> None:
+        self.results: dict[object, str | None] = {}
+        self.failures: dict[int, int] = {}
 
 
 class Task:
@@ -36,118 +90,179 @@ class Task:
 
     `env` holds inputs and resources, once `bound`; `identity` the RAP with its input
     values, for the recursion test; `constrained` is the nearest ancestor that states
-    constraints; `family` is the number of its top-level task. `outcome` is `okay` or
-    what the task handed up, None unless it has ended by itself.
-    `deadline` is its own, `limit` the nearest of its own and its ancestors', `missed`
-    the one last told of as missed; `opens` is the latest start of its windows,
-    `windows` those whose times are not yet known. `begun`
-    is set once it was selected with its monitors holding, `after_method` while it is
-    to come up whatever its monitors say, `held` while it waits for a signal; `timer` is
-    the time that it waits for.
+    constraints; `family` is the number of its top-level task; `limit` the nearest
+    deadline of its own and its ancestors'. `outcome` is `okay` or what the task
+    handed up, None unless it has ended by itself. `begun` is set once it was selected
+    with its monitors holding, `after_method` while it is to come up whatever its
+    monitors say. `method` is the one tried last; `choice` with `tries` is the
+    only choice that its futile-loop detector has seen, unless there are `choices`.
     """
 
     __slots__ = (
         "after_method",
         "background",
         "begun",
-        "blocked_on",
         "bound",
+        "choice",
         "choices",
         "constrained",
         "duration",
         "env",
         "failed",
-        "failures",
         "family",
-        "given_deadline",
         "goal_args",
-        "held",
+        "history",
         "identity",
         "key",
         "last_result",
         "limit",
-        "made",
-        "missed",
-        "monitor_deadline",
+        "method",
         "number",
-        "opens",
         "outcome",
         "outputs",
         "parent",
         "plan",
         "prepared",
         "priority",
-        "ready_at",
-        "results",
         "run",
         "spoilt",
         "state",
         "step",
         "success_env",
-        "timer",
-        "tried",
+        "tries",
+        "wait",
         "waiting",
-        "watching",
-        "windows",
         "within",
         "world_failure",
     )
 
-    def __init__(self, plan: RapPlan, within: MethodRun | None) -> None:
+    def __init__(
+        self, plan: RapPlan, within: MethodRun | None, step: StepPlan | None
+    ) -> None:
         self.number = 0
         self.plan = plan
         self.within = within
-        self.parent = within.task if within is not None else None
-        self.family: int = 0 if within is None else within.task.family
-        self.constrained = _constrained(self.parent)
-        self.step: StepPlan | None = None
+        self.step = step
+        self.wait: Waiting | None = None
+        if within is None or step is None:
+            self.parent: Task | None = None
+            self.family: int = 0
+            self.constrained: Task | None = None
+            self.limit: float = math.inf
+            self.priority = 0
+            self.waiting = 0
+        else:
+            self.parent = parent = within.task
+            self.family = parent.family
+            constrains = parent.plan.constraints is not None
+            self.constrained = parent if constrains else parent.constrained
+            self.limit = parent.limit
+            self.priority = parent.priority + step.node.priority
+            self.waiting = step.before
+            if step.windows or step.waits:
+                self.wait = Waiting(step.windows)
+        if plan.monitored and self.wait is None:
+            self.wait = Waiting()
         self.goal_args: tuple[Value | None, ...] = ()
-        self.priority = 0
         self.background = False
         self.begun = False
         self.env: Env = {}
         self.bound = False
         self.spoilt = False
         self.prepared = False
-        self.identity: object = None
+        self.identity: tuple[object, ...] | None = None
         self.duration: Time = 0
-        self.given_deadline: float = math.inf
-        self.monitor_deadline: float = math.inf
-        self.limit: float = math.inf if within is None else within.task.limit
-        self.made: Time = 0
-        self.missed: float | None = None
-        self.waiting = 0
-        self.opens: Time = 0
-        self.windows: tuple[WindowPlan, ...] = ()
-        self.held = False
-        self.state = State.WAITING
-        self.key: tuple[float, float, bool] = (0, 0, False)
-        self.ready_at: Time = 0
-        self.watching = False
-        self.timer: Time | None = None
-        self.blocked_on = ""
+        self.state = WAITING
+        self.key: tuple[float, float, bool] | None = None
         self.after_method = False
         self.run: MethodRun | None = None
         self.failed = False
-        self.failures: dict[int, int] = {}
-        self.choices: dict[object, int] = {}
-        self.tried: set[object] = set()
-        self.results: dict[object, str] = {}
+        self.method: MethodPlan | None = None
+        self.history: History | None = None
+        self.choice: tuple[object, ...] | None = None
+        self.tries = 0
+        self.choices: dict[tuple[object, ...], int] | None = None
         self.last_result: str | None = None
         self.outcome: str | None = None
         self.world_failure: str | None = None
         self.success_env: Env | None = None
-        self.outputs: Env = {}
+        self.outputs: Env | None = None
 
     @property
     def live(self) -> bool:
         """Whether the task has not ended and was not removed."""
-        return self.state is not State.ENDED
+        return self.state is not ENDED
 
-    @property
-    def deadline(self) -> float:
-        """The deadline that the task itself states: by window, monitor or host."""
-        return min(self.given_deadline, self.monitor_deadline)
+    # --- history ---------------------------------------------------------------
+
+    def begin_method(self, method: MethodPlan) -> None:
+        """A method is tried."""
+        if self.method is method:
+            return
+        if self.method is not None:
+            self._remember().results.setdefault(method.node.name)
+        self.method = method
+
+    def end_method(self, method: MethodPlan, result: str) -> None:
+        """A method has come to a result."""
+        self.last_result = result
+        if result != OKAY:
+            self.failed = True
+            failures = self._remember().failures
+            failures[method.index] = failures.get(method.index, 0) + 1
+        if self.history is not None:
+            self.history.results[method.node.name] = result
+
+    def _remember(self) -> History:
+        """The history, written from the method tried so far if there is none."""
+        if self.history is None:
+            self.history = History()
+            if self.method is not None:
+                self.history.results[self.method.node.name] = self.last_result
+        return self.history
+
+    def has_tried(self, name: object) -> bool:
+        """Whether a method of that name was tried."""
+        if self.history is not None:
+            return name in self.history.results
+        return self.method is not None and self.method.node.name == name
+
+    def result_of(self, name: object) -> str | None:
+        """What the last method of that name has come to, None if there is none."""
+        if self.history is not None:
+            return self.history.results.get(name)
+        return self.last_result if self.has_tried(name) else None
+
+    def failures_of(self, method: MethodPlan) -> int:
+        """How often a method has ended badly."""
+        history = self.history
+        return 0 if history is None else history.failures.get(method.index, 0)
+
+    # --- the futile-loop detector (T 3.2.5) ------------------------------------
+
+    def times_chosen(self, key: tuple[object, ...]) -> int:
+        """How often a choice was made since the detector started afresh."""
+        if self.choices is not None:
+            return self.choices.get(key, 0)
+        return self.tries if self.choice == key else 0
+
+    def note_choice(self, key: tuple[object, ...]) -> None:
+        """A choice is made; only a second, different one needs a table."""
+        if self.choices is not None:
+            self.choices[key] = self.choices.get(key, 0) + 1
+        elif self.choice is None or self.choice == key:
+            self.choice = key
+            self.tries += 1
+        else:
+            self.choices = {self.choice: self.tries, key: 1}
+
+    def forget_choices(self) -> None:
+        """The detector starts afresh."""
+        self.choice = None
+        self.choices = None
+        self.tries = 0
+
+    # --- in words ----------------------------------------------------------------
 
     def goal(self) -> str:
         """The goal as the trace prints it: inputs by value, outputs once known."""
@@ -165,27 +280,22 @@ class Task:
         if self.plan.outputs:
             words.append("=>")
             for name in self.plan.outputs:
-                known = self.outputs.get(name)
+                known = None if self.outputs is None else self.outputs.get(name)
                 words.append(name if known is None else format_atom(known))
         return f"({' '.join(words)})"
-
-
-def _constrained(parent: Task | None) -> Task | None:
-    if parent is None or parent.plan.constraints is not None:
-        return parent
-    return parent.constrained
 
 
 class MethodRun:
     """A method while it is carried out.
 
     `env` is the method's environment: what the task had, what the choice bound, then
-    what `for` formulas and outputs add. `ends` holds the time at which each step
-    ended, None while it has not; `lapsed` the steps that an `until` ended.
+    what `for` formulas and outputs add; it is the task's own where nothing can be
+    added. `left` counts the steps that have not ended. `ends` holds the time at which
+    each step ended, None while it has not, if windows ask for it; `lapsed` the steps
+    that an `until` ended.
     """
 
     __slots__ = (
-        "bindings",
         "ends",
         "env",
         "lapsed",
@@ -203,9 +313,11 @@ class MethodRun:
         self.plan = plan
         self.env = env
         self.started = started
-        self.steps: list[Task] = []
+        self.steps: list[Task] | tuple[()] = ()
         self.left = len(plan.steps)
-        self.ends: list[Time | None] = [None] * len(plan.steps)
-        self.lapsed: set[int] = set()
-        self.notations: list[Notation] = []
+        self.ends: list[Time | None] | None = None
+        if plan.dated:
+            self.ends = [None] * self.left
+        self.lapsed: frozenset[int] = frozenset()
+        self.notations: tuple[Notation, ...] = ()
         self.ticket: int | None = None

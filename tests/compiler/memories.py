@@ -87,7 +87,10 @@ def _task() -> Task:
     """All of a task that a formula can ask about."""
     history = {"one": "okay", 2: "dropped"}
     stand_in = SimpleNamespace(
-        number=1, tried={"one", 2}, results=history, last_result="dropped"
+        number=1,
+        has_tried=history.__contains__,
+        result_of=history.get,
+        last_result="dropped",
     )
     return cast(Task, stand_in)
 

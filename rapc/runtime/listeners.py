@@ -1,0 +1,95 @@
+"""Who listens to which change, found from what has changed without looking at others.
+
+What a formula listens to is said by `rapc.compiler.dependencies`; when its task is
+tested is for `rapc.runtime.monitors` to say (semantics 5).
+"""
+
+from __future__ import annotations
+
+from rapc.compiler.dependencies import ANYTHING, WatchKey
+from rapc.resources import Counter, SetResource
+from rapc.runtime.task import Task
+from rapc.terms import Atom, Fact
+
+_Found = dict[int, Task]
+_Table = dict[object, "Task | _Found"]
+"""Who listens, by a value; a table of tasks by number only where they are several."""
+
+
+class Listeners:
+    """The tasks that listen, by what they listen to.
+
+    A listener to a fact stands under its name and one argument, or under its name
+    alone, as position 0; other changes have words or resources for keys.
+    """
+
+    __slots__ = ("_names", "_others")
+
+    def __init__(self) -> None:
+        self._names: dict[Atom, dict[int, _Table]] = {}
+        self._others: _Table = {}
+
+    def add(self, key: WatchKey, task: Task) -> None:
+        """A task listens to a change from now on."""
+        table, value = self._place(key)
+        there = table.get(value)
+        if there is None or there is task:
+            table[value] = task
+        elif isinstance(there, dict):
+            there[task.number] = task
+        else:
+            table[value] = {there.number: there, task.number: task}
+
+    def drop(self, key: WatchKey, task: Task) -> None:
+        """A task listens to a change no longer; it need not have done so."""
+        table, value = self._place(key)
+        there = table.get(value)
+        if there is task:
+            del table[value]
+        elif isinstance(there, dict):
+            there.pop(task.number, None)
+            if not there:
+                del table[value]
+
+    def _place(self, key: WatchKey) -> tuple[_Table, object]:
+        if isinstance(key, Counter | SetResource) or key == ANYTHING:
+            return self._others, key
+        places = self._names.setdefault(key[0], {})
+        if len(key) == 1:
+            return places.setdefault(0, {}), None
+        _, at, value = key
+        assert isinstance(at, int)
+        return places.setdefault(at, {}), value
+
+    def of_fact(self, fact: Fact, found: _Found) -> None:
+        """Add to `found` who listens to a fact that has come, gone or been told."""
+        places = self._names.get(fact[0])
+        if places is not None:
+            size = len(fact)
+            for at, table in places.items():
+                if at < size:
+                    there = table.get(fact[at] if at else None)
+                    if there is not None:
+                        _join(there, found)
+        if self._others:
+            self.of(ANYTHING, found)
+
+    def of_word(self, word: str, found: _Found) -> None:
+        """Add to `found` who listens to a change that has a word for a name."""
+        there = self._names.get(word, {}).get(0, {}).get(None)
+        if there is not None:
+            _join(there, found)
+        self.of(ANYTHING, found)
+
+    def of(self, key: WatchKey, found: _Found) -> None:
+        """Add to `found` who listens to a resource, or to any change at all."""
+        there = self._others.get(key)
+        if there is not None:
+            _join(there, found)
+
+
+def _join(there: Task | _Found, found: _Found) -> None:
+    if isinstance(there, dict):
+        found.update(there)
+    else:
+        found[there.number] = there
