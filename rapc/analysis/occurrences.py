@@ -8,14 +8,16 @@ them once for all others.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Generic, NamedTuple, TypeVar, cast
+from typing import Generic, TypeVar, cast
+
+import msgspec
 
 from rapc.ir import nodes
 
 N = TypeVar("N", bound=nodes.Node)
 
 
-class Use(NamedTuple, Generic[N]):
+class Use(msgspec.Struct, Generic[N], frozen=True, gc=False):
     """A node where it stands."""
 
     node: N
@@ -96,7 +98,7 @@ class Occurrences:
     """The nodes of a library by type; constants are left out."""
 
     def __init__(self) -> None:
-        self._by_type: dict[type, list[Use[nodes.Node]]] = {}
+        self._by_type: dict[type, list[Use[nodes.Node]]] = {k: [] for k in CHILDREN}
 
     def of(self, kind: type[N]) -> Sequence[Use[N]]:
         """All uses of one type of node, in the order of the text."""
@@ -104,17 +106,16 @@ class Occurrences:
 
     def add(self, owner: nodes.TopForm) -> None:
         """Gather the nodes of one form."""
-        by_type = self._by_type
-        waiting: list[tuple[nodes.Node, nodes.Node]] = [(owner, owner)]
-        while waiting:
-            node, parent = waiting.pop()
-            kind = type(node)
-            if kind is nodes.Const:
-                continue
-            by_type.setdefault(kind, []).append(Use(node, parent, owner))
-            for field in reversed(CHILDREN.get(kind, ())):
-                value = getattr(node, field)
-                if type(value) is tuple:
-                    waiting += [(child, node) for child in reversed(value)]
-                elif value is not None:
-                    waiting.append((value, node))
+        self._add(owner, owner, owner)
+
+    def _add(self, node: nodes.Node, parent: nodes.Node, owner: nodes.TopForm) -> None:
+        kind = type(node)
+        self._by_type[kind].append(Use(node, parent, owner))
+        for field in CHILDREN[kind]:
+            value = getattr(node, field)
+            if type(value) is tuple:
+                for child in value:
+                    if type(child) is not nodes.Const:
+                        self._add(child, node, owner)
+            elif value is not None and type(value) is not nodes.Const:
+                self._add(value, node, owner)

@@ -74,10 +74,11 @@ class Walker:
         """Terms matched with values: computed ones need, variables bind."""
         fresh = []
         for term in terms:
-            if type(term) is nodes.Call:
+            if type(term) is nodes.Var:
+                if term.name != "?":
+                    fresh.append(term.name)
+            elif type(term) is nodes.Call:
                 self.value(term, bound)
-            elif type(term) is nodes.Var and not term.anonymous:
-                fresh.append(term.name)
         bound.names.update(fresh)
 
     def formula(self, formula: nodes.Formula, bound: Bound) -> bool:

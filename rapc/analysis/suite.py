@@ -22,6 +22,7 @@ from rapc.analysis.passes import (
     not_a_number,
     nothing_awaited,
     occurrences,
+    predicates,
     primitives,
     resource_as_value,
     resources,
@@ -39,6 +40,7 @@ from rapc.parser import rules as parser
 
 ANALYZERS: tuple[Analyzer[Any], ...] = (
     occurrences.OCCURRENCES,
+    predicates.PREDICATES,
     task_nets.TASK_NETS,
     bindings.BINDINGS,
     unbound_variable.ANALYZER,

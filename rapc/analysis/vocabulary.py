@@ -55,15 +55,19 @@ def facts(occurrences: Occurrences) -> Iterator[tuple[nodes.Pattern, Role]]:
 
 
 def _role(pattern: nodes.Pattern, parent: nodes.Node) -> Role | None:
-    match parent:
-        case nodes.Primitive() | nodes.Skills() | nodes.ResultCase():
-            return None
-        case nodes.Believe():
-            return "believe"
-        case nodes.RuleAction():
-            return "assert" if parent.op == "mem-add" else "erase"
-        case nodes.Method():
-            return "query" if pattern is parent.context else "assert"
-        case nodes.Effect() | nodes.Exclusion():
-            return "assert"
-    return "query"
+    if type(parent) is nodes.Method:
+        return "query" if pattern is parent.context else "assert"
+    if type(parent) is nodes.RuleAction:
+        return "assert" if parent.op == "mem-add" else "erase"
+    return _ROLES.get(type(parent), "query")
+
+
+_ROLES: Mapping[type, Role | None] = {
+    nodes.Primitive: None,
+    nodes.Skills: None,
+    nodes.ResultCase: None,
+    nodes.Believe: "believe",
+    nodes.Effect: "assert",
+    nodes.Exclusion: "assert",
+}
+"""The roles of patterns that their parents alone tell; all others are asked."""

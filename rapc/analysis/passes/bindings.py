@@ -53,12 +53,14 @@ def _run(run: Pass) -> Bindings:
     ages: list[nodes.Believe] = []
     for form in run.library.forms:
         walk = _Walk(Walker(run.library.functions, Findings()), nets)
-        if isinstance(form, nodes.DefineRap):
+        if type(form) is nodes.DefineRap:
             _rap(walk, form)
-        elif isinstance(form, nodes.MemoryRule):
+        elif type(form) is nodes.MemoryRule:
             _memory_rule(walk, form)
-        elif isinstance(form, nodes.EventRule):
+        elif type(form) is nodes.EventRule:
             _rules(walk, form.rules, Bound(None, _names(form.args)))
+        else:
+            continue
         if walk.missing:
             missing[id(form)] = tuple(walk.missing)
         anonymous.extend(walk.walker.findings.anonymous)
@@ -88,6 +90,8 @@ class _Walk:
     ) -> None:
         """Say where what was found since the last note stands."""
         found = self.walker.findings.unbound
+        if not found:
+            return
         self.missing.extend(Missing(v, clause, method, step) for v in found)
         found.clear()
 
@@ -121,7 +125,8 @@ def _rap(walk: _Walk, rap: nodes.DefineRap) -> None:
         if formula is not None:
             walker.formula(formula, Bound(base))
             walk.note(clause)
-    _effects(walk, rap, base)
+    if rap.effects:
+        _effects(walk, rap, base)
     looped = Bound(base)
     if rap.repeat_while is not None:
         walker.formula(rap.repeat_while, looped)
@@ -150,12 +155,12 @@ def _method(walk: _Walk, method: nodes.Method, bound: Bound) -> None:
         walk.walker.values(notation.args, bound)
         walk.note("notations", method)
     body = method.body
-    if isinstance(body, nodes.TaskNet):
+    if type(body) is nodes.TaskNet:
         _task_net(walk, method, body, bound)
-    elif isinstance(body, nodes.Primitive):
+    elif type(body) is nodes.Primitive:
         walk.walker.values(body.request.args, bound)
         walk.note("primitive", method)
-    else:
+    elif type(body) is nodes.Skills:
         _skills(walk, method, body, bound)
 
 
@@ -208,23 +213,26 @@ def _without_order(
 
 def _step(walk: _Walk, step: nodes.Step, bound: Bound, net: Net, at: int) -> None:
     """Walk all that a step says; what it surely binds is bound afterwards."""
-    _windows(walk, step, bound)
+    if step.annotations:
+        _windows(walk, step, bound)
     _formulas(walk, net, at, bound)
-    bound.names.update(_signals(step))
+    if step.annotations:
+        bound.names.update(_signals(step))
     walk.walker.values(step.goal.args, bound)
     walk.walker.match(step.goal.outputs, bound)
-    _resource_effects(walk, step, bound)
+    if step.annotations:
+        _resource_effects(walk, step, bound)
 
 
 def _windows(walk: _Walk, step: nodes.Step, bound: Bound) -> None:
     for annotation in step.annotations:
-        if isinstance(annotation, nodes.Window):
+        if type(annotation) is nodes.Window:
             walk.walker.values((annotation.start, annotation.stop), bound)
 
 
 def _resource_effects(walk: _Walk, step: nodes.Step, bound: Bound) -> None:
     for annotation in step.annotations:
-        if isinstance(annotation, nodes.ResourceEffect):
+        if type(annotation) is nodes.ResourceEffect:
             walk.walker.values((annotation.resource, annotation.amount), bound)
 
 
@@ -232,7 +240,7 @@ def _formulas(walk: _Walk, net: Net, at: int, bound: Bound) -> None:
     """Walk the `for` formulas pointing at a step; what they surely bind is bound."""
     for edge in net.edges[at]:
         annotation = edge.annotation
-        if isinstance(annotation, nodes.For) and annotation.formula is not None:
+        if type(annotation) is nodes.For and annotation.formula is not None:
             scope = Bound(bound)
             walk.walker.formula(annotation.formula, scope)
             if edge.before not in net.early:
@@ -243,7 +251,7 @@ def _signals(step: nodes.Step) -> set[str]:
     """The variables of the signals that a step waits for before it begins."""
     names: set[str] = set()
     for annotation in step.annotations:
-        if isinstance(annotation, nodes.WaitFor) and annotation.mode == "proceed":
+        if type(annotation) is nodes.WaitFor and annotation.mode == "proceed":
             names |= _names(annotation.args)
     return names
 

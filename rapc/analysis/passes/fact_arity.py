@@ -9,7 +9,8 @@ from __future__ import annotations
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.arity import written, wrong_arity
 from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.vocabulary import Predicate, facts, predicates
+from rapc.analysis.passes.predicates import PREDICATES
+from rapc.analysis.vocabulary import Predicate, facts
 from rapc.diagnostics import (
     Applicability,
     Diagnostic,
@@ -64,7 +65,7 @@ is not true or false never holds so.""",
 
 
 def _run(run: Pass) -> None:
-    known = predicates(run.library)
+    known = run.result(PREDICATES)
     for pattern, role in facts(run.result(OCCURRENCES)):
         declared = known.get(pattern.name)
         if declared is None or declared.args is None:
@@ -86,7 +87,7 @@ ANALYZER = Analyzer(
     name="wrong-fact-arity",
     doc="Finds facts and tests with too many or too few arguments.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(OCCURRENCES, PREDICATES),
     rules=(ARITY, IMPLIED),
 )
 

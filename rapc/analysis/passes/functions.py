@@ -10,8 +10,9 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.arity import written, wrong_arity
 from rapc.analysis.names import Names
 from rapc.analysis.passes.occurrences import OCCURRENCES
+from rapc.analysis.passes.predicates import PREDICATES
 from rapc.analysis.unknown import Unknown
-from rapc.analysis.vocabulary import Predicate, predicates
+from rapc.analysis.vocabulary import Predicate
 from rapc.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.library import word_span
@@ -60,7 +61,7 @@ term gives it; with too much or too little the query fails.""",
 
 
 def _run(run: Pass) -> None:
-    known = predicates(run.library)
+    known = run.result(PREDICATES)
     advice = "declare it with `declare-memory-function`"
     names = Names([*run.library.functions, *CALLS])
     unknown = Unknown(UNDECLARED, "no function is called `{}`", names, advice)
@@ -84,7 +85,7 @@ ANALYZER = Analyzer(
     name="functions",
     doc="Finds computed terms whose function is not declared, or not met.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(OCCURRENCES, PREDICATES),
     rules=(UNDECLARED, ARITY),
 )
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from itertools import groupby
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.passes.bindings import BINDINGS
@@ -55,12 +56,14 @@ _TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
 
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
-    seen: dict[int, dict[str, list[nodes.Var]]] = {}
-    for use in run.result(OCCURRENCES).of(nodes.Var):
-        if isinstance(use.owner, nodes.DefineRap) and not use.node.anonymous:
-            names = seen.setdefault(id(use.owner), {})
+    variables = run.result(OCCURRENCES).of(nodes.Var)
+    for owner, uses in groupby(variables, key=lambda use: id(use.owner)):
+        names: dict[str, list[nodes.Var]] = {}
+        for use in uses:
             names.setdefault(use.node.name, []).append(use.node)
-    for owner, names in seen.items():
+        if type(use.owner) is not nodes.DefineRap:
+            continue
+        names.pop("?", None)
         unbound = {m.variable.name for m in missing.get(owner, ())}
         once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
         close = _Close(names) if any(map(_is_long, once)) else None

@@ -5,12 +5,13 @@ Only what stands in the text can be seen here; what variables hold, a run will t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.occurrences import Occurrences
 from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.vocabulary import predicates
+from rapc.analysis.passes.predicates import PREDICATES
+from rapc.analysis.vocabulary import Predicate
 from rapc.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 from rapc.parser.names import CALLS
@@ -64,7 +65,7 @@ ANALYZER = Analyzer(
     name="not-a-number",
     doc="Finds constants that are no numbers where numbers are needed.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(OCCURRENCES, PREDICATES),
     rules=(NOT_A_NUMBER,),
 )
 
@@ -75,7 +76,7 @@ def _word(term: nodes.Term) -> str:
 
 def _is_other(term: nodes.Term | None) -> bool:
     """Whether a term is a constant other than a number."""
-    return isinstance(term, nodes.Const) and not is_number(term.value)
+    return type(term) is nodes.Const and not is_number(term.value)
 
 
 def _computed(occurrences: Occurrences) -> Found:
@@ -95,7 +96,7 @@ def _compared(occurrences: Occurrences) -> Found:
         sides = (use.node.left, use.node.right)
         if use.node.op in ("=", "n="):
             for one, other in (sides, sides[::-1]):
-                computed = isinstance(one, nodes.Call) and one.function in CALLS
+                computed = type(one) is nodes.Call and one.function in CALLS
                 if computed and _is_other(other):
                     yield other, "never equals a number"
         else:
@@ -129,18 +130,24 @@ def _must_be_numbers(why: str, *terms: nodes.Term | None) -> Found:
 
 def _declared(run: Pass, occurrences: Occurrences) -> Found:
     """Arguments that were declared to be numbers."""
-    known = predicates(run.library)
-    for use in occurrences.of(nodes.Pattern):
-        args: Sequence[nodes.Argument] = ()
-        if isinstance(use.parent, nodes.Primitive):
-            primitive = run.library.primitives.get(use.node.name)
-            args = primitive.args if primitive else ()
-        elif not isinstance(use.parent, nodes.Skills | nodes.ResultCase):
-            predicate = known.get(use.node.name)
-            args = predicate.args or () if predicate else ()
-        for term, arg in zip(use.node.args, args, strict=False):
+    facts = _with_numbers(run.result(PREDICATES))
+    requests = _with_numbers(run.library.primitives)
+    for use in occurrences.of(nodes.Pattern) if facts or requests else ():
+        kind = type(use.parent)
+        if kind is nodes.Skills or kind is nodes.ResultCase:
+            continue
+        table = requests if kind is nodes.Primitive else facts
+        for term, arg in zip(use.node.args, table.get(use.node.name, ()), strict=False):
             if arg.kind == "number" and _is_other(term) and not _unknown(term):
                 yield term, f"is no number, which `{arg.variable.name}` was declared"
+
+
+def _with_numbers(
+    declared: Mapping[str, Predicate] | Mapping[str, nodes.DeclarePrimitive],
+) -> dict[str, Sequence[nodes.Argument]]:
+    """The arguments of declarations that want a number among them."""
+    args = {name: form.args or () for name, form in declared.items()}
+    return {k: v for k, v in args.items() if any(arg.kind == "number" for arg in v)}
 
 
 def _unknown(term: nodes.Term) -> bool:

@@ -99,7 +99,7 @@ def _run(run: Pass) -> None:
             by_input.setdefault((rap.name, term.name), demand)
         else:
             run.report(_no_resource(demand))
-    for goal in occurrences.of(nodes.Goal):
+    for goal in occurrences.of(nodes.Goal) if by_input else ():
         if isinstance(goal.owner, nodes.DefineRap):
             _check_step(run, goal.owner, goal.node, by_input)
 

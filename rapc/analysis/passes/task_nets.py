@@ -160,9 +160,9 @@ Nets = Mapping[int, Net]
 def _run(run: Pass) -> Nets:
     nets = {}
     for rap in run.library.forms:
-        if isinstance(rap, nodes.DefineRap):
+        if type(rap) is nodes.DefineRap:
             for method in rap.methods:
-                if isinstance(method.body, nodes.TaskNet):
+                if type(method.body) is nodes.TaskNet:
                     nets[id(method.body)] = _net(run, method.body)
     return nets
 
@@ -187,9 +187,9 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
             if tag not in tags:
                 names = names or Names(tags)
                 run.report(_unknown_tag(annotation, tag, names))
-            elif isinstance(annotation, nodes.For):
+            elif type(annotation) is nodes.For:
                 edges[tags[tag]].append(Edge(at, tags[tag], annotation))
-            elif isinstance(annotation, nodes.Window):
+            elif type(annotation) is nodes.Window:
                 edges[at].append(Edge(tags[tag], at, annotation))
     return Net(
         _order(run, net, edges), tuple(map(tuple, edges)), _early(net, tags, edges)
@@ -214,9 +214,9 @@ def _early(net: nodes.TaskNet, tags: Mapping[str, int], edges: Edges) -> frozens
 def _ends(step: nodes.Step) -> Iterator[str | None]:
     """What may end a step: the tag of another, or None for a signal."""
     for annotation in step.annotations:
-        if isinstance(annotation, nodes.UntilStart | nodes.UntilEnd):
+        if type(annotation) is nodes.UntilStart or type(annotation) is nodes.UntilEnd:
             yield annotation.tag
-        elif isinstance(annotation, nodes.WaitFor) and annotation.mode == "succeed":
+        elif type(annotation) is nodes.WaitFor and annotation.mode == "succeed":
             yield None
 
 
@@ -243,11 +243,12 @@ def _tag_span(run: Pass, step: nodes.Step) -> Span:
 
 def _tag(annotation: nodes.Annotation) -> str | None:
     """The tag an annotation speaks of, if it speaks of one."""
-    match annotation:
-        case nodes.For() | nodes.UntilStart() | nodes.UntilEnd():
-            return annotation.tag
-        case nodes.Window() if annotation.reference not in CLOCKS:
-            return annotation.reference
+    if type(annotation) is nodes.For:
+        return annotation.tag
+    if type(annotation) is nodes.UntilStart or type(annotation) is nodes.UntilEnd:
+        return annotation.tag
+    if type(annotation) is nodes.Window and annotation.reference not in CLOCKS:
+        return annotation.reference
     return None
 
 
@@ -261,6 +262,8 @@ def _unknown_tag(annotation: nodes.Annotation, tag: str, names: Names) -> Diagno
 
 
 def _order(run: Pass, net: nodes.TaskNet, edges: Edges) -> tuple[int, ...] | None:
+    if all(edge.before < at for at, into in enumerate(edges) for edge in into):
+        return tuple(range(len(edges)))
     graph = {at: [edge.before for edge in into] for at, into in enumerate(edges)}
     try:
         return tuple(TopologicalSorter(graph).static_order())

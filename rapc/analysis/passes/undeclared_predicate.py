@@ -12,8 +12,9 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.names import Names
 from rapc.analysis.occurrences import Occurrences
 from rapc.analysis.passes.occurrences import OCCURRENCES
+from rapc.analysis.passes.predicates import PREDICATES
 from rapc.analysis.unknown import Unknown
-from rapc.analysis.vocabulary import Predicate, Role, facts, predicates
+from rapc.analysis.vocabulary import Predicate, Role, facts
 from rapc.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.library import word_span
@@ -67,7 +68,7 @@ _DONE: dict[Role, str] = {
 
 
 def _run(run: Pass) -> None:
-    known = predicates(run.library)
+    known = run.result(PREDICATES)
     names = Names([*known, *QUERIES])
     unknown = Unknown(
         UNDECLARED,
@@ -77,11 +78,11 @@ def _run(run: Pass) -> None:
     )
     occurrences = run.result(OCCURRENCES)
     for pattern, role in facts(occurrences):
-        place = word_span(run.library.files, pattern.span, 0)
         declared = known.get(pattern.name)
         if declared is None:
-            unknown.add(pattern.name, place)
+            unknown.add(pattern.name, word_span(run.library.files, pattern.span, 0))
         elif declared.kind == "function" and role != "query":
+            place = word_span(run.library.files, pattern.span, 0)
             run.report(_not_a_fact(declared, role, place))
     for name, place in _further(occurrences):
         if name not in known:
@@ -93,7 +94,7 @@ ANALYZER = Analyzer(
     name="undeclared-predicate",
     doc="Finds facts and tests that are not declared, and functions taken for facts.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(OCCURRENCES, PREDICATES),
     rules=(UNDECLARED, NOT_A_FACT),
 )
 

@@ -63,7 +63,7 @@ def _run(run: Pass) -> None:
             place = word_span(run.library.files, use.node.span, 0)
             unknown.add(use.node.name, place)
         else:
-            is_rule = isinstance(use.parent, nodes.MemoryRule)
+            is_rule = type(use.parent) is nodes.MemoryRule
             _check_arity(run, use.node, rap, outputs_optional=is_rule)
     unknown.report(run)
 

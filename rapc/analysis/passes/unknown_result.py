@@ -79,15 +79,15 @@ def _asked(occurrences: Occurrences) -> Iterator[nodes.Const]:
     for use in occurrences.of(nodes.History):
         if use.node.query != "method-tried":
             result = use.node.args[-1]
-            if isinstance(result, nodes.Const):
+            if type(result) is nodes.Const:
                 yield result
-            elif isinstance(result, nodes.Var):
+            elif type(result) is nodes.Var:
                 bound.add((id(use.owner), result.name))
-    for test in occurrences.of(nodes.Compare):
+    for test in occurrences.of(nodes.Compare) if bound else ():
         sides = (test.node.left, test.node.right)
         for one, other in (sides, sides[::-1]):
-            asked = isinstance(one, nodes.Var) and (id(test.owner), one.name) in bound
-            if asked and isinstance(other, nodes.Const):
+            asked = type(one) is nodes.Var and (id(test.owner), one.name) in bound
+            if asked and type(other) is nodes.Const:
                 yield other
     for case in occurrences.of(nodes.ResultCase):
         expected = case.node.result
