@@ -14,7 +14,7 @@ from rapc.runtime.memory.bench import MemoryBench
 from rapc.runtime.world import Gauge, Picture, Spot, Thing
 from rapc.show.beliefs import believed_contents, words
 from rapc.show.frame import Doings, draw_frame
-from rapc.worlds.truck.map import read_map
+from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.picture import lay_out
 from rapc.worlds.truck.world import TruckWorld
 

@@ -95,3 +95,35 @@ class Driver:
         """Trips in some directions; the result of the last."""
         trips = [r for d in directions for r in (f"truck-turn {d}", "truck-move")]
         return self.do(*trips)
+
+
+WORKSHOP: dict[str, Any] = {
+    "crate": {"size": 15, "holds": 14, "indistinct": True},
+    "tool-box": {"size": 11, "holds": 8},
+    "jug": {"size": 3, "capacity": 4, "liquid": "water", "full": False},
+    "tank": {"size": 400, "capacity": 50, "liquid": "water", "fixed": True},
+    "ice": {"size": 1},
+    "ice-machine": {
+        "size": 200,
+        "capacity": 10,
+        "liquid": "water",
+        "full": False,
+        "fixed": True,
+        "machine": {"makes": "ice", "every": 12, "uses": 2},
+    },
+    "bandage": {"size": 1},
+    "kit": {"size": 4},
+    "assembler": {
+        "size": 20,
+        "holds": 10,
+        "machine": {"makes": "kit", "every": 5, "needs": {"bandage": 2, "ice": 1}},
+    },
+}
+"""Kinds for maps with containers and machines."""
+
+
+def workshop(*items: Mapping[str, Any], start: str = "depot", **more: Any) -> Driver:
+    """A driver on the small map with the kinds above and some items."""
+    kinds = {**WORKSHOP, **more.pop("kinds", {})}
+    ground = {**json.loads(map_text(items, start)), "kinds": kinds}
+    return Driver(map=Text(json.dumps(ground)), **more)

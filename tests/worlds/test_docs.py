@@ -12,12 +12,13 @@ from rapc.runtime.submission import read_submission
 from rapc.runtime.world import HandlerMemory, Option, World
 from rapc.terms import Text
 from rapc.worlds.truck.kinds import KINDS
-from rapc.worlds.truck.map import read_map
+from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.options import describe_options
 from rapc.worlds.truck.primitives import OFFER
 from tests.cli.command import rapc
 
 from . import script_of_the_manual
+from .drive import Driver
 
 DOCS = Path(__file__).parents[2] / "docs"
 TRUCK = (DOCS / "truck.md").read_text(encoding="utf-8")
@@ -57,6 +58,14 @@ def test_the_map_of_the_truck_page_can_be_driven_on() -> None:
     assert shown is not None
     made = read_map(shown[1])
     assert [leg.to for leg in made.legs("pit")] == ["depot", "works"]
+    driver = Driver(map=Text(shown[1]))
+    driver.do("arm-move arm1 external", "arm-move arm1 crate-1")
+    driver.do("arm-move arm1 pitcher-1", "arm-grasp arm1 pitcher-1")
+    driver.do("arm-move arm1 water-tank-1", "arm-ladle arm1 pitcher-1")
+    driver.do("arm-move arm1 ice-machine-1", "arm-pour arm1 pitcher-1")
+    driver.do("arm-toggle arm1 ice-machine-1")
+    driver.world.advance(60)
+    assert driver.place("ice-2") == "depot"
 
 
 def test_the_worlds_page_names_all_that_the_port_has() -> None:

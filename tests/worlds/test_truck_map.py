@@ -11,7 +11,8 @@ import pytest
 from rapc.terms import Text
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP
-from rapc.worlds.truck.map import MapError, opposite, read_map
+from rapc.worlds.truck.map import opposite
+from rapc.worlds.truck.map_text import MapError, read_map
 from rapc.worlds.truck.options import Settings, describe_options, read_settings
 
 from .drive import PLACES, ROADS, map_text, rock, thing
@@ -23,6 +24,26 @@ def changed(**parts: Any) -> str:
 
 def road(**parts: Any) -> list[dict[str, Any]]:
     return [{**ROADS[0], "time": 30, "fuel": 1, **parts}]
+
+
+BOX = {"box": {"size": 12, "holds": 11}}
+
+
+def kinds(**more: Any) -> str:
+    return changed(kinds=more)
+
+
+def tank(**parts: Any) -> dict[str, Any]:
+    return {"size": 9, "capacity": 5, "liquid": "tea", **parts}
+
+
+def mill(**parts: Any) -> dict[str, Any]:
+    return {"size": 90, "machine": {"makes": "gun-tool", "every": 5, **parts}}
+
+
+def sectors(*spots: list[str]) -> str:
+    rows = [{"name": f"s{n}", "spots": s} for n, s in enumerate(spots, 1) if s]
+    return changed(sectors=rows or [{"name": "s1"}])
 
 
 def test_the_default_map_has_all_that_the_thesis_names() -> None:
@@ -94,6 +115,38 @@ def test_opposites_are_half_a_turn_apart() -> None:
         (
             changed(places=[*PLACES, {"name": "q", "kind": "quarry"}]),
             "`q`: quarries alone have",
+        ),
+        (changed(roads=road(mud=-1)), "`road-1`: the chance of a mishap"),
+        (changed(places=[*PLACES, {"name": "rock-7", "kind": "zone"}]), "`rock-7`"),
+        (changed(places=[*PLACES, {"name": "gun-s1", "kind": "zone"}]), "`gun-s1`"),
+        (kinds(east={}), "missing required field `size`"),
+        (kinds(east={"size": 1}), "`east` cannot be the name of a kind"),
+        (kinds(rock={"size": 1}), "`rock` cannot be the name of a kind"),
+        (kinds(box={"size": 4, "holds": 4}), "`box` cannot hold as much as it is"),
+        (kinds(jug={"size": 4, "capacity": 4}), "a capacity goes with a liquid"),
+        (kinds(jug={"size": 4, "liquid": "tea"}), "a capacity goes with a liquid"),
+        (kinds(jug=tank(rounds="ammo")), "`jug` is a vessel or a weapon"),
+        (kinds(saw={"size": 4, "tool": "gun-tol"}), "did you mean `gun-tool`?"),
+        (kinds(mill=mill(makes="flour")), "what a `mill` makes or needs is `flour`"),
+        (kinds(mill=mill(makes="rock")), "a `mill` cannot make a `rock`"),
+        (kinds(mill=mill(makes="enemy-unit")), "cannot make a `enemy-unit`"),
+        (kinds(mill=mill(every=0)), "a `mill` cannot work every 0 time units"),
+        (kinds(mill=mill(uses=3)), "uses up a liquid that it cannot contain"),
+        (kinds(mill=mill(needs={"gun": 1})), "a `mill` cannot hold what it needs"),
+        (
+            changed(items=[thing("gun-tool", "box-1"), thing("box")], kinds=BOX),
+            "the place of a `gun-tool` is `box-1`",
+        ),
+        (
+            changed(items=[thing("box"), thing("gun-tool", "box-1", 3)], kinds=BOX),
+            "`box-1` cannot hold all that lies in it",
+        ),
+        (sectors([]), "missing required field"),
+        (sectors(["zone-1"], ["zone-1"]), "`zone-1` is in two sectors"),
+        (sectors(["zone-9"]), "part of the sector `s1` is `zone-9`"),
+        (
+            changed(sectors=[{"name": "s", "spots": []}] * 2),
+            "`s` stands for two sectors",
         ),
     ],
 )

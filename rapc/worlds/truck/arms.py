@@ -1,8 +1,8 @@
 """The primitives of the arms (T B.1): what each does, and how it fails.
 
-An arm is at a place (outside, in a bay, or folded) and there may be at one item.
-What it holds goes with it. An arm that is not one of the truck's is nowhere, at
-nothing, and holds nothing.
+An arm is at a place (outside, in a bay, or folded) and there may be at one item; at a
+container, or at something in it, it is in the container. What it holds goes with it. An
+arm that is not one of the truck's is nowhere, at nothing, and holds nothing.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from rapc.runtime.world import OKAY, Reply
 from rapc.terms import Atom, Fact, Number, number
 from rapc.worlds.truck.enemies import fire
 from rapc.worlds.truck.eye import contents
+from rapc.worlds.truck.machines import switch
+from rapc.worlds.truck.orders import deliver
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL, FOLDED, Arm, Item
 
@@ -19,7 +21,7 @@ NOT_HOLDING = Reply("arm-not-holding")
 
 
 def arm_move(scene: Scene, name: Atom, place: Atom) -> Reply:
-    """Move an arm to a place, or to an item that lies where the arm is."""
+    """Move an arm to a place, or to an item where the arm is, or about it."""
     arm = scene.arm(name)
     if arm is None:
         return Reply("arm-cant-find")
@@ -28,7 +30,7 @@ def arm_move(scene: Scene, name: Atom, place: Atom) -> Reply:
         arm.place, arm.at = spot or FOLDED, None
         return Reply(OKAY)
     item = scene.item(place)
-    if item is None or item.place != scene.true_place(arm.place):
+    if item is None or item.place not in scene.where(arm):
         return Reply("arm-cant-find")
     arm.at = item.name
     return Reply(OKAY)
@@ -39,33 +41,42 @@ def arm_grasp(scene: Scene, name: Atom, thing: Atom) -> Reply:
     arm, item = scene.arm(name), scene.item(thing)
     if arm is None or item is None or arm.at != item.name:
         return NOT_AT
-    if any(a is not arm and a.at == arm.at for a in scene.state.truck.arms.values()):
+    others = (each for each in scene.state.truck.arms.values() if each is not arm)
+    if any(scene.reaches(other, item) for other in others):
         return Reply("arm-interference")
     tool = scene.kind(item).tool
     if tool and all(held.kind != tool for held in scene.items_at(str(name))):
         return Reply("arm-cant-grasp")
-    if not scene.room(str(name), item):
+    if not scene.room(str(name), item.kind):
         return Reply("arm-too-full")
     if scene.rng.uniform(0, 100) < _drops(scene, name):
         return Reply("arm-dropped")
+    container = scene.state.items.get(item.place)
     scene.put(item, str(name))
+    arm.at = container.name if container is not None else None
     scene.sight(item, str(name))
     return Reply(OKAY)
 
 
 def arm_ungrasp(scene: Scene, name: Atom, thing: Atom) -> Reply:
-    """Put a held item down where the arm is; the arm then is at it."""
+    """Put a held item down where the arm is; the arm then is at it.
+
+    In a container the eye sees it arrive: the robot may not know what contains what.
+    """
     arm, item = scene.arm(name), scene.held(name, thing)
     if arm is None or item is None:
         return NOT_HOLDING
-    if arm.place != EXTERNAL and not scene.room(arm.place, item):
+    place = scene.where(arm)[0]
+    if not scene.room(place, item.kind):
         return Reply("container-full")
-    scene.put(item, scene.true_place(arm.place))
-    scene.sight(item, arm.place)
+    scene.put(item, place)
     arm.at = item.name
-    if arm.place == EXTERNAL:
-        scene.deliver(item)
-    return Reply(OKAY)
+    deliver(scene, item)
+    if place not in scene.state.items:
+        scene.sight(item, arm.place)
+        return Reply(OKAY)
+    seen = ("object-seen", scene.called(place), scene.sight(item, place), item.kind)
+    return Reply(OKAY, (seen,))
 
 
 def arm_pour(scene: Scene, name: Atom, thing: Atom) -> Reply:
@@ -77,7 +88,7 @@ def arm_pour(scene: Scene, name: Atom, thing: Atom) -> Reply:
     if arm is None or vessel is None:
         return NOT_HOLDING
     target = scene.at(name)
-    if target is not None and vessel.liquid in _takes(scene, target):
+    if target is not None and _takes(scene, target, vessel.liquid):
         room = scene.kind(target).capacity - target.amount
         flow = min(vessel.amount, room)
         target.liquid, target.amount = vessel.liquid, number(target.amount + flow)
@@ -100,12 +111,12 @@ def arm_ladle(scene: Scene, name: Atom, thing: Atom) -> Reply:
     truck, source = scene.state.truck, scene.at(name)
     room = scene.kind(vessel).capacity - vessel.amount
     if source is not None and scene.kind(source).liquid and source.amount > 0:
-        if source.liquid not in _takes(scene, vessel):
+        if not _takes(scene, vessel, source.liquid):
             return NOT_AT
         flow = min(source.amount, room)
         source.amount = _tidy(source.amount - flow)
         vessel.liquid = source.liquid
-    elif _over_fuel_bay(arm) and truck.fuel > 0 and "fuel" in _takes(scene, vessel):
+    elif _over_fuel_bay(arm) and truck.fuel > 0 and _takes(scene, vessel, "fuel"):
         flow = min(truck.fuel, room)
         truck.fuel = _tidy(truck.fuel - flow)
         vessel.liquid = "fuel"
@@ -116,13 +127,17 @@ def arm_ladle(scene: Scene, name: Atom, thing: Atom) -> Reply:
 
 
 def arm_toggle(scene: Scene, name: Atom, thing: Atom) -> Reply:
-    """Switch the item the arm is at: a gun in its bay fires at enemies."""
+    """Switch a machine on or off; a gun in its bay fires at enemies."""
     item = scene.item(thing)
     if item is None or item is not scene.at(name):
         return NOT_AT
-    if scene.kind(item).rounds is None or item.place != "weapon-bay":
+    kind = scene.kind(item)
+    if kind.machine is not None:
+        switch(scene, item, kind.machine)
+    elif kind.rounds and item.place == "weapon-bay":
+        fire(scene, item)
+    else:
         return Reply("arm-cant-toggle")
-    fire(scene, item)
     return Reply(OKAY)
 
 
@@ -145,14 +160,12 @@ def _held_vessel(scene: Scene, name: Atom, thing: Atom) -> Item | None:
     return item if item is not None and scene.kind(item).liquid else None
 
 
-def _takes(scene: Scene, item: Item) -> tuple[str | None, ...]:
-    """The liquids that may flow into an item: an empty vessel takes any."""
+def _takes(scene: Scene, item: Item, liquid: str | None) -> bool:
+    """Whether a liquid may flow into an item: an empty vessel takes any."""
     kind = scene.kind(item)
-    if kind.rounds:
-        return (kind.rounds,)
-    if kind.liquid is None:
-        return ()
-    return (item.liquid,) if item.amount > 0 else ("fuel", "ammo")
+    if kind.rounds or kind.machine is not None:
+        return liquid == (kind.rounds or kind.liquid)
+    return bool(kind.liquid) and (item.amount == 0 or liquid == item.liquid)
 
 
 def _over_fuel_bay(arm: Arm) -> bool:

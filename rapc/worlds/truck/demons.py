@@ -13,11 +13,12 @@ from collections.abc import Callable, Mapping
 
 from rapc.terms import Number, number
 from rapc.worlds.truck import enemies
-from rapc.worlds.truck.kinds import ENEMY
+from rapc.worlds.truck.machines import work
 from rapc.worlds.truck.map import PRODUCTS
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.shuffle import shuffle
 from rapc.worlds.truck.state import Demon
+from rapc.worlds.truck.weather import change
 
 Job = Callable[[Scene, Demon], Number | None]
 """Does what is to be done, and says after how long again; None: never."""
@@ -31,6 +32,10 @@ def summon(scene: Scene) -> None:
             demons.append(Demon(place.kind, place.name, _pause(scene, place.kind)))
     if settings.shuffle_interval > 0:
         demons.append(Demon("shuffle", "", settings.shuffle_interval))
+    for sector in scene.map.sectors if settings.rain > 0 else ():
+        turn = Demon("weather", sector.name, 0)
+        turn.time = change(scene, turn)
+        demons.append(turn)
     haunts = enemies.haunts(scene.map, settings.enemy_sectors)
     if settings.enemy_interval > 0 and settings.enemy_units > 0 and haunts:
         demons.append(Demon("enemies", "", enemies.pause(scene)))
@@ -69,8 +74,7 @@ def _interval(scene: Scene, job: str) -> Number:
 def _produce(scene: Scene, demon: Demon) -> Number:
     """A quarry or warehouse makes one item, unless too many lie there already."""
     place = scene.map.place(demon.place)
-    lying = sum(item.kind != ENEMY for item in scene.items_at(demon.place))
-    if place is not None and lying < scene.settings.item_limit:
+    if place is not None and not scene.crowded(place.name):
         scene.make(PRODUCTS[place.kind], place.name, place.color)
     return _pause(scene, demon.job)
 
@@ -110,5 +114,7 @@ JOBS: Mapping[str, Job] = {
     "enemies": enemies.appear,
     "leaving": enemies.leave,
     "capture": enemies.capture,
+    "weather": change,
+    "machine": work,
 }
 """All jobs by name."""

@@ -6,14 +6,16 @@ from collections.abc import Iterator
 
 from rapc.runtime.world import OKAY, Reply
 from rapc.terms import Atom, Fact
+from rapc.worlds.truck.machines import running
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import EXTERNAL, Item
+from rapc.worlds.truck.weather import overlooked
 
 CANT_FIND = Reply("eye-cant-find")
 
 
 def eye_scan(scene: Scene, place: Atom) -> Reply:
-    """See all items at a place on the truck or outside, and there the roads too.
+    """See all items outside, on the truck or in a container; outside the roads too.
 
     Items sensed there since the truck arrived, and now gone, are reported first.
     """
@@ -47,20 +49,27 @@ def eye_unmonitor(scene: Scene, kind: Atom) -> Reply:
 
 def notice(scene: Scene) -> Iterator[Fact]:
     """Items outside of the classes looked out for, not sensed there before."""
+    if not scene.state.monitored:
+        return
     for item in scene.items_at(scene.state.truck.place):
         known = scene.state.sighted.get(item.name) == EXTERNAL
-        if item.kind in scene.state.monitored and not known:
+        watched = item.kind in scene.state.monitored
+        if watched and not known and not overlooked(scene, item):
             yield ("object-seen", EXTERNAL, scene.sight(item, EXTERNAL), item.kind)
 
 
 def contents(scene: Scene, item: Item) -> Iterator[Fact]:
-    """What examining an item tells of its contents."""
+    """What examining an item tells of its contents, and of what it is doing."""
     name, kind = scene.sensor_name(item), scene.kind(item)
     if kind.rounds:
         yield ("shots-left", name, item.amount)
     elif item.liquid is not None:
         yield ("vessel", name, item.liquid, item.amount)
         yield ("capacity", name, kind.capacity)
+    if kind.holds:
+        yield ("holds", name, kind.holds)
+    if kind.machine is not None:
+        yield ("machine", name, "running" if running(scene, item) else "idle")
 
 
 def _looks(scene: Scene, item: Item) -> Iterator[Fact]:
@@ -76,12 +85,14 @@ def _gone(scene: Scene, spot: str) -> Iterator[Fact]:
         item = state.items.get(name)
         if item is None or item.place != place:
             del state.sighted[name]
-            yield ("object-gone", spot, state.names.pop(name, name))
+            yield ("object-gone", scene.called(spot), state.names.pop(name, name))
 
 
 def _seen(scene: Scene, spot: str) -> Iterator[Fact]:
+    called = scene.called(spot)
     for item in scene.items_at(scene.true_place(spot)):
-        yield ("object-seen", spot, scene.sight(item, spot), item.kind)
+        if spot != EXTERNAL or not overlooked(scene, item):
+            yield ("object-seen", called, scene.sight(item, spot), item.kind)
 
 
 def _roads(scene: Scene, spot: str) -> Iterator[Fact]:

@@ -45,10 +45,22 @@ def _arm_place(memory: HandlerMemory, arm: Atom) -> Atom:
     return places[-1][2] if places else "unknown"
 
 
-def _not_there(memory: HandlerMemory, item: Atom, place: Atom) -> None:
+def _nest(memory: HandlerMemory, arm: Atom) -> tuple[Atom, ...]:
+    """What an arm is in as far as memory knows, innermost first; its place last."""
+    place = _true_place(memory, _arm_place(memory, arm))
+    at = [fact[2] for fact in memory.query("arm-at", arm, None)]
+    nest: list[Atom] = [item for item in at if memory.value("holds", item) is not None]
+    around = memory.value("location", at[0]) if at else None
+    while around is not None and around not in ("unknown", place, *nest):
+        nest.append(around)
+        around = memory.value("location", around)
+    return (*nest, place)
+
+
+def _not_there(memory: HandlerMemory, item: Atom, *places: Atom) -> None:
     """An item is lost if it was believed where it was not found."""
     believed = memory.value("location", item)
-    if believed is not None and believed == _true_place(memory, place):
+    if believed in [_true_place(memory, place) for place in places]:
         for arm in _ARMS:
             memory.erase("arm-at", arm, item)
         memory.lose(str(item))
@@ -60,7 +72,7 @@ def _not_there(memory: HandlerMemory, item: Atom, place: Atom) -> None:
 def _arm_move(memory: HandlerMemory, request: Fact, result: str) -> None:
     _, arm, target = request
     if result != OKAY:
-        _not_there(memory, target, _arm_place(memory, arm))
+        _not_there(memory, target, *_nest(memory, arm))
         return
     memory.erase("arm-at", arm)
     memory.erase("arm-interference")
@@ -78,6 +90,8 @@ def _arm_grasp(memory: HandlerMemory, request: Fact, result: str) -> None:
         if place is not None:
             memory.erase("too-full-for", place)
         memory.erase("arm-at", arm)
+        if place is not None and memory.query("class", place, None, None):
+            memory.assert_fact("arm-at", arm, place)
         memory.assert_fact("arm-holding", arm, item)
         memory.move(str(item), arm)
     elif result == "arm-too-full":
@@ -93,12 +107,12 @@ def _arm_grasp(memory: HandlerMemory, request: Fact, result: str) -> None:
 
 def _arm_ungrasp(memory: HandlerMemory, request: Fact, result: str) -> None:
     _, arm, item = request
-    place = _arm_place(memory, arm)
+    place = _nest(memory, arm)[0]
     if result == OKAY:
         memory.erase("arm-holding", arm, item)
         memory.erase("too-full-for", arm)
         _replace(memory, "arm-at", arm, item, keep=2)
-        memory.move(str(item), _true_place(memory, place))
+        memory.move(str(item), place)
     elif result == "container-full":
         memory.assert_fact("too-full-for", place, item)
     else:
@@ -122,6 +136,7 @@ def _arm_toggle(memory: HandlerMemory, request: Fact, result: str) -> None:
     _, arm, item = request
     if result == OKAY:
         memory.erase("examined-since-toggle", item)
+        memory.erase("machine-state", item)
         memory.assert_fact("quantity-held", item, "unknown")
     elif result == "arm-not-at":
         memory.erase("arm-at", arm, item)
@@ -237,6 +252,11 @@ def _shots_left(memory: HandlerMemory, datum: Fact) -> None:
     memory.assert_fact("quantity-held", item, rounds)
 
 
+def _machine(memory: HandlerMemory, datum: Fact) -> None:
+    _, item, state = datum
+    memory.assert_fact("machine-state", item, state)
+
+
 def _property(memory: HandlerMemory, datum: Fact) -> None:
     memory.assert_fact(*datum)
 
@@ -273,6 +293,8 @@ _DATA: Mapping[str, DatumHandler] = {
     "vessel": _vessel,
     "shots-left": _shots_left,
     "capacity": _property,
+    "holds": _property,
+    "machine": _machine,
     "color": _property,
     "size": _property,
     "heading": _gauge("truck-heading"),

@@ -1,20 +1,19 @@
 """The map: places, the roads between them, what lies where at the start (T 6.1.1).
 
-A map is data, read from JSON text and checked here; `default_map.py` holds the one
-that is used if no other is given. What the robot may know of it are `facts`: places
+A map is data, read and checked by `map_text`; `default_map` holds the one that is used
+if no other is given. What the robot may know of it are `facts`: places
 and roads, never items.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Literal, get_args
 
 import msgspec
 
-from rapc.spell import nearest
 from rapc.terms import Fact, Number, number
-from rapc.worlds.truck.kinds import COLORED, KINDS, Color
+from rapc.worlds.truck.kinds import KINDS, Color, Kind, Word
 
 Direction = Literal[
     "north",
@@ -30,8 +29,6 @@ DIRECTIONS: tuple[str, ...] = get_args(Direction)
 """The eight directions, clockwise."""
 
 PlaceKind = Literal["quarry", "factory", "warehouse", "depot", "zone"]
-Name = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
-_MOST = 1_000_000
 
 PRODUCTS: Mapping[str, str] = {
     "quarry": "rock",
@@ -47,14 +44,10 @@ TAKEN = frozenset(
 """Names that mean something else in a request or in memory."""
 
 
-class MapError(ValueError):
-    """A map that cannot be used; the text says why, in one line."""
-
-
 class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A place; `color` is that of the rocks of a quarry."""
 
-    name: Name
+    name: Word
     kind: PlaceKind
     color: Color | None = None
 
@@ -68,27 +61,29 @@ class Road(
     """A road from one place in a direction to another; it goes both ways.
 
     `time` and `fuel` are what a trip takes at medium speed, about. `mishap` is the
-    chance that a trip at high speed ends in one.
+    chance that a trip at high speed ends in one, `mud` that a trip in the rain does.
     """
 
-    name: Name
+    name: Word
     a: str
     direction: Direction
     b: str
     time: Number
     fuel: Number
     mishap: Number = 0
+    mud: Number = 0
 
 
 class Sector(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Part of the map, as names of places and roads (T 1.4.2)."""
+    """Part of the map, as names of places and roads; some are always `dark`."""
 
-    name: Name
+    name: Word
     spots: tuple[str, ...]
+    dark: bool = False
 
 
 class Lying(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Items of a kind that lie at a place, or on a road, at the start."""
+    """Items of a kind that lie at a place, a road or in an item, at the start."""
 
     kind: str
     place: str
@@ -113,6 +108,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     roads: tuple[Road, ...]
     items: tuple[Lying, ...] = ()
     sectors: tuple[Sector, ...] = ()
+    kinds: Mapping[Word, Kind] = {}
     heading: Direction = "north"
 
     def legs(self, place: str) -> Iterator[Leg]:
@@ -158,83 +154,3 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 def opposite(direction: str) -> str:
     """The direction half a turn away."""
     return DIRECTIONS[(DIRECTIONS.index(direction) + 4) % 8]
-
-
-def read_map(text: str) -> Map:
-    """A map from JSON text.
-
-    Raises:
-        MapError: for what is no JSON, has other fields, or makes no sense.
-    """
-    try:
-        made = msgspec.json.decode(text.encode(), type=Map)
-    except (msgspec.DecodeError, UnicodeEncodeError, RecursionError) as error:
-        raise MapError(f"cannot be read: {str(error).lower()}") from error
-    for problem in _problems(made):
-        raise MapError(problem)
-    return made
-
-
-def _problems(made: Map) -> Iterator[str]:
-    names = made.spots()
-    for index, name in enumerate(names):
-        if name in names[:index]:
-            yield f"`{name}` stands for two places or roads"
-        if name in TAKEN:
-            yield f"`{name}` cannot be the name of a place or road"
-    places = [place.name for place in made.places]
-    yield from _unknown(made.start, places, "the start")
-    for road in made.roads:
-        for end in (road.a, road.b):
-            yield from _unknown(end, places, f"an end of `{road.name}`")
-        if road.a == road.b:
-            yield f"`{road.name}` leads from `{road.a}` to itself"
-        if not (0 < road.time <= _MOST and 0 <= road.fuel <= _MOST):
-            yield f"`{road.name}` must take time, and no less fuel than none"
-        if not 0 <= road.mishap <= 1:
-            yield f"`{road.name}`: the chance of a mishap is not from 0 to 1"
-    yield from _crossed(made)
-    yield from _bad_colors(made)
-    yield from _bad_sectors(made, names)
-    for lying in made.items:
-        yield from _unknown(lying.kind, KINDS, "an item's kind")
-        yield from _unknown(lying.place, names, f"the place of a `{lying.kind}`")
-
-
-def _unknown(name: str, known: Collection[str], what: str) -> Iterator[str]:
-    if name not in known:
-        near = nearest(name, known)
-        hint = f"; did you mean `{near}`?" if near else ""
-        yield f"{what} is `{name}`, which is unknown{hint}"
-
-
-def _crossed(made: Map) -> Iterator[str]:
-    for place in made.places:
-        taken: dict[str, str] = {}
-        for leg in made.legs(place.name):
-            first = taken.setdefault(leg.direction, leg.road.name)
-            if first != leg.road.name:
-                yield (
-                    f"`{first}` and `{leg.road.name}` both lead "
-                    f"{leg.direction} from `{place.name}`"
-                )
-
-
-def _bad_sectors(made: Map, names: Collection[str]) -> Iterator[str]:
-    sectors: dict[str, str] = {}
-    for index, sector in enumerate(made.sectors):
-        if sector.name in [other.name for other in made.sectors[:index]]:
-            yield f"`{sector.name}` stands for two sectors"
-        for spot in sector.spots:
-            yield from _unknown(spot, names, f"part of the sector `{sector.name}`")
-            if sectors.setdefault(spot, sector.name) != sector.name:
-                yield f"`{spot}` is in two sectors"
-
-
-def _bad_colors(made: Map) -> Iterator[str]:
-    for place in made.places:
-        if (place.color is not None) != (place.kind == "quarry"):
-            yield f"`{place.name}`: quarries alone have a colour"
-    for lying in made.items:
-        if (lying.color is not None) != (lying.kind in COLORED):
-            yield f"`{lying.kind}` at `{lying.place}`: rocks alone have a colour"

@@ -11,6 +11,7 @@ from rapc.worlds.truck.enemies import meet, part
 from rapc.worlds.truck.map import DIRECTIONS, Leg
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import EXTERNAL
+from rapc.worlds.truck.weather import hardships
 
 SPEEDS: Mapping[str, tuple[Number, Number]] = {
     "slow": (1.5, 0.9),
@@ -53,8 +54,9 @@ def truck_move(scene: Scene) -> Reply:
         return Reply("truck-cant-move")
     stop = _stops_on(scene, leg)
     part = leg.part * (0.5 if stop else 1)
-    time, fuel = _cost(scene, leg, part)
-    mishap = _mishap(scene, leg)
+    slower, thirstier, mud = hardships(scene, leg.road)
+    time, fuel = _cost(scene, leg, part, slower, thirstier)
+    mishap = _mishap(scene, leg, mud)
     if fuel > truck.fuel:
         return _stranded(
             scene, leg, time * truck.fuel / fuel, truck.fuel, "out of fuel"
@@ -80,15 +82,21 @@ def _stops_on(scene: Scene, leg: Leg) -> bool:
     return any(item.kind in scene.state.monitored for item in lying)
 
 
-def _cost(scene: Scene, leg: Leg, part: Number) -> tuple[Number, Number]:
+def _cost(
+    scene: Scene, leg: Leg, part: Number, time: Number, fuel: Number
+) -> tuple[Number, Number]:
+    """What a part of a road takes at the set speed, given factors on time and fuel."""
     settings = scene.settings
     slower, thirstier = SPEEDS[scene.state.truck.speed]
-    time = scene.vary(leg.road.time * part * slower, settings.time_spread)
-    fuel = scene.vary(leg.road.fuel * part * thirstier, settings.fuel_spread)
+    time = scene.vary(leg.road.time * part * slower * time, settings.time_spread)
+    fuel = scene.vary(leg.road.fuel * part * thirstier * fuel, settings.fuel_spread)
     return time, number(round(fuel * settings.fuel_use, 2))
 
 
-def _mishap(scene: Scene, leg: Leg) -> bool:
+def _mishap(scene: Scene, leg: Leg, mud: Number) -> bool:
+    """Whether a trip ends in a mishap: at high speed, or stuck in the mud."""
+    if mud > 0 and scene.chance["weather"].random() < mud:
+        return True
     risky = leg.road.mishap > 0 and scene.state.truck.speed == "fast"
     return risky and scene.rng.random() < leg.road.mishap
 

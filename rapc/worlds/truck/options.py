@@ -96,6 +96,21 @@ class Settings(msgspec.Struct, frozen=True, rename="kebab"):
         Number, _row("%", "rounds that drive one enemy unit off", 100)
     ] = 60
 
+    rain: Annotated[Number, _row("%", "of the time it rains in a sector", 100)] = 0
+    weather_interval: Annotated[
+        Number, _row(_TIME, "between changes of a sector's weather")
+    ] = 300
+    rain_time: Annotated[Number, _row("factor", "on a trip's time in the rain")] = 1.25
+    rain_fuel: Annotated[Number, _row("factor", "on a trip's fuel in the rain")] = 1.1
+    day_length: Annotated[
+        Number, _row(_TIME, "from dawn to dawn; 0: it is always day")
+    ] = 0
+    night: Annotated[Number, _row("%", "of a day that is dark, at its end", 100)] = 40
+    dark_time: Annotated[Number, _row("factor", "on a trip's time in the dark")] = 1.2
+    dark_misses: Annotated[
+        Number, _row("%", "items outside that the eye overlooks in the dark", 100)
+    ] = 30
+
 
 def read_settings(options: Mapping[str, Atom | bool]) -> Settings:
     """Settings from option values; those not given have their defaults.
@@ -114,6 +129,8 @@ def read_settings(options: Mapping[str, Atom | bool]) -> Settings:
             raise ValueError(f"`{_kebab(name)}` must be between 0 and {_most(meta)}")
         if name.endswith("_interval") and 0 < value < 1:
             raise ValueError(f"`{_kebab(name)}` must be 0 or at least 1")
+    if settings.rain > 0 and settings.weather_interval < 1:
+        raise ValueError("with `rain`, `weather-interval` must be at least 1")
     return settings
 
 

@@ -73,7 +73,7 @@ def _spots(scene: Scene) -> Iterator[Spot]:
     where = lay_out(scene.map)
     things: dict[str, list[Thing]] = {}
     for item in scene.state.items.values():
-        things.setdefault(item.place, []).append(Thing(item.kind, item.color))
+        things.setdefault(scene.root(item), []).append(Thing(item.kind, item.color))
     for name, at in where.items():
         yield Spot(name, tuple(things.get(name, ())), at)
     for road in scene.map.roads:

@@ -81,6 +81,8 @@ OFFER = Offer(
         "vessel": 3,
         "capacity": 2,
         "shots-left": 2,
+        "holds": 2,
+        "machine": 2,
         "color": 2,
         "size": 2,
         "heading": 1,

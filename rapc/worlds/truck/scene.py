@@ -10,7 +10,7 @@ import random
 from collections.abc import Iterator
 
 from rapc.terms import Number, number
-from rapc.worlds.truck.kinds import KINDS, Kind
+from rapc.worlds.truck.kinds import ENEMY, KINDS, Kind
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.options import Settings
 from rapc.worlds.truck.state import (
@@ -19,12 +19,11 @@ from rapc.worlds.truck.state import (
     EXTERNAL,
     FOLDED,
     Arm,
-    Delivery,
     Item,
     State,
 )
 
-STREAMS = ("shuffle", "enemies", "weapon")
+STREAMS = ("shuffle", "enemies", "weapon", "weather", "dark")
 """The random streams beside the world's first one."""
 
 
@@ -39,6 +38,10 @@ class Scene:
         self, ground: Map, settings: Settings, rng: random.Random, state: State
     ) -> None:
         self.map = ground
+        self.kinds = {**KINDS, **ground.kinds}
+        self.sectors = {
+            spot: sector for sector in ground.sectors for spot in sector.spots
+        }
         self.settings = settings
         self.rng = rng
         self.chance = _streams(rng)
@@ -50,68 +53,120 @@ class Scene:
         """A new item, full if it can hold something, named after its kind."""
         made = self.state.made
         made[kind] = made.get(kind, 0) + 1
-        what = KINDS[kind]
+        what = self.kinds[kind]
         item = Item(
             name=f"{kind}-{made[kind]}",
             kind=kind,
             place=place,
             color=color,
             liquid=what.liquid or what.rounds,
-            amount=what.capacity,
+            amount=what.capacity if what.full else 0,
         )
         self.state.items[item.name] = item
         return item
 
     def remove(self, item: Item) -> None:
-        """An item leaves the world for good."""
+        """An item leaves the world for good, with what it contains."""
+        for inside in list(self.items_at(item.name)) if self.kind(item).holds else ():
+            self.remove(inside)
         self.put(item, "gone")
         del self.state.items[item.name]
         self.state.gone += 1
 
     def put(self, item: Item, place: str) -> None:
-        """An item now is somewhere else; no arm is at it any more."""
-        item.place = place
+        """An item now is somewhere else; no arm is at it, or in it, any more."""
         for arm in self.state.truck.arms.values():
-            if arm.at == item.name:
+            if self.reaches(arm, item):
                 arm.at = None
+        item.place = place
 
     def items_at(self, place: str) -> Iterator[Item]:
         """The items at a place, in the order in which they were made."""
         return (item for item in self.state.items.values() if item.place == place)
 
+    def root(self, item: Item) -> str:
+        """Where an item is, on the map or the truck, whatever it is contained in."""
+        items, place = self.state.items, item.place
+        while place in items:
+            place = items[place].place
+        return place
+
+    def reaches(self, arm: Arm, item: Item) -> bool:
+        """Whether an arm is at an item, or at something inside it."""
+        items, name = self.state.items, arm.at
+        while name is not None and name != item.name:
+            inner = items.get(name)
+            name = inner.place if inner is not None else None
+        return name is not None
+
     def kind(self, item: Item) -> Kind:
         """What an item has in common with others of its kind."""
-        return KINDS[item.kind]
+        return self.kinds[item.kind]
 
     # --- places ----------------------------------------------------------------
 
     def spot(self, place: object) -> str | None:
         """What the truck calls a place within reach of its eye, or None.
 
-        The place where the truck stands and `external` are one.
+        The place where the truck stands and `external` are one. A container goes by
+        its true name.
         """
         if place in (EXTERNAL, self.state.truck.place):
             return EXTERNAL
-        return place if isinstance(place, str) and place in (*BAYS, *ARMS) else None
+        if isinstance(place, str) and place in (*BAYS, *ARMS):
+            return place
+        item = self.item(place)
+        return item.name if item is not None and self.kind(item).holds else None
 
     def true_place(self, spot: str) -> str:
         """The place of the items at a spot: for `external`, where the truck is."""
         return self.state.truck.place if spot == EXTERNAL else spot
 
-    def room(self, place: str, item: Item) -> bool:
-        """Whether an arm or a place on the truck has room for one more item."""
-        settings = self.settings
-        capacity: Number = {
+    def called(self, spot: str) -> str:
+        """What data call a spot: a container by its sensor name."""
+        item = self.state.items.get(spot)
+        return spot if item is None else self.sensor_name(item)
+
+    def where(self, arm: Arm) -> tuple[str, ...]:
+        """What an arm is in, innermost first: containers, then a true place."""
+        items, nest = self.state.items, []
+        item = items[arm.at] if arm.at is not None else None
+        if item is not None and not self.kind(item).holds:
+            item = items.get(item.place)
+        while item is not None:
+            nest.append(item.name)
+            item = items.get(item.place)
+        return (*nest, self.true_place(arm.place))
+
+    def room(self, place: str, kind: str) -> bool:
+        """Whether a true place has room for one more item of a kind.
+
+        Outside there is no end of it; that producers and the demon stop at
+        `item-limit` is their affair.
+        """
+        settings, size = self.settings, self.kinds[kind].size
+        capacities: dict[str, Number] = {
             "arm1": settings.arm1_capacity,
             "arm2": settings.arm2_capacity,
             "bay1": settings.bay1_capacity,
             "bay2": settings.bay2_capacity,
-            "weapon-bay": KINDS["gun"].size if self.kind(item).rounds else 0,
+            "weapon-bay": KINDS["gun"].size if self.kinds[kind].rounds else 0,
             "fuel-bay": 0,
             FOLDED: 0,
-        }[place]
-        held = sum(self.kind(other).size for other in self.items_at(place))
-        return held + self.kind(item).size <= capacity
+        }
+        container = self.state.items.get(place)
+        if container is not None:
+            capacity: Number = self.kind(container).holds
+        elif place in capacities:
+            capacity = capacities[place]
+        else:
+            return True
+        return size + sum(self.kind(i).size for i in self.items_at(place)) <= capacity
+
+    def crowded(self, place: str) -> bool:
+        """Whether so much lies at a place of the map that no more may be made there."""
+        lying = sum(item.kind != ENEMY for item in self.items_at(place))
+        return lying >= self.settings.item_limit
 
     # --- what a request means --------------------------------------------------
 
@@ -128,7 +183,7 @@ class Scene:
         if item is None or self.sensor_name(item) != str(sensor_name):
             return None
         within = (self.state.truck.place, *BAYS, *ARMS)
-        return item if item.place in within else None
+        return item if self.root(item) in within else None
 
     def held(self, arm: object, sensor_name: object) -> Item | None:
         """The item of a sensor name if that arm holds it, or None."""
@@ -143,7 +198,7 @@ class Scene:
 
     def sensor_name(self, item: Item) -> str:
         """An item's sensor name; without lasting names, its own for this visit."""
-        if self.settings.lasting_names or self.kind(item).distinct:
+        if self.settings.lasting_names or not self.kind(item).indistinct:
             return item.name
         return self.state.names.get(item.name, "")
 
@@ -155,27 +210,6 @@ class Scene:
             state.named += 1
             state.names[item.name] = f"{item.kind}-s{state.named}"
         return self.sensor_name(item)
-
-    # --- orders ----------------------------------------------------------------
-
-    def deliver(self, item: Item) -> None:
-        """A rock put down at a factory is logged, and counts once for one order."""
-        state, place = self.state, self.map.place(item.place)
-        if place is None or place.kind != "factory" or item.color is None:
-            return
-        made = Delivery(state.now, item.name, item.color, place.name)
-        again = any(
-            (d.item, d.factory) == (item.name, place.name) for d in state.deliveries
-        )
-        state.deliveries.append(made)
-        if again:
-            return
-        for order in state.orders:
-            wanted = (order.color, order.factory) == (item.color, place.name)
-            if wanted and order.filled is None and order.time <= state.now:
-                order.received += 1
-                order.filled = state.now if order.received == order.rocks else None
-                return
 
     # --- the end ---------------------------------------------------------------
 

@@ -15,7 +15,7 @@ def shuffle(scene: Scene, demon: Demon) -> Number | None:
     """Move some of what lies about to other places, chosen at random.
 
     Never at factories, never to a place that holds `item-limit` items already, and
-    nothing that is on the truck.
+    nothing that is on the truck or fixed.
     """
     settings, rng = scene.settings, scene.chance["shuffle"]
     if 0 < settings.shuffle_until <= scene.state.now:
@@ -24,8 +24,9 @@ def shuffle(scene: Scene, demon: Demon) -> Number | None:
     counts = {place: len(items) for place, items in lying.items()}
     for place, items in lying.items():
         for item in items:
-            left = item.kind in TOOLS and not settings.shuffle_tools
-            if left or rng.uniform(0, 100) >= settings.shuffle_efficiency:
+            tool = item.kind in TOOLS and not settings.shuffle_tools
+            stays = tool or scene.kind(item).fixed
+            if stays or rng.uniform(0, 100) >= settings.shuffle_efficiency:
                 continue
             room = [p for p, n in counts.items() if n < settings.item_limit]
             others = [p for p in room if p != place]

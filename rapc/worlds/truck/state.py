@@ -14,7 +14,7 @@ FOLDED = "folded"
 
 
 class Item(msgspec.Struct):
-    """A thing. `place` is a place or road of the map, a bay or an arm.
+    """A thing. `place` is a place or road of the map, a bay, an arm or a container.
 
     `liquid` and `amount` are what a vessel or weapon holds.
     """
@@ -99,6 +99,7 @@ class State(msgspec.Struct):
         names: their sensor names, where those do not last.
         made: how many items of each kind there have ever been.
         gone: how many items factories took in, the depot removed, or enemies were.
+        raining: the sectors in which it rains.
         pending: data for `messages`.
     """
 
@@ -115,5 +116,6 @@ class State(msgspec.Struct):
     monitored: list[str] = msgspec.field(default_factory=list)
     made: dict[str, int] = msgspec.field(default_factory=dict)
     gone: int = 0
+    raining: list[str] = msgspec.field(default_factory=list)
     pending: list[Fact] = msgspec.field(default_factory=list)
     ended: str | None = None

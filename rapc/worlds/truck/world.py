@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Mapping, Sequence
-from typing import cast
 
 import msgspec
 
@@ -29,9 +28,11 @@ from rapc.worlds.truck import eye
 from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.demons import pass_time, summon
 from rapc.worlds.truck.handlers import HANDLERS
-from rapc.worlds.truck.kinds import KINDS, Color
-from rapc.worlds.truck.map import Lying, Map, MapError, read_map
+from rapc.worlds.truck.kinds import KINDS
+from rapc.worlds.truck.map import Lying, Map
+from rapc.worlds.truck.map_text import MapError, read_map
 from rapc.worlds.truck.options import Settings, describe_options, read_settings
+from rapc.worlds.truck.orders import read_orders
 from rapc.worlds.truck.picture import draw
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
@@ -70,7 +71,7 @@ class TruckWorld(World):
         for lying in ground.items:
             for _ in range(lying.count):
                 self._place(lying)
-        self._scene.state.orders.extend(_read_orders(settings.orders, ground))
+        self._scene.state.orders.extend(read_orders(settings.orders, ground))
         summon(self._scene)
         self._scene.state.pending.extend(_first_data(truck))
 
@@ -218,24 +219,6 @@ def _read_map(settings: Settings) -> Map:
         return read_map(settings.map or MAP)
     except MapError as error:
         raise ValueError(f"`map`: {error}") from error
-
-
-def _read_orders(text: str, ground: Map) -> Iterable[Order]:
-    if not text:
-        return
-    try:
-        rows = msgspec.json.decode(
-            text.encode(), type=list[tuple[Number, Color, int, str]]
-        )
-    except (msgspec.DecodeError, UnicodeEncodeError) as error:
-        raise ValueError(f"`orders`: {str(error).lower()}") from error
-    for time, color, rocks, factory in rows:
-        place = ground.place(factory)
-        if place is None or place.kind != "factory":
-            raise ValueError(f"`orders`: `{factory}` is no factory")
-        if rocks < 1 or time < 0:
-            raise ValueError("`orders`: an order of no rocks, or before the start")
-        yield Order(number(time), cast(str, color), rocks, factory)
 
 
 def _first_data(truck: Truck) -> Iterable[Fact]:

@@ -1,0 +1,67 @@
+"""Items that act by themselves once they are switched on (T 1.4.2, B.1).
+
+What a kind of machine does is declared on the map; see `kinds.Machine`. A machine that
+runs has a demon of its own, wherever it stands or is carried.
+"""
+
+from __future__ import annotations
+
+from rapc.terms import Number, number
+from rapc.worlds.truck.kinds import Machine
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import Demon, Item
+from rapc.worlds.truck.weather import dark
+
+
+def running(scene: Scene, item: Item) -> bool:
+    """Whether a machine is switched on."""
+    return any((d.job, d.place) == ("machine", item.name) for d in scene.state.demons)
+
+
+def switch(scene: Scene, item: Item, machine: Machine) -> None:
+    """Switch a machine on, or off if it is on."""
+    state = scene.state
+    if running(scene, item):
+        state.demons = [
+            d for d in state.demons if (d.job, d.place) != ("machine", item.name)
+        ]
+        return
+    due = number(round(state.now + machine.every, 2))
+    state.demons.append(Demon("machine", item.name, due))
+
+
+def work(scene: Scene, demon: Demon) -> Number | None:
+    """One round of a machine's work; it switches itself off when it cannot go on."""
+    item = scene.state.items.get(demon.place)
+    machine = scene.kind(item).machine if item is not None else None
+    if item is None or machine is None:
+        return None
+    if machine.daylight and dark(scene, scene.root(item)):
+        return machine.every
+    used = _used(scene, item, machine)
+    if used is None or item.amount < machine.uses:
+        return None
+    if not _room(scene, item.place, machine.makes):
+        return None
+    item.amount = number(round(item.amount - machine.uses, 2))
+    for each in used:
+        scene.remove(each)
+    scene.make(machine.makes, item.place)
+    return machine.every
+
+
+def _room(scene: Scene, place: str, kind: str) -> bool:
+    if place in scene.map.spots():
+        return not scene.crowded(place)
+    return scene.room(place, kind)
+
+
+def _used(scene: Scene, item: Item, machine: Machine) -> list[Item] | None:
+    """The items in a machine that one round uses up; None if some are missing."""
+    used: list[Item] = []
+    for kind, count in machine.needs.items():
+        inside = [each for each in scene.items_at(item.name) if each.kind == kind]
+        if len(inside) < count:
+            return None
+        used += inside[:count]
+    return used

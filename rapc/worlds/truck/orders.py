@@ -1,0 +1,57 @@
+"""Orders and deliveries as the world counts them (T 6.1.3); the robot is not told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import cast
+
+import msgspec
+
+from rapc.terms import Number, number
+from rapc.worlds.truck.kinds import Color
+from rapc.worlds.truck.map import Map
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import Delivery, Item, Order
+
+
+def read_orders(text: str, ground: Map) -> Iterator[Order]:
+    """The orders of the option `orders`: rows of time, colour, rocks and factory.
+
+    Raises:
+        ValueError: for what is no JSON, or makes no sense on the map.
+    """
+    if not text:
+        return
+    try:
+        rows = msgspec.json.decode(
+            text.encode(), type=list[tuple[Number, Color, int, str]]
+        )
+    except (msgspec.DecodeError, UnicodeEncodeError) as error:
+        raise ValueError(f"`orders`: {str(error).lower()}") from error
+    for time, color, rocks, factory in rows:
+        place = ground.place(factory)
+        if place is None or place.kind != "factory":
+            raise ValueError(f"`orders`: `{factory}` is no factory")
+        if rocks < 1 or time < 0:
+            raise ValueError("`orders`: an order of no rocks, or before the start")
+        yield Order(number(time), cast(str, color), rocks, factory)
+
+
+def deliver(scene: Scene, item: Item) -> None:
+    """A rock put down at a factory is logged, and counts once for one order."""
+    state, place = scene.state, scene.map.place(item.place)
+    if place is None or place.kind != "factory" or item.color is None:
+        return
+    made = Delivery(state.now, item.name, item.color, place.name)
+    again = any(
+        (d.item, d.factory) == (item.name, place.name) for d in state.deliveries
+    )
+    state.deliveries.append(made)
+    if again:
+        return
+    for order in state.orders:
+        wanted = (order.color, order.factory) == (item.color, place.name)
+        if wanted and order.filled is None and order.time <= state.now:
+            order.received += 1
+            order.filled = state.now if order.received == order.rocks else None
+            return

@@ -1,0 +1,54 @@
+"""Rain and darkness over the sectors of the map, and what they do (T 1.4.2).
+
+Rain comes to a sector and goes; it makes roads slower, thirstier, and muddy ones
+dangerous. Night falls everywhere, in some sectors it never ends; then trips take longer
+and the eye overlooks things outside. The robot is told neither.
+"""
+
+from __future__ import annotations
+
+from rapc.terms import Number
+from rapc.worlds.truck.map import Road
+from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.state import Demon, Item
+
+
+def change(scene: Scene, demon: Demon) -> Number:
+    """The weather of a sector turns to rain or to sun, and stays so for a while."""
+    settings, rng = scene.settings, scene.chance["weather"]
+    rained = [name for name in scene.state.raining if name != demon.place]
+    rains = rng.uniform(0, 100) < settings.rain
+    scene.state.raining = [*rained, demon.place] if rains else rained
+    return scene.vary(settings.weather_interval, 50, "weather")
+
+
+def raining(scene: Scene, spot: str) -> bool:
+    """Whether it rains at a place or on a road."""
+    sector = scene.sectors.get(spot)
+    return sector is not None and sector.name in scene.state.raining
+
+
+def dark(scene: Scene, spot: str) -> bool:
+    """Whether it is dark at a place or on a road."""
+    day, sector = scene.settings.day_length, scene.sectors.get(spot)
+    if sector is not None and sector.dark:
+        return True
+    return day > 0 and scene.state.now % day >= day * (1 - scene.settings.night / 100)
+
+
+def hardships(scene: Scene, road: Road) -> tuple[Number, Number, Number]:
+    """The factors on time and fuel for a trip down a road, and the chance of mud."""
+    settings = scene.settings
+    time, fuel, mud = 1.0, 1.0, 0.0
+    if raining(scene, road.name):
+        time, fuel, mud = settings.rain_time, settings.rain_fuel, road.mud
+    if dark(scene, road.name):
+        time *= settings.dark_time
+    return time, fuel, mud
+
+
+def overlooked(scene: Scene, item: Item) -> bool:
+    """Whether the eye misses an item outside that it has not seen there before."""
+    if item.name in scene.state.sighted or not dark(scene, item.place):
+        return False
+    return scene.chance["dark"].uniform(0, 100) < scene.settings.dark_misses
