@@ -46,19 +46,27 @@ def _result(compute: Callable[[], float]) -> Number:
         found = number(compute())
     except (ValueError, OverflowError):
         found = MOST + 1
-    if abs(found) > MOST:
+    return _measured(found)
+
+
+def _measured(found: Number) -> Number:
+    if not -MOST <= found <= MOST:
         raise Fault("the result is too large")
     return found
 
 
 def add(args: Sequence[object]) -> Number:
     """`(+ a b ...)`. Raises Fault on anything but numbers, and beyond measure."""
+    if len(args) == 2 and type(args[0]) is int and type(args[1]) is int:
+        return _measured(args[0] + args[1])
     values = _numbers(args)
     return _result(lambda: sum(values))
 
 
 def subtract(args: Sequence[object]) -> Number:
     """`(- a b ...)`; `(- a)` is the negative. Raises Fault as `add`."""
+    if len(args) == 2 and type(args[0]) is int and type(args[1]) is int:
+        return _measured(args[0] - args[1])
     first, *rest = _numbers(args)
     return _result(lambda: first - sum(rest) if rest else -first)
 

@@ -129,7 +129,8 @@ class Scope:
     """One generated function while it is being written.
 
     `bound` are the variables surely bound here, `maybe` those bound in some branch
-    of an `or` only (their locals may hold UNBOUND).
+    of an `or` only (their locals may hold UNBOUND). `head` are its first lines, where
+    they are not those of a function that is called with its parameters.
     """
 
     def __init__(
@@ -139,6 +140,7 @@ class Scope:
         self.name = name
         self.ending = ending
         self.parameters = tuple(bound)
+        self.head: list[str] = []
         self.bound: set[str] = set(self.parameters)
         self.maybe: set[str] = set()
         self.loops = 0
@@ -203,14 +205,27 @@ class Scope:
         """End with a solution, given as an expression."""
         self.line(self.ending.value[0].format(solution))
 
+    def hand_on(self, call: str) -> None:
+        """End with the solutions that another function of the same ending finds."""
+        if self.ending is Ending.EACH:
+            self.line(f"yield from {call}")
+        elif self.ending is Ending.ANY:
+            self.line(f"if {call}: return True")
+        elif self.ending is Ending.ALL:
+            self.line(f"found.extend({call})")
+        else:
+            answer = self.emitter.fresh("t")
+            self.line(f"{answer} = {call}")
+            self.line(f"if {answer} is not None: return {answer}")
+
     def values(self, exports: Iterable[str]) -> str:
         """The expression for a tuple of the values of variables."""
         return f"({''.join(f'{self.local(name)}, ' for name in exports)})"
 
-    def close(self, head: Iterable[str] = ()) -> None:
-        """Hand the function's source to the emitter; `head` is put before all."""
+    def close(self) -> None:
+        """Hand the function's source to the emitter."""
         names = ", ".join(self.emitter.local(p) for p in self.parameters)
-        opened = list(head) or [f"def {self.name}({names}):"]
+        opened = self.head or [f"def {self.name}({names}):"]
         if self.ending is Ending.ALL:
-            opened.append("    found = []")
+            opened = [*opened, "    found = []"]
         self.emitter.add([*opened, *self._lines, f"    {self.ending.value[1]}"])

@@ -23,6 +23,34 @@ from rapc.ir import nodes
 from rapc.terms import is_number
 
 
+def solve(
+    clause: Clause,
+    scope: Scope,
+    formula: nodes.Formula,
+    answer: Callable[[Scope], str],
+) -> None:
+    """Write a formula with which a function ends, and close the function.
+
+    `answer` is the expression for a solution. The branches of an `or` that nothing
+    follows become functions that end in the same way.
+    """
+    *before, last = [nodes.Truth(True), *_conjuncts(formula)]
+    write(clause, scope, nodes.And(tuple(before)))
+    if not isinstance(last, nodes.Or) or not last.parts:
+        write(clause, scope, last)
+        scope.finish(answer(scope))
+        scope.close()
+        return
+    clause.note(last, Way.EITHER, most=None)
+    clause.emitter.depth += 1
+    for branch in last.parts:
+        inner = scope.child("either", (*scope.bound, *scope.maybe), scope.ending)
+        solve(clause, inner, branch, answer)
+        scope.hand_on(scope.call(inner))
+    clause.emitter.depth -= 1
+    scope.close()
+
+
 def write(clause: Clause, scope: Scope, formula: nodes.Formula) -> None:
     """Append the code of a formula; what follows runs once for each solution."""
     unsure = scope.maybe and type(formula) not in _CONNECTIVES
@@ -69,7 +97,7 @@ def _and(clause: Clause, scope: Scope, formula: nodes.And) -> None:
         write(clause, scope, part)
 
 
-def _conjuncts(formula: nodes.And) -> Iterator[nodes.Formula]:
+def _conjuncts(formula: nodes.Formula) -> Iterator[nodes.Formula]:
     stack: list[nodes.Formula] = [formula]
     while stack:
         top = stack.pop()
@@ -168,10 +196,8 @@ def _not(clause: Clause, scope: Scope, formula: nodes.Not) -> None:
     clause.note(formula, Way.NEITHER)
     inner = scope.child("no", variables(formula.part), Ending.ANY)
     clause.emitter.depth += 1
-    write(clause, inner, formula.part)
+    solve(clause, inner, formula.part, lambda _: "True")
     clause.emitter.depth -= 1
-    inner.finish("True")
-    inner.close()
     scope.refuse(scope.call(inner))
 
 

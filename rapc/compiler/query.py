@@ -152,13 +152,17 @@ class Query:
         emitter = Emitter()
         scope = Scope(emitter, "query", inputs, ending)
         clause = Clause(emitter, self._vocabulary, self.where, self._later)
-        head = _given(scope) if given else _from_environment(scope)
-        formulas.write(clause, scope, self.formula)
-        known = scope.bound | scope.maybe
-        outputs = tuple(n for n in self.variables if n in known and n not in inputs)
-        scope.finish(_answer(scope, outputs))
-        scope.close(head)
-        return emitter, outputs
+        scope.head = _given(scope) if given else _from_environment(scope)
+        found: set[str] = set()
+
+        def answer(scope: Scope) -> str:
+            known = scope.bound | scope.maybe
+            outputs = [n for n in self.variables if n in known and n not in inputs]
+            found.update(outputs)
+            return _answer(scope, outputs)
+
+        formulas.solve(clause, scope, self.formula, answer)
+        return emitter, tuple(n for n in self.variables if n in found)
 
     def _later(self, part: nodes.Formula) -> Query:
         return Query(part, self._vocabulary, self.where)

@@ -104,10 +104,14 @@ class Memory:
 
     def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:
         """A fact, prefix or pattern with the names that stand for others now."""
-        if not self.items.aliases:
+        aliases = self.items.aliases
+        if not aliases:
             return fact
-        name_of = self.items.canonical
-        return (fact[0], *[name_of(part) for part in fact[1:]]) if fact else fact
+        for part in fact[1:]:
+            if type(part) is str and part in aliases:
+                name_of = self.items.canonical
+                return (fact[0], *[name_of(part) for part in fact[1:]])
+        return fact
 
     def refuse_by_hand(self, fact: Fact) -> None:
         """Only introduce, move and lose set an item's place and introducing class.
