@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from itertools import islice
+from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rapc.compiler.emitter import Ending
+from rapc.compiler.query import Query
 from rapc.ir import nodes
 from rapc.parser.printer import format_formula
+from rapc.resources import Value
 
 from .dice import Case, Dice, dice, sizes
-from .memories import memories, query
+from .memories import Memories, apply, memories, query
 from .reference import solutions
 
 ENOUGH = 60
@@ -28,6 +32,33 @@ def agree(case: Case, formula: nodes.Formula) -> None:
     first = wanted[0] if wanted else None
     assert asked.first(both.context, case.env) == first
     assert asked.holds(both.context, case.env) is bool(wanted)
+    assert one_by_one(both, asked, case.env, Ending.FIRST) == first
+    assert one_by_one(both, asked, case.env, Ending.ANY) is bool(wanted)
+
+
+def one_by_one(
+    both: Memories, asked: Query, env: dict[str, Value], ending: Ending
+) -> Any:
+    """What a query says that is given its values one by one, as a host's is."""
+    names = tuple(name for name in reversed(asked.variables) if name in env)
+    ask = asked.plan(names, ending, given=True).bind(both.context, {})
+    return ask(*[env[name] for name in names])
+
+
+@settings(max_examples=300)
+@given(dice(), sizes, st.integers(1, 5))
+def test_answers_follow_a_memory_that_changes(
+    thrown: Dice, size: int, leaves: int
+) -> None:
+    both, env = memories(thrown.changes(size)), thrown.env()
+    formula = nodes.And((thrown.pattern(), thrown.formula(leaves)))
+    asked = query(formula)
+    for _ in range(8):
+        plain = [*islice(solutions(both.mind, env, formula), ENOUGH + 1)]
+        if len(plain) <= ENOUGH:
+            wanted = [{n: v for n, v in s.items() if n not in env} for s in plain]
+            assert one_by_one(both, asked, env, Ending.ALL) == wanted
+        apply(both, thrown.change())
 
 
 @settings(max_examples=2000)
