@@ -225,21 +225,15 @@ class Rapc(Peer):
         self.sensors = [f"s_{i}" for i in range(n)]
         for sensor in self.sensors:
             self.run.submit(rapc.Submission(("watch", sensor)))
-        self.settle()
+        self.run.settle()
 
     def woken(self, sensor: str) -> None:
         """What the primitive `reset` calls."""
         self.fired += 1
 
-    def settle(self) -> None:
-        """Run until no task can go on now."""
-        step = self.run.step
-        while step(wait=False):
-            pass
-
     def w3_fire(self, i: int) -> None:
         self.run.assert_fact("sensor", self.sensors[i], "on")
-        self.settle()
+        self.run.settle()
 
     def w4_setup(self, b: int, d: int) -> None:
         self.library = _compiled(_levels(b, d))

@@ -19,7 +19,7 @@ from rapc.runtime.task import ELIGIBLE, Env, MethodRun, Task, Waiting
 from rapc.terms import number
 
 
-def create_top(machine: Machine, submission: Submission) -> Task:
+def create_top(machine: Machine, submission: Submission) -> None:
     """A top-level task joins the run; its goal was looked at when it was given."""
     name, *args = machine.memory.canonical(submission.goal)
     plan = machine.library.rap(str(name))
@@ -37,7 +37,7 @@ def create_top(machine: Machine, submission: Submission) -> Task:
         task.wait.given_deadline = submission.deadline
         machine.monitors.state_deadline(task)
     let_go(machine, task)
-    return task
+    machine.given.append(task)
 
 
 def make(machine: Machine, run: MethodRun, step: StepPlan) -> Task:

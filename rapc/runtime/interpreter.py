@@ -1,7 +1,7 @@
 """The interpreter: a library, a world and tasks put together and run.
 
-Wiring only: one turn takes in what the world has sent, tests what has changed, and
-processes one task (T figure 3.3, semantics 4). What a cycle does is in `cycle`.
+Wiring only: what a host may do to a run, before it and while it goes on. How it goes
+on is in `rapc.runtime.turns`.
 """
 
 from __future__ import annotations
@@ -15,11 +15,7 @@ from rapc.compiler.plans import CompiledLibrary
 from rapc.ir.nodes import Formula
 from rapc.parser.parse import parse_formula
 from rapc.runtime import standing
-from rapc.runtime.beginnings import (
-    create_top,
-    when_time_comes,
-)
-from rapc.runtime.cycle import run_cycle
+from rapc.runtime.beginnings import create_top
 from rapc.runtime.endings import remove
 from rapc.runtime.events import RunEnded, TaskResult
 from rapc.runtime.machine import ContextListener, Machine, Settings
@@ -27,13 +23,12 @@ from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.question import Question
 from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused, refusals, refuse_extension, refuse_tasks
-from rapc.runtime.requests import take_in
 from rapc.runtime.signals import signal
 from rapc.runtime.standing import AgendaEntry
 from rapc.runtime.submission import Submission
-from rapc.runtime.task import Task
+from rapc.runtime.turns import Turns
 from rapc.runtime.world import Time, World
-from rapc.terms import Atom, Fact, match, number
+from rapc.terms import Atom, Fact, match
 
 
 class Interpreter:
@@ -81,12 +76,9 @@ class Interpreter:
         found = refusals(library.library, world, functions, compare)
         if found:
             raise Refused(found)
-        self._given: list[Task] = []
-        self._scheduled: list[tuple[Time, int, Submission]] = []
+        self._turns = Turns(self._machine)
         self._serial = 0
         self._at_the_end: list[Callable[[], None]] = []
-        self._expected = 0
-        self._idle = 0
         self._started = False
         self._reason: str | None = None
 
@@ -175,10 +167,10 @@ class Interpreter:
         self.start()
         if task.at is not None and task.at > self.now:
             self._serial += 1
-            self._expected += not task.background
-            heapq.heappush(self._scheduled, (task.at, self._serial, task))
+            self._machine.expected += not task.background
+            heapq.heappush(self._machine.scheduled, (task.at, self._serial, task))
         else:
-            self._create(task)
+            create_top(self._machine, task)
 
     def cancel(self, goal: Fact) -> int:
         """Cancel every live top-level task that a goal matches; how many they were.
@@ -188,7 +180,7 @@ class Interpreter:
         goal = self._machine.memory.canonical(goal)
         found = [
             task
-            for task in self._given
+            for task in self._machine.given
             if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
         ]
         for task in found:
@@ -210,10 +202,6 @@ class Interpreter:
         refuse_extension(self._machine.library.library, library.library)
         self._machine.library = library
 
-    def _create(self, submission: Submission) -> None:
-        task = create_top(self._machine, submission)
-        self._given.append(task)
-
     # --- running --------------------------------------------------------------------
 
     def run(self, until: Time | None = None, cycles: int | None = None) -> str:
@@ -223,13 +211,11 @@ class Interpreter:
         over; it is over for good.
         """
         self._machine.until = until
-        while self._reason is None:
-            if cycles is not None:
-                if cycles <= 0:
-                    self.end(self._over() or "cycles")
-                    break
-                cycles -= 1
-            self.step()
+        self.start()
+        if self._reason is None:
+            most = None if cycles is None else max(cycles, 0)
+            reason = self._turns.go(most, wait=True)
+            self.end(reason or self._turns.reason() or "cycles")
         return self._reason or "done"
 
     def step(self, wait: bool = True) -> bool:
@@ -237,26 +223,21 @@ class Interpreter:
 
         Without `wait` also False, and nothing done, if no task can go on now.
         """
+        return self._go(1, wait) == 1
+
+    def settle(self) -> int:
+        """Run cycles until no task can go on now; how many they were."""
+        return self._go(None, wait=False)
+
+    def _go(self, most: int | None, wait: bool) -> int:
         self.start()
-        machine = self._machine
-        while self._reason is None:
-            machine.look_at_clock()
-            if not machine.late:
-                self._take_in()
-            over = self._over()
-            if over is not None:
-                self.end(over)
-                break
-            task = machine.agenda.choose()
-            if task is not None:
-                before = machine.recorder.time
-                run_cycle(machine, task)
-                self._spend(before)
-                return True
-            if not wait:
-                break
-            self._wait()
-        return False
+        recorder = self._machine.recorder
+        before = recorder.cycle
+        if self._reason is None:
+            reason = self._turns.go(most, wait)
+            if reason is not None:
+                self.end(reason)
+        return recorder.cycle - before
 
     def start(
         self,
@@ -278,61 +259,6 @@ class Interpreter:
         for fact in machine.world.facts():
             self.assert_fact(*fact)
 
-    def _take_in(self) -> None:
-        """What falls on this time, up to the choice (semantics 4)."""
-        machine = self._machine
-        machine.keep_appointments()
-        machine.access.settle()
-        take_in(machine, machine.world.messages())
-        while self._scheduled and self._scheduled[0][0] <= self.now:
-            submission = heapq.heappop(self._scheduled)[2]
-            self._expected -= not submission.background
-            self._create(submission)
-        for task in machine.monitors.due():
-            if task.wait is None or not task.wait.held:
-                when_time_comes(machine, task)
-        machine.monitors.settle()
-
-    def _over(self) -> str | None:
-        machine = self._machine
-        if machine.late:
-            return "until"
-        if machine.world.ended() is not None:
-            return "world"
-        if not (machine.foreground or self._expected or machine.appointments):
-            return "done"
-        if self._idle > machine.settings.idle_cycles:
-            return "runaway"
-        return None
-
-    def _spend(self, before: Time) -> None:
-        """Let a cycle take its time, and count cycles in which no time passes."""
-        machine = self._machine
-        if machine.settings.cycle_cost:
-            cost = machine.settings.cycle_cost
-            machine.world.advance(number(machine.world.now() + cost))
-            machine.look_at_clock()
-        self._idle = self._idle + 1 if machine.recorder.time == before else 0
-
-    def _wait(self) -> None:
-        """Nothing is eligible: move time on to what comes next, or end the run."""
-        machine = self._machine
-        times = [machine.monitors.next_time(), machine.world.next_time()]
-        for waiting in (self._scheduled, machine.appointments):
-            times.extend(entry[0] for entry in waiting[:1])
-        known = [time for time in times if time is not None]
-        if not known:
-            self.end("stuck")
-            return
-        target = max(min(known), machine.recorder.time)
-        if machine.until is not None and target > machine.until:
-            if machine.recorder.time == machine.until:
-                self.end("until")
-                return
-            target = machine.until
-        self._idle = self._idle + 1 if target == machine.recorder.time else 0
-        machine.world.advance(target)
-
     # --- the end ------------------------------------------------------------------
 
     def end(self, reason: str) -> None:
@@ -341,11 +267,12 @@ class Interpreter:
             return
         self._reason = reason
         machine = self._machine
+        machine.over = True
         for action in self._at_the_end:
             action()
         results = self.results()
         waiting = () if reason == "done" else self.waiting()
-        for task in self._given:
+        for task in self._machine.given:
             if task.live:
                 remove(machine, task, "run-over")
         if machine.recorder.on:
@@ -355,7 +282,7 @@ class Interpreter:
 
     def results(self) -> tuple[TaskResult, ...]:
         """What has become of each task given so far, in the order in which it came."""
-        return standing.results(self._given)
+        return standing.results(self._machine.given)
 
     def agenda(self) -> tuple[AgendaEntry, ...]:
         """All live tasks as they stand now, by number, each with its slack."""

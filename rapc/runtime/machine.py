@@ -22,6 +22,7 @@ from rapc.runtime.memory.assembly import assemble
 from rapc.runtime.monitors import Monitors
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.renaming import rename
+from rapc.runtime.submission import Submission
 from rapc.runtime.task import Task
 from rapc.runtime.world import Time, World
 from rapc.spell import nearest
@@ -81,8 +82,9 @@ class Machine:
     `tasks` are the live tasks by number; `pending` the tasks whose requests are under
     way, by ticket (None once the task is gone); `listening` the steps that wait for a
     signal, by the signal's name; `under_way` how many tasks of each identity are at
-    work on a method; `foreground` counts the live top-level tasks that
-    keep the run going, `succeeded` the tasks of all levels that have ended well.
+    work on a method. `given` are the top-level tasks so far and `scheduled` those for
+    later, of which `expected` are to keep the run going; `foreground` counts the live
+    ones that do, `succeeded` the tasks of all levels that have ended well.
     """
 
     def __init__(
@@ -112,6 +114,7 @@ class Machine:
         )
         self.memory = parts.memory
         self.access = parts.access
+        self.recognizer = parts.recognizer
         parts.recognizer.renamed = partial(rename, self)
         self.context = QueryContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng)
@@ -120,8 +123,12 @@ class Machine:
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}
         self.under_way: dict[object, int] = {}
+        self.given: list[Task] = []
+        self.scheduled: list[tuple[Time, int, Submission]] = []
+        self.expected = 0
         self.foreground = 0
         self.succeeded = 0
+        self.over = False
         self.until: Time | None = None
         self.late = False
         self.appointments: list[tuple[Time, int, Callable[[], None]]] = []
@@ -138,6 +145,8 @@ class Machine:
     def look_at_clock(self) -> None:
         """Take the time from the world; for the run it stops at `until`."""
         now = self.world.now()
+        if now == self.recorder.time and (self.until is None or now <= self.until):
+            return
         self.late = self.until is not None and now > self.until
         self.recorder.time = self.until if self.late and self.until is not None else now
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 from rapc.runtime.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.items import Item
@@ -72,6 +69,24 @@ class MemoryView:
         return None if stamp is None or stamp == NEVER else self.now - stamp
 
 
+class Batch:
+    """Changes of memory that belong together; made by `HandlerAccess.batch`."""
+
+    __slots__ = ("_access", "_depth")
+
+    def __init__(self, access: HandlerAccess) -> None:
+        self._access = access
+        self._depth = 0
+
+    def __enter__(self) -> None:
+        self._depth += 1
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        self._depth -= 1
+        if self._depth == 0 and kind is None:
+            self._access.end_batch()
+
+
 class HandlerAccess(MemoryView):
     """What handlers do to memory: the `HandlerMemory` of `rapc.runtime.world`.
 
@@ -87,23 +102,18 @@ class HandlerAccess(MemoryView):
         super().__init__(memory, recorder)
         self._recognizer = recognizer or Recognizer(memory, recorder)
         self._counted: dict[Atom, None] = {}
-        self._within = False
+        self._batch = Batch(self)
 
-    @contextmanager
-    def batch(self) -> Iterator[None]:
-        """What belongs together: the data of one result, say.
+    def batch(self) -> Batch:
+        """What belongs together, for a `with`: the data of one result, say.
 
         At its end items are recognised, then surplus ones leave the places where all
         accessible ones are known. A batch in a batch is a part of it.
         """
-        if self._within:
-            yield
-            return
-        self._within = True
-        try:
-            yield
-        finally:
-            self._within = False
+        return self._batch
+
+    def end_batch(self) -> None:
+        """The outermost batch has ended."""
         self.settle()
         while self._counted:
             place = next(iter(self._counted))

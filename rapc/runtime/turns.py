@@ -1,0 +1,123 @@
+"""The crank of a run: turn after turn until it is over or nothing can go on.
+
+One turn takes in what the world has sent, tests what has changed, and processes one
+task (T figure 3.3, semantics 4). What a cycle does to its task is in
+`rapc.runtime.cycle`; turns look at nothing that has not changed.
+"""
+
+from __future__ import annotations
+
+import heapq
+
+from rapc.runtime.beginnings import create_top, when_time_comes
+from rapc.runtime.cycle import run_cycle
+from rapc.runtime.machine import Machine
+from rapc.runtime.requests import take_in
+from rapc.runtime.world import World
+from rapc.terms import number
+
+
+class Turns:
+    """The turns of one run."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+        self._idle = 0
+        ends = machine.world.ended
+        self._ended = None if ends.__func__ is World.ended else ends  # type: ignore[attr-defined]
+
+    def go(self, most: int | None, wait: bool) -> str | None:
+        """Turn until the run is over, and say why; or until so `most` cycles are done.
+
+        Without `wait` also until no task can go on now.
+        """
+        machine, left = self._machine, most
+        recorder, monitors, agenda = machine.recorder, machine.monitors, machine.agenda
+        receive = machine.world.messages
+        while not machine.over and left != 0:
+            machine.look_at_clock()
+            if not machine.late:
+                if machine.appointments or machine.recognizer.unsettled:
+                    machine.keep_appointments()
+                    machine.access.settle()
+                messages = receive()
+                if messages:
+                    take_in(machine, messages)
+                if machine.scheduled:
+                    self._create_scheduled()
+                if monitors.dirty or recorder.time >= monitors.next_look:
+                    self._wake()
+            reason = self.reason()
+            if reason is not None:
+                return reason
+            task = agenda.choose()
+            if task is not None:
+                before = recorder.time
+                run_cycle(machine, task)
+                self._spend(before)
+                if left is not None:
+                    left -= 1
+            elif wait:
+                reason = self._wait()
+                if reason is not None:
+                    return reason
+            else:
+                return None
+        return None
+
+    def reason(self) -> str | None:
+        """Why the run is over, or None if it is not."""
+        machine = self._machine
+        if machine.late:
+            return "until"
+        if self._ended is not None and self._ended() is not None:
+            return "world"
+        if not (machine.foreground or machine.expected or machine.appointments):
+            return "done"
+        return "runaway" if self._idle > machine.settings.idle_cycles else None
+
+    def _create_scheduled(self) -> None:
+        machine = self._machine
+        scheduled = machine.scheduled
+        while scheduled and scheduled[0][0] <= machine.recorder.time:
+            submission = heapq.heappop(scheduled)[2]
+            machine.expected -= not submission.background
+            create_top(machine, submission)
+
+    def _wake(self) -> None:
+        """Start what has waited for this time, and test what has changed."""
+        machine = self._machine
+        for task in machine.monitors.due():
+            if task.wait is None or not task.wait.held:
+                when_time_comes(machine, task)
+        machine.monitors.settle()
+
+    def _spend(self, before: float) -> None:
+        """Let a cycle take its time, and count cycles in which no time passes."""
+        machine = self._machine
+        cost = machine.settings.cycle_cost
+        if cost:
+            machine.world.advance(number(machine.world.now() + cost))
+            machine.look_at_clock()
+        self._idle = self._idle + 1 if machine.recorder.time == before else 0
+
+    def _wait(self) -> str | None:
+        """Nothing is eligible: move time on to what comes next, or say what ends."""
+        machine = self._machine
+        now = machine.recorder.time
+        times = [machine.monitors.next_time(), machine.world.next_time()]
+        if machine.scheduled:
+            times.append(machine.scheduled[0][0])
+        if machine.appointments:
+            times.append(machine.appointments[0][0])
+        known = [time for time in times if time is not None]
+        if not known:
+            return "stuck"
+        target = max(min(known), now)
+        if machine.until is not None and target > machine.until:
+            if now == machine.until:
+                return "until"
+            target = machine.until
+        self._idle = self._idle + 1 if target == now else 0
+        machine.world.advance(target)
+        return None
