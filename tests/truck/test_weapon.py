@@ -6,17 +6,41 @@ library.
 
 from __future__ import annotations
 
-from .runs import STDLIB, Run, library, task
+from rapc.terms import Number
+
+from .runs import PLENTY, STDLIB, Run, library, task
 
 WEAPON = STDLIB / "truck" / "weapon.rap"
 
 
-def test_the_weapon_is_mounted_whatever_the_seed() -> None:
-    for seed in range(40):
-        run = Run(task("ready-weapon"), seed=seed, compiled=library(WEAPON))
+def rounds(run: Run) -> Number:
+    """How many rounds the world has in the gun, if it is mounted."""
+    gun = run.world.state.items["gun-1"]
+    return gun.amount if gun.place == "weapon-bay" else 0
+
+
+def test_an_empty_weapon_is_loaded_whatever_the_seed() -> None:
+    for seed in range(20):
+        options = {"gun-rounds": 0}
+        run = Run(
+            task("ready-weapon"), seed=seed, options=options, compiled=library(WEAPON)
+        )
         assert run.outcomes == ["succeeded"], f"seed {seed}"
-        assert run.places["gun-1"] == "weapon-bay"
+        assert rounds(run) == 15
         assert run.faults == []
+
+
+def test_a_search_ends_wherever_gun_and_tool_have_gone() -> None:
+    options = {**PLENTY, "shuffle-interval": 30, "shuffle-tools": True}
+    outcomes: set[str] = set()
+    for seed in range(12):
+        run = Run(
+            task("ready-weapon"), seed=seed, options=options, compiled=library(WEAPON)
+        )
+        outcomes.update(run.outcomes)
+        assert (run.outcomes == ["succeeded"]) == (rounds(run) > 0), f"seed {seed}"
+        assert run.faults == []
+    assert outcomes == {"succeeded", "failed"}
 
 
 def test_the_tool_changes_hands_by_way_of_bay1() -> None:
