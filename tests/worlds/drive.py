@@ -31,6 +31,7 @@ STILL: dict[str, Atom | bool] = {
     "depot-interval": 0,
     "factory-interval": 0,
     "enemy-interval": 0,
+    "fuel": 30,
     "lasting-names": True,
 }
 """Options with which nothing happens but what the truck does; names last."""

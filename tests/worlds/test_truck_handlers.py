@@ -56,7 +56,7 @@ def test_a_scan_introduces_items_at_their_true_place() -> None:
     assert one.knows("eye-scanned external")
     assert one.knows("scanned-since-move external")
     assert one.knows("direction external road-1 north")
-    assert one.knows("truck-time 2")
+    assert one.knows("truck-time 3")
     assert one.reaches("rock-1")
 
 
@@ -131,10 +131,10 @@ def test_what_needs_a_tool_is_remembered() -> None:
 
 
 def test_an_item_snatched_away_is_lost() -> None:
-    one = robot(rock("factory-1"), start="factory-1", factory_interval=5)
+    one = robot(rock("factory-1"), start="factory-1", factory_interval=20)
     one.do(*SEE, "arm-move arm1 external")
     assert one.where("rock-1") == "factory-1"
-    one.world.advance(20)
+    one.world.advance(40)
     assert one.do("arm-move arm1 rock-1") == "arm-cant-find"
     assert one.where("rock-1") == "unknown"
     assert not one.reaches("rock-1")
@@ -160,7 +160,7 @@ def test_a_scan_that_misses_an_item_loses_it() -> None:
 
 
 def test_the_last_place_of_a_delivered_rock_stays_the_factory() -> None:
-    one = robot(rock("factory-1"), start="factory-1", factory_interval=5)
+    one = robot(rock("factory-1"), start="factory-1", factory_interval=20)
     one.do(*PICK, "arm-ungrasp arm1 rock-1", "arm-move arm1 folded")
     one.world.advance(50)
     one.do(*SEE)

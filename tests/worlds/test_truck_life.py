@@ -58,7 +58,7 @@ def test_a_rock_put_down_at_a_factory_is_logged_each_time() -> None:
     driver = Driver([rock("factory-1")], start="factory-1")
     driver.do(*LOAD, "arm-ungrasp arm1 rock-1", "arm-grasp arm1 rock-1")
     assert [d.item for d in driver.world.deliveries] == ["rock-1"]
-    assert driver.world.deliveries[0].time == 8
+    assert driver.world.deliveries[0].time == 12
     assert driver.world.deliveries[0].color == "red"
     assert driver.world.deliveries[0].factory == "factory-1"
     driver.do("arm-ungrasp arm1 rock-1")

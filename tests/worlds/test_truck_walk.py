@@ -134,7 +134,7 @@ def test_a_long_walk_among_things_in_reach_stays_consistent() -> None:
         request = next_request(world.state, dice)
         seen.add((request[0], visit(world, request)))
         check(world.state)
-    assert len(world.deliveries) > 3
+    assert len(world.deliveries) > 1
     assert {result for act, result in seen if act == "arm-grasp"} >= {
         *("okay", "arm-dropped", "arm-too-full", "arm-cant-grasp", "arm-interference"),
     }

@@ -1,8 +1,8 @@
 """The map of T 6.1, as near as its text describes it.
 
 Quarries to the right, factories to the left, six zones between them; the warehouse
-above, the depot below. A road takes about 28 time units and 0.9 of fuel: a journey
-from a quarry to its factory and back, six roads, some 170 units and 5.6 of fuel.
+above, the depot below. A road takes about 20 time units and 0.75 of fuel: a journey
+from a quarry to its factory and back, six roads, some 120 units and 4.7 of fuel.
 """
 
 MAP = """\
@@ -21,43 +21,43 @@ MAP = """\
   {"name": "depot", "kind": "depot"}],
  "roads": [
   {"name": "road-1", "from": "factory-1", "direction": "east", "to": "zone-1",
-   "time": 28, "fuel": 0.9},
+   "time": 20, "fuel": 0.75},
   {"name": "road-2", "from": "zone-1", "direction": "east", "to": "zone-2",
-   "time": 30, "fuel": 1},
+   "time": 21, "fuel": 0.85},
   {"name": "road-3", "from": "zone-2", "direction": "east", "to": "quarry-1",
-   "time": 28, "fuel": 0.9},
+   "time": 20, "fuel": 0.75},
   {"name": "road-4", "from": "factory-2", "direction": "east", "to": "zone-3",
-   "time": 28, "fuel": 0.9},
+   "time": 20, "fuel": 0.75},
   {"name": "road-5", "from": "zone-3", "direction": "east", "to": "zone-4",
-   "time": 30, "fuel": 1},
+   "time": 21, "fuel": 0.85},
   {"name": "road-6", "from": "zone-4", "direction": "east", "to": "quarry-2",
-   "time": 28, "fuel": 0.9},
+   "time": 20, "fuel": 0.75},
   {"name": "road-7", "from": "factory-3", "direction": "east", "to": "zone-5",
-   "time": 28, "fuel": 0.9},
+   "time": 20, "fuel": 0.75},
   {"name": "road-8", "from": "zone-5", "direction": "east", "to": "zone-6",
-   "time": 30, "fuel": 1},
+   "time": 21, "fuel": 0.85},
   {"name": "road-9", "from": "zone-6", "direction": "east", "to": "quarry-3",
-   "time": 28, "fuel": 0.9},
+   "time": 20, "fuel": 0.75},
   {"name": "road-10", "from": "zone-1", "direction": "south", "to": "zone-3",
-   "time": 26, "fuel": 0.8},
+   "time": 18, "fuel": 0.7},
   {"name": "road-11", "from": "zone-3", "direction": "south", "to": "zone-5",
-   "time": 26, "fuel": 0.8},
+   "time": 18, "fuel": 0.7},
   {"name": "road-12", "from": "zone-2", "direction": "south", "to": "zone-4",
-   "time": 26, "fuel": 0.8},
+   "time": 18, "fuel": 0.7},
   {"name": "road-13", "from": "zone-4", "direction": "south", "to": "zone-6",
-   "time": 26, "fuel": 0.8},
+   "time": 18, "fuel": 0.7},
   {"name": "road-14", "from": "warehouse", "direction": "southwest", "to": "zone-1",
-   "time": 25, "fuel": 0.8},
+   "time": 18, "fuel": 0.7},
   {"name": "road-15", "from": "warehouse", "direction": "southeast", "to": "zone-2",
-   "time": 25, "fuel": 0.8},
+   "time": 18, "fuel": 0.7},
   {"name": "road-16", "from": "depot", "direction": "northwest", "to": "zone-5",
-   "time": 25, "fuel": 0.8},
+   "time": 18, "fuel": 0.7},
   {"name": "road-17", "from": "depot", "direction": "northeast", "to": "zone-6",
-   "time": 25, "fuel": 0.8},
+   "time": 18, "fuel": 0.7},
   {"name": "road-18", "from": "zone-1", "direction": "southeast", "to": "zone-4",
-   "time": 36, "fuel": 1.2},
+   "time": 25, "fuel": 1},
   {"name": "road-19", "from": "zone-4", "direction": "southwest", "to": "zone-5",
-   "time": 36, "fuel": 1.2}],
+   "time": 25, "fuel": 1}],
  "items": [
   {"kind": "rock", "color": "red", "place": "quarry-1", "count": 4},
   {"kind": "rock", "color": "blue", "place": "quarry-2", "count": 4},

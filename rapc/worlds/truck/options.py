@@ -1,8 +1,8 @@
 """The truck world's options: one typed row each, with unit, default and meaning.
 
 `Settings` is what the simulator works with; `rapc worlds truck` and `--set` see the
-same rows as `rapc.runtime.world.Option`. Durations of primitives are first values
-that average about four time units (T table 6.2); a later calibration may change them.
+same rows as `rapc.runtime.world.Option`. What T leaves open, durations above all, is
+chosen so that his basic experiment in a still world comes out as his did (T table 6.2).
 """
 
 from __future__ import annotations
@@ -41,23 +41,23 @@ class Settings(msgspec.Struct, frozen=True, rename="kebab"):
     bay1_capacity: Annotated[Number, _row("size", "what bay1 can hold")] = 20
     bay2_capacity: Annotated[Number, _row("size", "what bay2 can hold")] = 100
     fuel_capacity: Annotated[Number, _row("fuel", "what the fuel bay can hold")] = 30
-    fuel: Annotated[Number, _row("fuel", "in the fuel bay at the start")] = 30
+    fuel: Annotated[Number, _row("fuel", "in the fuel bay at the start")] = 15
     fuel_use: Annotated[Number, _row("factor", "on what a road burns; 0: none")] = 1
     fuel_spread: Annotated[Number, _row("%", "a trip burns more or less", 100)] = 20
     time_spread: Annotated[Number, _row("%", "a trip takes more or less", 90)] = 20
 
-    arm_move_time: Annotated[Number, _row(_TIME, "for arm-move")] = 2
-    arm_grasp_time: Annotated[Number, _row(_TIME, "for arm-grasp")] = 2
-    arm_ungrasp_time: Annotated[Number, _row(_TIME, "for arm-ungrasp")] = 2
-    arm_pour_time: Annotated[Number, _row(_TIME, "for arm-pour")] = 3
-    arm_ladle_time: Annotated[Number, _row(_TIME, "for arm-ladle")] = 3
-    arm_toggle_time: Annotated[Number, _row(_TIME, "for arm-toggle")] = 3
-    arm_examine_time: Annotated[Number, _row(_TIME, "for arm-examine")] = 1
+    arm_move_time: Annotated[Number, _row(_TIME, "for arm-move")] = 3
+    arm_grasp_time: Annotated[Number, _row(_TIME, "for arm-grasp")] = 3
+    arm_ungrasp_time: Annotated[Number, _row(_TIME, "for arm-ungrasp")] = 3
+    arm_pour_time: Annotated[Number, _row(_TIME, "for arm-pour")] = 4
+    arm_ladle_time: Annotated[Number, _row(_TIME, "for arm-ladle")] = 4
+    arm_toggle_time: Annotated[Number, _row(_TIME, "for arm-toggle")] = 4
+    arm_examine_time: Annotated[Number, _row(_TIME, "for arm-examine")] = 2
     truck_turn_time: Annotated[Number, _row(_TIME, "for truck-turn")] = 1
     truck_speed_time: Annotated[Number, _row(_TIME, "for truck-speed")] = 1
     truck_move_time: Annotated[Number, _row(_TIME, "for truck-move, trip aside")] = 1
-    eye_examine_time: Annotated[Number, _row(_TIME, "for eye-examine")] = 2
-    eye_scan_time: Annotated[Number, _row(_TIME, "for eye-scan")] = 2
+    eye_examine_time: Annotated[Number, _row(_TIME, "for eye-examine")] = 3
+    eye_scan_time: Annotated[Number, _row(_TIME, "for eye-scan")] = 3
     eye_monitor_time: Annotated[Number, _row(_TIME, "for eye-(un)monitor")] = 1
 
     quarry_interval: Annotated[Number, _row(_TIME, "a quarry's rocks; 0: none")] = 80
@@ -89,7 +89,7 @@ class Settings(msgspec.Struct, frozen=True, rename="kebab"):
     ] = ""
     capture_time: Annotated[
         Number, _row(_TIME, "with enemies, half the trucks are captured; 0: never")
-    ] = 300
+    ] = 450
     gun_rounds: Annotated[int, _row("rounds", "in a gun at the start", 15)] = 15
     gun_burst: Annotated[int, _row("rounds", "a gun fires at most when toggled")] = 3
     gun_hits: Annotated[
