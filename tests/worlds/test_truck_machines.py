@@ -110,6 +110,7 @@ def test_a_machine_may_want_daylight() -> None:
         day_length=200,
         night=50,
         item_limit=100,
+        arm_move_time=1,
     )
     driver.do(
         "arm-move arm1 external", "arm-move arm1 sunny-1", "arm-toggle arm1 sunny-1"
