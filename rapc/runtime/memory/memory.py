@@ -73,6 +73,7 @@ class Memory:
         self.mentions: Mentions | None = None
         self.excluded: Callable[[Fact], Sequence[Fact]] | None = None
         self.set_size: Callable[[object, object], int | None] = lambda kind, at: None
+        self._relations = vocabulary.relations
         self._recorder = recorder
         self._clock = clock
         self._notations: dict[Fact, Notation] = {}
@@ -87,8 +88,10 @@ class Memory:
         """
         relation = self._relation(fact)
         size = relation.arity
-        if float in map(type, fact):
-            fact = tuple([_in_one_form(part) for part in fact])
+        for part in fact:
+            if type(part) is float:
+                fact = tuple([_in_one_form(part) for part in fact])
+                break
         if size == len(fact) > 1 and relation.is_property:
             fact = (*fact, "true")
         if self.items.aliases:
@@ -135,12 +138,13 @@ class Memory:
                 )
 
     def _relation(self, fact: Fact) -> Relation:
-        relation = self.vocabulary.relations.get(str(fact[0])) if fact else None
+        name = fact[0] if fact else ""
+        relation = self._relations.get(name) if type(name) is str else None
         if relation is None:
-            raise FactError(f"`{fact[0] if fact else ''}` is not declared")
-        if not _KINDS.issuperset(map(type, fact)):
-            odd = next(part for part in fact if type(part) not in _KINDS)
-            raise FactError(f"`{odd}` is not a symbol, number or string")
+            raise FactError(f"`{name}` is not declared")
+        for part in fact:
+            if type(part) is not str and type(part) not in _KINDS:
+                raise FactError(f"`{part}` is not a symbol, number or string")
         return relation
 
     def assert_fact(self, fact: Fact, by: str) -> None:
