@@ -1,6 +1,6 @@
 """Run all benchmarks, or those named, and print their figures as a table.
 
-python -m bench.run [--quick] [parse|queries|agenda|monitors|order|memory]...
+python -m bench.run [--quick] [parse|compiled|queries|agenda|monitors|order|memory]...
 """
 
 from __future__ import annotations
@@ -10,11 +10,12 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-from bench import agenda, memory, monitors, order, parse, queries
+from bench import agenda, compiled, memory, monitors, order, parse, queries
 from bench.common import Figure, table
 
 BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
     "parse": parse.figures,
+    "compiled": compiled.figures,
     "queries": queries.figures,
     "monitors": monitors.figures,
     "agenda": agenda.figures,

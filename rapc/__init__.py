@@ -9,11 +9,13 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from rapc.version import VERSION
+
 if TYPE_CHECKING:
     from rapc.analysis.driver import check as check
     from rapc.api import compile_library as compile
     from rapc.api import extend as extend
-    from rapc.loader import load as load
+    from rapc.api import load as load
     from rapc.runtime import events as events
     from rapc.runtime.interpreter import Interpreter as Interpreter
     from rapc.runtime.machine import Settings as Settings
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from rapc.runtime.world import World as World
     from rapc.worlds.registry import make_world as world
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 __all__ = (
     "Interpreter",
@@ -53,7 +55,7 @@ _HOMES = {
     "check": ("rapc.analysis.driver", "check"),
     "compile": ("rapc.api", "compile_library"),
     "extend": ("rapc.api", "extend"),
-    "load": ("rapc.loader", "load"),
+    "load": ("rapc.api", "load"),
     "task": ("rapc.runtime.submission", "read_submission"),
     "world": ("rapc.worlds.registry", "make_world"),
 }

@@ -1,18 +1,22 @@
 """From paths to a library in executable form, for commands and programs that run RAPs.
 
+A compiled library (`rapc.compiler.artifact`) may stand in the place of its sources.
 A library with errors becomes an exception that carries the findings; printing them is
 for who catches it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
+from rapc import loader
 from rapc.analysis.driver import Report, check_library
+from rapc.compiler.artifact import Artifact
 from rapc.compiler.plans import CompiledLibrary
 from rapc.diagnostics import Severity
 from rapc.library import link
-from rapc.loader import Loaded, load
+from rapc.loader import Loaded
 from rapc.parser.parse import parse
 from rapc.source import SourceFile
 
@@ -32,13 +36,42 @@ class CheckError(Exception):
 
 
 def compile_library(*paths: str | Path) -> CompiledLibrary:
-    """Load, check and compile files and folders as one library.
+    """Load, check and compile files and folders as one library, or read a compiled one.
 
     Raises:
         LoadError: for what cannot be read.
+        ArtifactError: for a compiled library that this rapc cannot run.
         CheckError: if anything of severity error is found.
     """
-    return compile_loaded(load(paths), ", ".join(map(str, paths)))
+    artifact = read_artifact(*paths)
+    if artifact is not None:
+        return artifact.library
+    return compile_loaded(loader.load(paths), ", ".join(map(str, paths)))
+
+
+def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
+    """As `rapc.loader.load`; of a compiled library without diagnostics and comments.
+
+    Raises:
+        LoadError: for what cannot be read.
+        ArtifactError: for a compiled library that this rapc cannot run.
+    """
+    paths = list(paths)
+    artifact = read_artifact(*paths)
+    if artifact is not None:
+        return Loaded(artifact.whole(), (), {}, ())
+    return loader.load(paths, tests=tests)
+
+
+def read_artifact(*paths: str | Path) -> Artifact | None:
+    """The compiled library that a single path leads to; None for anything else.
+
+    Raises:
+        LoadError: if it cannot be read.
+        ArtifactError: if this rapc cannot run it.
+    """
+    data = loader.read_compiled(paths[0]) if len(paths) == 1 else None
+    return None if data is None else Artifact(data, str(paths[0]))
 
 
 def compile_loaded(loaded: Loaded, name: str) -> CompiledLibrary:

@@ -22,6 +22,9 @@ from rapc.source import SourceFile, Span
 BUILTIN_NAMES = frozenset((*TRUTHS, *QUERIES, *CALLS))
 """What formulas and terms may begin with that no library can declare (semantics 2)."""
 
+COMPILED = b"rapc-library "
+"""How a file begins that holds a compiled library (`rapc.compiler.artifact`)."""
+
 DUPLICATE = Rule(
     code="RAP060",
     name="duplicate-definition",
@@ -65,6 +68,7 @@ class Library(msgspec.Struct, frozen=True):
 
     `files` holds every file read, by the name that spans carry; `forms` every
     top-level form, also one whose name was taken before; `tests` the tests in them.
+    A library that was compiled to a file and read from it has `forms` no more.
     """
 
     raps: Mapping[str, nodes.DefineRap]

@@ -18,7 +18,7 @@ import msgspec
 from rapc import library
 from rapc.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
-from rapc.library import Library
+from rapc.library import COMPILED, Library
 from rapc.parser.parse import Comment, Parsed, parse
 from rapc.source import SourceFile, Span
 from rapc.spell import nearest
@@ -145,6 +145,24 @@ def standard_libraries() -> tuple[str, ...]:
     if not folder.is_dir():
         return ()
     return tuple(sorted(e.name.removesuffix(SUFFIX) for e in folder.iterdir()))
+
+
+def read_compiled(path: str | Path) -> bytes | None:
+    """All of a file that begins as a compiled library does; None for any other path.
+
+    Raises:
+        LoadError: for such a file that cannot be read.
+    """
+    if not os.path.isfile(path):
+        return None
+    try:
+        with Path(path).open("rb") as file:
+            if file.read(len(COMPILED)) != COMPILED:
+                return None
+            file.seek(0)
+            return file.read()
+    except OSError as error:
+        raise LoadError(_unreadable(Path(path), error)) from None
 
 
 class _Opened(msgspec.Struct, frozen=True):
@@ -361,6 +379,8 @@ def _unreadable(path: Path, error: OSError) -> str:
 
 
 def _decode(name: str, data: bytes) -> str:
+    if data.startswith(COMPILED):
+        raise LoadError(f"`{name}` is a compiled library: sources are wanted here")
     if b"\0" in data:
         raise LoadError(f"`{name}` is a binary file: it holds a null byte")
     try:

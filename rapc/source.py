@@ -15,7 +15,7 @@ import msgspec
 _WORD = re.compile(r"\s*([^\s()\";]+)")
 
 
-class Span(msgspec.Struct, frozen=True, gc=False):
+class Span(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A stretch of one file: offsets `start` (inclusive) to `end` (exclusive).
 
     Offsets count code points from 0. `file` is the name the user gave the file,

@@ -30,6 +30,6 @@ def test_benchmarks_run_and_the_page_has_their_figures() -> None:
     )
     assert done.returncode == 0, done.stderr
     rows = _rows(done.stdout)
-    benches = {"parse", "queries", "agenda", "monitors", "memory", "order"}
+    benches = {"parse", "compiled", "queries", "agenda", "monitors", "memory", "order"}
     assert {bench for bench, _, _ in rows} == benches
     assert set(rows) == set(_rows(PAGE))

@@ -16,8 +16,9 @@ import click
 
 from rapc import render
 from rapc.analysis.driver import Report
-from rapc.api import CheckError, compile_loaded
+from rapc.api import CheckError, compile_loaded, read_artifact
 from rapc.cli.options import USAGE, common_options, fail, say, settings
+from rapc.compiler.artifact import ArtifactError
 from rapc.compiler.plans import CompiledLibrary
 from rapc.loader import Loaded, LoadError, load
 
@@ -80,14 +81,20 @@ def print_findings(report: Report, output_format: str) -> None:
 
 
 def load_checked(path: str) -> CompiledLibrary:
-    """Load, check and compile a library for a command that runs it.
+    """Load, check and compile a library for a command that runs it, or read a compiled.
 
     A finding of severity error is printed and ends the command with status 2; others
     do not stop it.
     """
     try:
         with undisturbed():
-            return compile_loaded(read_paths([path]), path)
+            artifact = read_artifact(path)
+            if artifact is None:
+                return compile_loaded(read_paths([path]), path)
+            say(f"read {path}")
+            return artifact.library
+    except (ArtifactError, LoadError) as error:
+        fail(str(error))
     except CheckError as error:
         print_findings(error.report, "full")
         raise SystemExit(USAGE) from None

@@ -20,6 +20,7 @@ from rapc.spell import nearest
 
 COMMANDS = {
     "check": "Check RAP libraries.",
+    "compile": "Compile a RAP library to one file.",
     "rule": "Explain a rule of the checker.",
     "run": "Run tasks of a library against a world.",
     "test": "Run the tests of RAP libraries.",

@@ -14,6 +14,7 @@ import click
 
 from rapc.cli.common import common_options, fail, load_checked, settings
 from rapc.cli.options import show_traceback
+from rapc.compiler.artifact import ArtifactError
 from rapc.compiler.plans import CompiledLibrary
 from rapc.parser.parse import TextError, parse_fact
 from rapc.runtime.interpreter import Interpreter
@@ -122,7 +123,7 @@ def run(
     if show and world.picture() is None:
         fail(f"the world `{world_name}` has no picture of itself to --show")
     with ExitStack() as stack:
-        files = library.library.files
+        files = (path, *library.library.files)
         report = _listeners(stack, interpreter, files, trace, trace_format)
         if show:
             _show(stack, interpreter, world)
@@ -147,6 +148,8 @@ def _run(interpreter: Interpreter, until: Time | None, world_name: str) -> None:
         interpreter.run(until=until)
     except KeyboardInterrupt:
         interpreter.end("cancelled")
+    except ArtifactError as error:
+        fail(str(error))
     except (PortError, FactError) as error:
         fail(f"the world `{world_name}` does not keep to the port: {error}")
     except Exception as error:
@@ -299,3 +302,5 @@ def _refuse(
         fail(*refused.reasons)
     except FactError as error:
         fail(f"--fact: {error}")
+    except ArtifactError as error:
+        fail(str(error))

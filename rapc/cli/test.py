@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from rapc.cli.common import USAGE, common_options, fail, print_findings, settings
+from rapc.compiler.artifact import ArtifactError
 from rapc.loader import LoadError
 from rapc.parser.parse import TextError
 from rapc.render import visible
@@ -134,7 +135,7 @@ def _faults(texts: Iterable[str]) -> tuple[Fault, ...]:
 def _find(paths: Sequence[str]) -> tuple[Case, ...]:
     try:
         found = discover.find(paths)
-    except LoadError as error:
+    except (ArtifactError, LoadError) as error:
         fail(str(error))
     for report in found.reports:
         print_findings(report, "full")

@@ -14,10 +14,11 @@ from rapc.source import NOWHERE, Span
 from rapc.terms import Atom
 
 
-class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False):
+class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False, array_like=True):
     """The base of all nodes: compared by type and fields, the span left out.
 
-    Nodes are trees, so the garbage collector need not look after them.
+    Nodes are trees, so the garbage collector need not look after them. In a compiled
+    library a node is a list: its type's name, then its fields.
     """
 
     def __eq__(self, other: object) -> bool:

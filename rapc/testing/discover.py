@@ -13,6 +13,7 @@ import msgspec
 
 from rapc import loader
 from rapc.analysis.driver import Report, check_library
+from rapc.compiler.artifact import Artifact
 from rapc.compiler.plans import CompiledLibrary
 from rapc.diagnostics import Severity
 from rapc.ir.tests import DefineTest
@@ -30,12 +31,23 @@ class Found(msgspec.Struct, frozen=True):
 def find(paths: Iterable[str | Path]) -> Found:
     """The tests in files (`-` is one), and in all `*.test.rap` files below folders.
 
+    Those in compiled libraries come first.
+
     Raises:
         LoadError: for what cannot be read.
+        ArtifactError: for a compiled library that this rapc cannot run.
     """
     cases: list[Case] = []
     reports: list[Report] = []
-    for source in loader.read_tests(paths):
+    sources: list[str] = []
+    for path in dict.fromkeys(map(str, paths)):
+        data = loader.read_compiled(path)
+        if data is None:
+            sources.append(path)
+        else:
+            for tests, library in Artifact(data, path).suites():
+                cases += [Case(test, library) for test in tests]
+    for source in loader.read_tests(sources):
         found = _find_in(source)
         cases += found.cases
         reports += found.reports

@@ -1,0 +1,48 @@
+"""Compiled libraries: the time from a file to a library ready to be run, both ways.
+
+Both are timed as the commands do it, with the search for reference cycles held back.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from bench.common import Figure, seconds
+from bench.parse import library
+from rapc import api
+from rapc.cli.common import undisturbed
+from rapc.compiler.artifact import encode
+
+TRUCK = Path(__file__).parents[1] / "stdlib" / "truck"
+
+
+def figures(quick: bool = False) -> Iterator[Figure]:
+    """A generated library, then that of the truck."""
+    size = 100 if quick else 5000
+    with tempfile.TemporaryDirectory() as folder:
+        text = Path(folder, "generated.rap")
+        text.write_text(library(size), encoding="utf-8")
+        yield from _both(text, f"{size} RAPs", folder)
+        yield from _both(TRUCK, "stdlib/truck", folder)
+
+
+def _both(sources: Path, size: str, folder: str) -> Iterator[Figure]:
+    file = Path(folder, "compiled")
+    file.write_bytes(encode(api.compile_library(sources)))
+    works: tuple[tuple[str, Callable[[], object]], ...] = (
+        ("read and check sources", lambda: api.compile_library(sources)),
+        ("read a compiled library", lambda: api.compile_library(file)),
+        ("the same, and each RAP", lambda: _read_all(file)),
+    )
+    for what, work in works:
+        with undisturbed():
+            taken = seconds(work, rounds=3)
+        yield Figure("compiled", what, size, taken * 1e3, "ms")
+
+
+def _read_all(file: Path) -> None:
+    raps = api.compile_library(file).library.raps
+    for name in raps:
+        raps[name]

@@ -1,0 +1,316 @@
+"""Compiled libraries as bytes: one versioned file in place of many sources.
+
+A line of text says what the file is: `rapc-library`, then format, version of rapc and
+checksum. The rest is JSON: for each source its name, its text and the IR of its forms,
+and which sources make up the library and those of its tests. No code is in it: queries
+are compiled from the IR when they are first asked, as they are from sources.
+
+Nothing in a file is trusted. What is declared is looked at when the file is read, a RAP
+when it is first asked for, which is why reading takes so little time. Files are read
+and written by `rapc.api`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+
+import msgspec
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.verify import UnsoundError, Verifier
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.ir import nodes
+from rapc.ir.tests import DefineTest
+from rapc.library import COMPILED, Library, link
+from rapc.parser.parse import Parsed
+from rapc.source import SourceFile
+from rapc.version import VERSION
+
+FORMAT = 1
+"""The version of the format; a change of the IR is one of the format."""
+
+_MOST_SAID = 200
+_HEAD = re.compile(rb"rapc-library (\d{1,9}) ([!-~]{1,40}) ([0-9a-f]{64})\n")
+
+
+class ArtifactError(Exception):
+    """Bytes that hold no compiled library this rapc can run; the text is one line."""
+
+
+class _WrongError(Exception):
+    """As `ArtifactError`, the name of the file left out."""
+
+
+class _Rap(msgspec.Struct, frozen=True, array_like=True):
+    """Where a RAP stands among the forms of its source, and its arity."""
+
+    name: str
+    form: int
+    inputs: int
+    outputs: int
+
+
+class _Unit(msgspec.Struct, frozen=True, array_like=True):
+    """A source: its forms, each as JSON of its own, and which of them are RAPs."""
+
+    file: str
+    text: str
+    forms: tuple[msgspec.Raw, ...]
+    raps: tuple[_Rap, ...]
+
+
+class _Suite(msgspec.Struct, frozen=True, array_like=True):
+    """Some tests, the sources of the library that they run, and its name."""
+
+    name: str
+    units: tuple[int, ...]
+    tests: tuple[msgspec.Raw, ...]
+
+
+class _Body(msgspec.Struct, frozen=True, array_like=True):
+    """All sources; which of them are the library, and its name; the tests."""
+
+    name: str
+    library: tuple[int, ...]
+    units: tuple[_Unit, ...]
+    suites: tuple[_Suite, ...]
+
+
+Suite = tuple[Sequence[DefineTest], CompiledLibrary]
+"""Tests that run one library."""
+
+
+# --- to bytes -------------------------------------------------------------------------
+
+
+def encode(library: CompiledLibrary, suites: Iterable[Suite] = ()) -> bytes:
+    """A checked library with the tests that came with it; the same for the same.
+
+    Raises:
+        ArtifactError: for a library that could not be read back: one in which errors
+            were silenced that keep it from being run, or with an unspeakable file name.
+    """
+    units: dict[str, _Unit] = {}
+    listed = _units(library.library, units)
+    tests = tuple(
+        _Suite(
+            tested.name,
+            _units(tested.library, units),
+            tuple(msgspec.Raw(msgspec.json.encode(test)) for test in of),
+        )
+        for of, tested in suites
+    )
+    body = _Body(library.name, listed, tuple(units.values()), tests)
+    try:
+        payload = msgspec.json.encode(body)
+    except UnicodeEncodeError:
+        raise ArtifactError("the name of a file is not UTF-8") from None
+    sealed = seal(payload)
+    Artifact(sealed, library.name).look_at_all()
+    return sealed
+
+
+def seal(payload: bytes, version: str = VERSION, form: int = FORMAT) -> bytes:
+    """A payload behind the line that says what it is."""
+    checksum = hashlib.sha256(payload).hexdigest()
+    return COMPILED + f"{form} {version} {checksum}\n".encode() + payload
+
+
+def _units(library: Library, units: dict[str, _Unit]) -> tuple[int, ...]:
+    """The places of a library's sources among all; those that are new are added."""
+    forms: dict[str, list[nodes.TopForm]] = {name: [] for name in library.files}
+    for form in library.forms:
+        forms[form.span.file].append(form)
+    for name, source in library.files.items():
+        if name not in units:
+            units[name] = _unit(source, forms[name])
+    places = {name: at for at, name in enumerate(units)}
+    return tuple(places[name] for name in library.files)
+
+
+def _unit(source: SourceFile, forms: Sequence[nodes.TopForm]) -> _Unit:
+    encode = msgspec.json.Encoder().encode
+    raps = tuple(
+        _Rap(form.name, at, len(form.inputs), len(form.outputs))
+        for at, form in enumerate(forms)
+        if isinstance(form, nodes.DefineRap)
+    )
+    listed = tuple(msgspec.Raw(encode(form)) for form in forms)
+    return _Unit(source.name, source.text, listed, raps)
+
+
+# --- from bytes -----------------------------------------------------------------------
+
+
+class Artifact:
+    """A compiled library that was read from bytes: `library` is ready to be run.
+
+    Args:
+        data: all that the file holds.
+        file: its name, for what is wrong with it.
+
+    Raises:
+        ArtifactError: for bytes that are none, are damaged, come from another version,
+            or hold what no source is compiled to. Whatever is asked of it later, and
+            reading a RAP of its library, may raise this too.
+    """
+
+    def __init__(self, data: bytes, file: str) -> None:
+        self._file = file
+        with _blaming(file):
+            self._body = _decode(_payload(data), _Body)
+            self.library, _ = self._compiled(self._body.name, self._body.library)
+
+    def suites(self) -> Iterator[Suite]:
+        """The tests with the libraries that they run, all of it looked at."""
+        for suite in self._body.suites:
+            with _blaming(self._file):
+                library, verifier = self._compiled(suite.name, suite.units)
+                tests = tuple(_decode(raw, DefineTest) for raw in suite.tests)
+                for test in tests:
+                    verifier.node(test)
+            _look_at_all(library)
+            yield tests, library
+
+    def look_at_all(self) -> None:
+        """Look at everything now, not when it is asked for."""
+        _look_at_all(self.library)
+        deque(self.suites(), 0)
+
+    def whole(self) -> Library:
+        """The library as linking its sources makes it, with all `forms`."""
+        with _blaming(self._file):
+            units = [self._body.units[at] for at in self._body.library]
+            everything = [_parsed(unit, range(len(unit.forms))) for unit in units]
+            return link(everything)[0]
+
+    def _compiled(
+        self, name: str, places: Sequence[int]
+    ) -> tuple[CompiledLibrary, Verifier]:
+        """The library of some of the sources, its RAPs not yet decoded."""
+        if not all(0 <= at < len(self._body.units) for at in places):
+            raise _WrongError("lacks a source")
+        units = [self._body.units[at] for at in places]
+        linked, found = link([_parsed(unit, _declarations(unit)) for unit in units])
+        rows = {row.name: (row, unit) for unit in units for row in unit.raps}
+        if found or len(rows) < sum(len(unit.raps) for unit in units):
+            raise _WrongError("defines a name twice")
+        arities = {name: (row.inputs, row.outputs) for name, (row, _) in rows.items()}
+        known = Vocabulary.of(linked)
+        verifier = Verifier(known, linked.primitives, arities, linked.files)
+        for form in linked.forms:
+            verifier.declaration(form)
+        raps = _Raps(self._file, rows, verifier)
+        linked = msgspec.structs.replace(linked, raps=raps, forms=())
+        return CompiledLibrary(linked, name), verifier
+
+
+class _Raps(Mapping[str, nodes.DefineRap]):
+    """The RAPs of a library by name, each decoded and looked at when asked for.
+
+    Reading one raises ArtifactError if it cannot be run.
+    """
+
+    def __init__(
+        self, file: str, rows: Mapping[str, tuple[_Rap, _Unit]], verifier: Verifier
+    ) -> None:
+        self._file = file
+        self._rows = rows
+        self._verifier = verifier
+        self._made: dict[str, nodes.DefineRap] = {}
+
+    def __getitem__(self, name: str) -> nodes.DefineRap:
+        made = self._made.get(name)
+        if made is None:
+            row, unit = self._rows[name]
+            with _blaming(self._file):
+                made = self._made[name] = self._read(row, unit)
+        return made
+
+    def _read(self, row: _Rap, unit: _Unit) -> nodes.DefineRap:
+        if not 0 <= row.form < len(unit.forms):
+            raise _WrongError(f"lacks the RAP `{row.name}`")
+        made: nodes.DefineRap = _decode(unit.forms[row.form], nodes.DefineRap)
+        if row != _Rap(made.name, row.form, len(made.inputs), len(made.outputs)):
+            raise _WrongError("has a RAP in the place of another")
+        self._verifier.rap(made)
+        return made
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rows)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._rows
+
+
+def _look_at_all(library: CompiledLibrary) -> None:
+    """Read every RAP once. Raises ArtifactError."""
+    deque(library.library.raps.values(), 0)
+
+
+@contextmanager
+def _blaming(file: str) -> Iterator[None]:
+    """Say of a file what turns out to be wrong with its content."""
+    try:
+        yield
+    except _WrongError as error:
+        raise ArtifactError(f"`{file}` {error}") from None
+    except UnsoundError as error:
+        raise ArtifactError(f"`{file}` holds what cannot be run: {error}") from None
+    except RecursionError:
+        reason = "holds what no library has: something is nested too deeply"
+        raise ArtifactError(f"`{file}` {reason}") from None
+
+
+def _declarations(unit: _Unit) -> Iterator[int]:
+    """The places of the forms of a source that are no RAPs."""
+    raps = {row.form for row in unit.raps}
+    return (at for at in range(len(unit.forms)) if at not in raps)
+
+
+def _parsed(unit: _Unit, places: Iterable[int]) -> tuple[SourceFile, Parsed]:
+    """A source with some of its forms."""
+    forms = tuple(_decode(unit.forms[at], nodes.TopForm) for at in places)
+    return SourceFile(unit.file, unit.text), Parsed(forms, (), ())
+
+
+def _payload(data: bytes) -> memoryview:
+    """What follows the first line, if that line is the right one."""
+    if not data.startswith(COMPILED):
+        raise _WrongError("is no compiled library")
+    head = _HEAD.match(data)
+    if head is None:
+        raise _WrongError("is damaged: its first line is not whole")
+    form, version, checksum = (part.decode() for part in head.groups())
+    if int(form) != FORMAT or version != VERSION:
+        raise _WrongError(
+            f"was compiled by rapc {version}, format {form}; this is rapc {VERSION}, "
+            f"format {FORMAT}: compile it again"
+        )
+    payload = memoryview(data)[head.end() :]
+    if hashlib.sha256(payload).hexdigest() != checksum:
+        raise _WrongError("is damaged: its content does not match its checksum")
+    return payload
+
+
+def _decode(data: memoryview | msgspec.Raw, kind: Any) -> Any:
+    try:
+        return _decoder(kind).decode(data)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        reason = ascii(str(error))[1:-1][:_MOST_SAID]
+        raise _WrongError(f"holds what no library has: {reason}") from None
+
+
+@cache
+def _decoder(kind: Any) -> msgspec.json.Decoder[Any]:
+    """What decodes values of a type; making one takes as long as many decodings."""
+    return msgspec.json.Decoder(kind)

@@ -1,0 +1,222 @@
+"""Whether IR that no parser has made can be run.
+
+A compiled library may come from anywhere. What was decoded has the right types; here it
+is held against what parser and checker see to in sources: words and numbers that can be
+written, names that are declared and get as many arguments as they take, steps that
+exist. What is merely unwise is let through.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Mapping, Sequence
+from functools import cache
+
+from rapc.compiler.builtin import FUNCTIONS
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.ir import nodes, walk
+from rapc.source import Span
+from rapc.spell import counted
+
+MAX_DEPTH = 250
+"""How deep nodes may lie in each other; lists in a text lie 100 deep at most."""
+
+MAX_PARTS = 1000
+"""How many parts a formula may have; one from text has 200 at most."""
+
+_LARGEST = 10**100
+_FORBIDDEN = frozenset(' ()";')
+_RESOURCES = ("#counter(", "#set(")
+_FREE = ("doc",)
+"""Fields that may hold anything."""
+
+_TAKES: Mapping[str, int] = {
+    "member": 2,
+    "empty": 1,
+    "method-tried": 1,
+    "last-result": 1,
+    "result-with-method": 2,
+}
+"""How many arguments questions about sets and the task take."""
+
+Arity = tuple[int, int]
+"""How many inputs and outputs a RAP has."""
+
+
+class UnsoundError(Exception):
+    """IR that no source is compiled to; the text says in a few words what is wrong."""
+
+
+class Verifier:
+    """Looks at the definitions of a library, one by one.
+
+    All methods raise UnsoundError for what cannot be run.
+
+    Args:
+        vocabulary: the facts and functions that the library declares.
+        primitives: its primitives.
+        raps: the arities of its RAPs.
+        files: the names of its files, to one of which each span points.
+    """
+
+    def __init__(
+        self,
+        vocabulary: Vocabulary,
+        primitives: Mapping[str, nodes.DeclarePrimitive],
+        raps: Mapping[str, Arity],
+        files: Container[str],
+    ) -> None:
+        self._vocabulary = vocabulary
+        self._primitives = primitives
+        self._raps = raps
+        self._files = files
+        self._words: set[object] = set()
+
+    def node(self, node: nodes.Node) -> None:
+        """Look at words, numbers, nesting and computed terms of anything."""
+        self._visit(node, 0)
+
+    def _visit(self, value: object, depth: int) -> None:
+        kind = type(value)
+        if kind is str:
+            if value not in self._words:
+                self._words.add(_word(str(value)))
+        elif kind is tuple:
+            for part in value:  # type: ignore[attr-defined]  # it is a tuple
+                self._visit(part, depth)
+        elif kind is int or kind is float:
+            _number(value)  # type: ignore[arg-type]  # it is one of these
+        elif kind is Span:
+            if value.file not in self._files:  # type: ignore[attr-defined]  # it is one
+                raise UnsoundError("something stands in no file")
+        elif isinstance(value, nodes.Node):
+            if depth > MAX_DEPTH:
+                raise UnsoundError("something is nested too deeply")
+            self._node(value)
+            for name in _fields(type(value)):
+                self._visit(getattr(value, name), depth + 1)
+
+    def _node(self, node: nodes.Node) -> None:
+        """What is to be seen to wherever a node stands."""
+        if isinstance(node, nodes.Var):
+            if not node.name.startswith("?"):
+                raise UnsoundError(f"`{node.name}` is no name of a variable")
+        elif isinstance(node, nodes.Call):
+            self._call(node)
+        elif isinstance(node, nodes.SetTest):
+            _agree(node.test, len(node.args), _TAKES[node.test])
+        elif isinstance(node, nodes.History):
+            _agree(node.query, len(node.args), _TAKES[node.query])
+
+    def declaration(self, form: nodes.TopForm) -> None:
+        """Look at a form that is no RAP."""
+        self.node(form)
+        if isinstance(form, nodes.DeclareProperty):
+            for exclusion in form.excludes:
+                self._fact(exclusion.pattern)
+        elif isinstance(form, nodes.DefineRap):
+            raise UnsoundError("a RAP stands among the declarations")
+
+    def rap(self, rap: nodes.DefineRap) -> None:
+        """Look at a RAP."""
+        try:
+            self._rap(rap)
+        except UnsoundError as error:
+            raise UnsoundError(f"in `{rap.name}` {error}") from None
+
+    def _rap(self, rap: nodes.DefineRap) -> None:
+        self.node(rap)
+        for at in walk.formulas(rap):
+            self.formula(at.formula)
+        for method in rap.methods:
+            for pattern in method.notations:
+                self._fact(pattern)
+            if isinstance(method.body, nodes.Primitive):
+                self._request(method.body.request)
+            elif isinstance(method.body, nodes.TaskNet):
+                self._steps(method.body.steps)
+
+    def formula(self, formula: nodes.Formula) -> None:
+        """Look at what a formula asks for."""
+        for count, part in enumerate(walk.subformulas(formula)):
+            if count > MAX_PARTS:
+                raise UnsoundError("a formula is too large")
+            if isinstance(part, nodes.Pattern):
+                if part.name in self._vocabulary.functions:
+                    self._function(part.name, part.args)
+                else:
+                    self._fact(part)
+
+    def _fact(self, pattern: nodes.Pattern) -> None:
+        relation = self._vocabulary.relations.get(pattern.name)
+        if relation is None:
+            raise UnsoundError(f"`{pattern.name}` is not declared")
+        _agree(pattern.name, len(relation.full(pattern.args)), relation.arity)
+
+    def _call(self, call: nodes.Call) -> None:
+        if call.function not in FUNCTIONS:
+            self._function(call.function, call.args)
+        elif not call.args:
+            raise UnsoundError(f"`{call.function}` computes something from nothing")
+
+    def _function(self, name: str, args: Sequence[nodes.Term]) -> None:
+        declared = self._vocabulary.functions.get(name)
+        if declared is None:
+            raise UnsoundError(f"`{name}` is not declared")
+        _agree(name, len(args), None if declared.args is None else len(declared.args))
+
+    def _request(self, request: nodes.Pattern) -> None:
+        primitive = self._primitives.get(request.name)
+        if primitive is None:
+            raise UnsoundError(f"`{request.name}` is not declared")
+        _agree(request.name, len(request.args), len(primitive.args))
+
+    def _steps(self, steps: Sequence[nodes.Step]) -> None:
+        tags = {step.tag for step in steps}
+        if len(tags) < len(steps):
+            raise UnsoundError("two steps have one tag")
+        for step in steps:
+            goal = step.goal
+            if goal.name not in self._raps:
+                raise UnsoundError(f"there is no RAP `{goal.name}`")
+            if (len(goal.args), len(goal.outputs)) != self._raps[goal.name]:
+                raise UnsoundError(f"`{goal.name}` is called with other arguments")
+            for tag in _tags(step):
+                if tag not in tags:
+                    raise UnsoundError(f"there is no step `{tag}`")
+
+
+def _agree(name: str, given: int, takes: int | None) -> None:
+    if takes is not None and given != takes:
+        takes_ = counted(takes, "argument")
+        raise UnsoundError(f"`{name}` takes {takes_}, not {given}")
+
+
+def _tags(step: nodes.Step) -> Iterator[str]:
+    """The steps that a step's annotations name."""
+    for annotation in step.annotations:
+        if isinstance(annotation, nodes.For | nodes.UntilStart | nodes.UntilEnd):
+            yield annotation.tag
+        elif isinstance(annotation, nodes.Window):
+            yield from {annotation.reference} - {"now", "absolute"}
+
+
+@cache
+def _fields(kind: type[nodes.Node]) -> tuple[str, ...]:
+    """The fields of a kind of node in which there is something to look at."""
+    free = ("name",) if kind is nodes.Require else _FREE
+    return tuple(name for name in kind.__struct_fields__ if name not in free)
+
+
+def _word(word: str) -> str:
+    """A word of the language, or a resource in a trace, after a look whether it is."""
+    parted = not _FORBIDDEN.isdisjoint(word) and not word.startswith(_RESOURCES)
+    if not word or not word.isprintable() or parted:
+        raise UnsoundError(f"{ascii(word)[:60]} is no word of the language")
+    return word
+
+
+def _number(value: float) -> None:
+    """See that a number is in its one form and within measure."""
+    whole = isinstance(value, float) and value.is_integer()
+    if whole or abs(value) > _LARGEST:
+        raise UnsoundError("a number cannot be written")

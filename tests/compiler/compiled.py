@@ -1,0 +1,105 @@
+"""Compiled libraries made by hand, and a world in which any of them can be run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from pathlib import Path
+
+import msgspec
+
+from rapc import api
+from rapc.compiler.artifact import Suite, encode
+from rapc.compiler.plans import CompiledLibrary
+from rapc.library import Library
+from rapc.runtime.events import Event
+from rapc.runtime.world import Handlers, Message, Offer, Option, Reply, Time, World
+from rapc.terms import Fact
+from rapc.testing import discover
+from rapc.testing.coverage import Coverage
+from rapc.worlds.script import offer_of
+
+HERE = Path(__file__).parent
+KITCHEN = HERE / "kitchen.rap"
+
+
+def suites(path: Path) -> list[Suite]:
+    """The tests at a path, with the libraries that they run."""
+    found = discover.find([path])
+    assert found.reports == ()
+    groups = groupby(found.cases, lambda case: id(case.library))
+    together = [list(cases) for _, cases in groups]
+    return [([case.test for case in cases], cases[0].library) for cases in together]
+
+
+def compiled(path: Path) -> bytes:
+    """A library with its tests as bytes."""
+    return encode(api.compile_library(path), suites(path))
+
+
+def fields(library: Library) -> Mapping[str, object]:
+    """All that a library says, spans and texts among it, in a form to be compared."""
+    found = {name: getattr(library, name) for name in library.__struct_fields__}
+    found["raps"] = dict(library.raps)
+    found["files"] = {name: source.text for name, source in library.files.items()}
+    return {name: msgspec.json.encode(value) for name, value in found.items()}
+
+
+class Recorded(Coverage):
+    """Listens to a test as coverage does, and keeps the trace."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.trace: list[bytes] = []
+
+    def __call__(self, event: Event) -> None:
+        """Keep an event as its line of JSON."""
+        self.trace.append(msgspec.json.encode(event))
+
+
+class YesWorld(World):
+    """A world that offers whatever a library declares, and where all goes well."""
+
+    name = "yes"
+
+    def __init__(self, library: CompiledLibrary) -> None:
+        self._offer = offer_of(library.library)
+        self._time: Time = 0
+
+    @classmethod
+    def options(cls) -> Sequence[Option]:
+        """None."""
+        return ()
+
+    def offer(self) -> Offer:
+        """All that is declared."""
+        return self._offer
+
+    def handlers(self) -> Handlers:
+        """None: nothing changes."""
+        return Handlers({}, dict.fromkeys(self._offer.data, _ignored))
+
+    def now(self) -> Time:
+        """A time unit for each request."""
+        return self._time
+
+    def perform(self, ticket: int, request: Fact) -> Reply:
+        """All goes well."""
+        self._time += 1
+        return Reply("okay")
+
+    def next_time(self) -> Time | None:
+        """Nothing comes."""
+        return None
+
+    def advance(self, to: Time) -> None:
+        """Let time pass."""
+        self._time = max(self._time, to)
+
+    def messages(self) -> Sequence[Message]:
+        """None."""
+        return ()
+
+
+def _ignored(memory: object, datum: Fact) -> None:
+    """Change nothing."""

@@ -1,0 +1,204 @@
+"""Compiled libraries: what goes in comes out again, and runs as its sources do."""
+
+from __future__ import annotations
+
+import hashlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rapc
+from rapc import api
+from rapc.compiler import artifact
+from rapc.compiler.artifact import Artifact, ArtifactError, encode, seal
+from rapc.compiler.plans import CompiledLibrary
+from rapc.ir.nodes import Node
+from rapc.loader import LoadError, load_text
+from rapc.testing.run import Case, Outcome, run_case
+from rapc.version import VERSION
+
+from .compiled import KITCHEN, Recorded, YesWorld, compiled, fields, suites
+
+CHECKOUT = Path(__file__).parents[2]
+EXAMPLES = sorted((CHECKOUT / "examples").glob("*.rap"))
+FOLDERS = [CHECKOUT / "stdlib" / "truck", CHECKOUT / "tests" / "rap"]
+
+
+@pytest.mark.parametrize("path", [KITCHEN, *EXAMPLES, *FOLDERS], ids=lambda p: p.name)
+def test_what_goes_in_comes_out_again(path: Path) -> None:
+    source = api.compile_library(path)
+    data = encode(source)
+    again = Artifact(data, "file")
+    assert fields(again.whole()) == {**fields(source.library), "tests": b"[]"}
+    without = {**fields(source.library), "forms": b"[]", "tests": b"[]"}
+    assert fields(again.library.library) == without
+    assert again.library.name == source.name
+    assert encode(api.compile_library(path)) == data
+
+
+def _outcome(case: Case) -> tuple[Outcome, list[bytes]]:
+    recorded = Recorded()
+    return run_case(case, 3, coverage=recorded), recorded.trace
+
+
+@pytest.mark.parametrize("path", [KITCHEN, *FOLDERS], ids=lambda p: p.name)
+def test_tests_run_as_they_do_from_sources(path: Path) -> None:
+    together = suites(path)
+    data = encode(api.compile_library(path), together)
+    ran = 0
+    pairs = zip(together, Artifact(data, "file").suites(), strict=True)
+    for (tests, library), (same_tests, same_library) in pairs:
+        for test, same in zip(tests, same_tests, strict=True):
+            outcome, trace = _outcome(Case(test, library))
+            again, same_trace = _outcome(Case(same, same_library))
+            assert trace == same_trace
+            assert (outcome.status, outcome.failures) == (again.status, again.failures)
+            ran += 1
+    assert ran > 0
+
+
+def _traced(library: CompiledLibrary, seed: int) -> list[bytes]:
+    recorded = Recorded()
+    run = rapc.Interpreter(library, rapc.world("truck", seed=seed), seed)
+    run.listen(recorded)
+    run.submit(rapc.task("(rock-order red 1)"))
+    run.run(until=400)
+    return recorded.trace
+
+
+def test_a_run_in_a_world_has_the_same_trace(tmp_path: Path) -> None:
+    path = CHECKOUT / "examples" / "rock-order.rap"
+    file = tmp_path / "rocks"
+    file.write_bytes(compiled(path))
+    assert _traced(rapc.compile(file), 5) == _traced(rapc.compile(path), 5)
+
+
+def test_another_process_and_hash_seed_make_the_same_bytes() -> None:
+    code = (
+        "import sys; from tests.compiler.compiled import *; "
+        "sys.stdout.buffer.write(compiled(KITCHEN))"
+    )
+    made = [
+        subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=CHECKOUT,
+            env={"PYTHONHASHSEED": seed, "PYTHONPATH": str(CHECKOUT)},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2")
+    ]
+    assert made[0] == made[1]
+    assert made[0].startswith(f"rapc-library {artifact.FORMAT} {VERSION} ".encode())
+
+
+def test_a_plan_can_be_added_to_a_compiled_library(tmp_path: Path) -> None:
+    file = tmp_path / "kitchen.rapc"
+    file.write_bytes(compiled(KITCHEN))
+    library = rapc.compile(file)
+    more = rapc.extend(library, "(define-rap (both) (method (task-net)))")
+    assert [*library.library.raps, "both"] == list(more.library.raps)
+
+
+def test_only_what_is_asked_for_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    library = Artifact(compiled(KITCHEN), "file").library.library
+    read: list[str] = []
+    decode = artifact._decode
+
+    def noted(data: memoryview, kind: object) -> object:
+        read.append(decode(data, kind).name)
+        return decode(data, kind)
+
+    monkeypatch.setattr(artifact, "_decode", noted)
+    assert list(library.raps) == ["push-all", "push-one"]
+    assert "push-one" in library.raps
+    assert read == []
+    assert library.raps["push-one"] is library.raps["push-one"]
+    assert read == ["push-one"]
+
+
+# --- what is refused ----------------------------------------------------------------
+
+GOOD = compiled(KITCHEN)
+HEAD, PAYLOAD = GOOD.split(b"\n", 1)
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"", "is no compiled library"),
+        (b"\x89PNG\r\n", "is no compiled library"),
+        (GOOD[:8], "is no compiled library"),
+        (GOOD[:40], "is damaged: its first line is not whole"),
+        (GOOD[:-1], "is damaged: its content does not match its checksum"),
+        (GOOD + b"\n", "is damaged: its content does not match its checksum"),
+        (HEAD + b"\n", "is damaged: its content does not match its checksum"),
+        (GOOD.replace(b"push", b"pull", 1), "is damaged: its content does not match"),
+        (seal(PAYLOAD, version="9.9"), "was compiled by rapc 9.9, format 1; this is"),
+        (seal(PAYLOAD, form=7), f"was compiled by rapc {VERSION}, format 7; this is"),
+        (seal(b""), "holds what no library has: "),
+        (seal(b"[]"), "holds what no library has: Expected `array` of "),
+        (seal(b"[" * 100_000), "holds what no library has: "),
+        (
+            seal(PAYLOAD.replace(b'"push-all"', b'"push all"')),
+            "'push all' is no word of the language",
+        ),
+        (seal(PAYLOAD.replace(b",[0],", b",[1],", 1)), "lacks a source"),
+        (seal(PAYLOAD.replace(b",[0],", b",[0,0],", 1)), "defines a name twice"),
+    ],
+)
+def test_what_is_no_library_of_this_rapc_is_refused(data: bytes, said: str) -> None:
+    with pytest.raises(ArtifactError) as caught:
+        Artifact(data, "odd.rapc").look_at_all()
+    assert str(caught.value).startswith("`odd.rapc` ")
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_rap_that_cannot_be_run_is_refused_before_the_first_cycle() -> None:
+    data = seal(PAYLOAD.replace(b'["Goal","push-one"', b'["Goal","push-none"'))
+    library = Artifact(data, "odd.rapc").library
+    run = rapc.Interpreter(library, YesWorld(library))
+    said = (
+        "`odd.rapc` holds what cannot be run: in `push-all` there is no RAP `push-none`"
+    )
+    with pytest.raises(ArtifactError, match=said):
+        run.submit(rapc.task("(push-all a b)"))
+
+
+def test_what_was_silenced_and_cannot_be_run_is_not_compiled() -> None:
+    text = """(define-rap (go) ; rapc: ignore[undeclared-predicate] it may come yet
+      (succeed (nowhere declared)))"""
+    with pytest.raises(ArtifactError, match="in `go` `nowhere` is not declared"):
+        encode(api.compile_loaded(load_text(text), "go"))
+
+
+def test_sources_are_wanted_where_something_is_to_be_checked(tmp_path: Path) -> None:
+    file = tmp_path / "kitchen.rapc"
+    file.write_bytes(GOOD)
+    said = "kitchen.rapc` is a compiled library: sources are wanted here"
+    with pytest.raises(LoadError, match=said):
+        rapc.check(file)
+    with pytest.raises(LoadError, match=said):
+        rapc.compile(file, KITCHEN)
+    assert fields(rapc.load([file]).library)["raps"] != b"{}"
+
+
+SHAPE = "ec588ff79761bc5f"
+"""The checksum of all kinds of nodes. If it changes, raise `artifact.FORMAT`."""
+
+
+def test_another_shape_of_nodes_is_another_format() -> None:
+    shape = hashlib.sha256(_shape().encode()).hexdigest()[:16]
+    assert (artifact.FORMAT, shape) == (1, SHAPE)
+
+
+def _shape() -> str:
+    """The kinds of nodes with their fields and types, as they are written."""
+    kinds: list[type] = [Node]
+    for kind in kinds:
+        kinds.extend(kind.__subclasses__())
+    rows = (f"{kind.__name__}{kind.__annotations__}" for kind in kinds)
+    return "\n".join(sorted(rows))
