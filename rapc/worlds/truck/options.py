@@ -8,6 +8,7 @@ chosen so that his basic experiment in a still world comes out as his did (T tab
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Annotated, get_args, get_type_hints
 
 import msgspec
@@ -17,6 +18,10 @@ from rapc.runtime.world import Option
 from rapc.terms import Atom, Number, Text
 
 _TIME = "time units"
+
+
+Row = tuple[str, type, str | bool | Number, Meta]
+"""An option as a field of `Settings`: name, type, default, and what is said of it."""
 
 
 def _row(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
@@ -139,7 +144,13 @@ def describe_options() -> tuple[Option, ...]:
     return tuple(_option(*row) for row in _rows())
 
 
-def _rows() -> Iterator[tuple[str, type, str | bool | Number, Meta]]:
+@cache
+def _rows() -> tuple[Row, ...]:
+    """Worked out once: looking up annotations is slow."""
+    return tuple(_each_row())
+
+
+def _each_row() -> Iterator[Row]:
     hints = get_type_hints(Settings, include_extras=True)
     for field in msgspec.structs.fields(Settings):
         base, meta = get_args(hints[field.name])

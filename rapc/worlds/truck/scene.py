@@ -76,7 +76,7 @@ class Scene:
     def put(self, item: Item, place: str) -> None:
         """An item now is somewhere else; no arm is at it, or in it, any more."""
         for arm in self.state.truck.arms.values():
-            if self.reaches(arm, item):
+            if arm.at is not None and self.reaches(arm, item):
                 arm.at = None
         item.place = place
 

@@ -22,16 +22,16 @@ def shuffle(scene: Scene, demon: Demon) -> Number | None:
         return None
     lying = _lying(scene)
     counts = {place: len(items) for place, items in lying.items()}
+    left = frozenset() if settings.shuffle_tools else TOOLS
     for place, items in lying.items():
         for item in items:
-            tool = item.kind in TOOLS and not settings.shuffle_tools
-            stays = tool or scene.kind(item).fixed
-            if stays or rng.uniform(0, 100) >= settings.shuffle_efficiency:
+            stays = item.kind in left or scene.kinds[item.kind].fixed
+            if stays or rng.random() * 100 >= settings.shuffle_efficiency:
                 continue
-            room = [p for p, n in counts.items() if n < settings.item_limit]
-            others = [p for p in room if p != place]
+            limit = settings.item_limit
+            others = [p for p, n in counts.items() if n < limit and p != place]
             if others:
-                target = rng.choice(others)
+                target = others[int(rng.random() * len(others))]
                 scene.put(item, target)
                 counts[place] -= 1
                 counts[target] += 1

@@ -183,10 +183,13 @@ class TruckWorld(World):
             raise ValueError(f"no state of a truck world: {error}") from error
         if saved.settings != self._scene.settings:
             raise ValueError("the state is that of a truck world with other options")
-        self._scene.rng.setstate(saved.rng)
-        for name, stream in saved.chance.items():
-            self._scene.chance[name].setstate(stream)
-        self._scene.state = saved.state
+        scene = self._scene
+        try:
+            rng = _stream(saved.rng)
+            chance = {name: _stream(saved.chance[name]) for name in scene.chance}
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            raise ValueError(f"no state of a truck world: {error}") from error
+        scene.rng, scene.chance, scene.state = rng, chance, saved.state
 
     @property
     def deliveries(self) -> tuple[Delivery, ...]:
@@ -212,6 +215,13 @@ class TruckWorld(World):
 def _told(rng: random.Random) -> Stream:
     version, internal, gauss = rng.getstate()
     return version, tuple(internal), gauss
+
+
+def _stream(told: Stream) -> random.Random:
+    """A random stream in a state. Raises an error if it is none."""
+    rng = random.Random()
+    rng.setstate(told)
+    return rng
 
 
 def _read_map(settings: Settings) -> Map:
