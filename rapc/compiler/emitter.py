@@ -19,7 +19,7 @@ from rapc.compiler.steps import Step
 MAX_LOOPS = 12
 """Loops nested in one function; CPython allows 20 blocks."""
 
-SHAPES = 4096
+SHAPES = 1024
 """How many shapes of queries a process keeps compiled."""
 
 
