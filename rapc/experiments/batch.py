@@ -1,0 +1,121 @@
+"""The one loop that has runs done, whoever does them, and keeps what comes of them.
+
+Workers are whatever takes a job and returns a future: processes of this machine
+(`local`) or a cluster (`cluster`). A job that is lost with its worker is given out
+again, run by run, a bounded number of times.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from typing import Protocol
+
+import msgspec
+
+from rapc.experiments.config import Config
+from rapc.experiments.run import Job, Result
+
+ATTEMPTS = 3
+"""How often a run is given out before it is given up."""
+
+
+class Workers(Protocol):
+    """Who does the runs.
+
+    `room` is how many jobs are worth having under way at a time, `chunk` how many runs
+    a job should have at most.
+    """
+
+    @property
+    def room(self) -> int:
+        """How many jobs to have under way."""
+
+    @property
+    def chunk(self) -> int:
+        """How many runs to put into a job."""
+
+    def submit(self, job: Job) -> Future[tuple[Result, ...]]:
+        """Have a job done. The future's `TimeoutError` means that it took too long."""
+
+
+class Done(msgspec.Struct, frozen=True):
+    """Results of runs of a configuration that have come in."""
+
+    config: Config
+    results: tuple[Result, ...]
+
+
+class _Given(msgspec.Struct, frozen=True):
+    job: Job
+    attempt: int
+
+
+def jobs(
+    missing: Iterable[tuple[Config, Sequence[int]]], chunk: int
+) -> Iterator[Job]:
+    """Jobs for the seeds that configurations lack, by turns: all get on alike."""
+    queues = deque((config, deque(seeds)) for config, seeds in missing if seeds)
+    while queues:
+        config, seeds = queues.popleft()
+        taken = tuple(seeds.popleft() for _ in range(min(chunk, len(seeds))))
+        yield Job(config, taken)
+        if seeds:
+            queues.append((config, seeds))
+
+
+def run_batch(workers: Workers, work: Iterable[Job]) -> Iterator[Done]:
+    """Have jobs done; yields results as they come, in any order.
+
+    Each run of each job is in exactly one result, with its measures or a fault.
+    """
+    waiting = iter(work)
+    again: deque[_Given] = deque()
+    under_way: dict[Future[tuple[Result, ...]], _Given] = {}
+    try:
+        while True:
+            _fill(workers, waiting, again, under_way)
+            if not under_way:
+                break
+            finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
+            for future in finished:
+                given = under_way.pop(future)
+                yield from _take(given, future, again)
+    finally:
+        for future in under_way:
+            future.cancel()
+
+
+def _fill(
+    workers: Workers,
+    waiting: Iterator[Job],
+    again: deque[_Given],
+    under_way: dict[Future[tuple[Result, ...]], _Given],
+) -> None:
+    while len(under_way) < workers.room:
+        given = again.popleft() if again else None
+        if given is None:
+            job = next(waiting, None)
+            if job is None:
+                return
+            given = _Given(job, 1)
+        under_way[workers.submit(given.job)] = given
+
+
+def _take(
+    given: _Given, future: Future[tuple[Result, ...]], again: deque[_Given]
+) -> Iterator[Done]:
+    """What a future brought; what was lost goes to `again`, or is given up."""
+    config, seeds = given.job.config, given.job.seeds
+    error = future.exception()
+    if error is None:
+        yield Done(config, future.result())
+    elif isinstance(error, TimeoutError):
+        yield Done(config, tuple(Result(s, None, "it took too long") for s in seeds))
+    elif given.attempt < ATTEMPTS:
+        again.extend(_Given(Job(config, (s,)), given.attempt + 1) for s in seeds)
+    else:
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        lost = f"its worker was lost {ATTEMPTS} times, at last with {what}"
+        yield Done(config, tuple(Result(s, None, lost) for s in seeds))

@@ -1,0 +1,86 @@
+"""What is measured of a run: the numbers of T figure 6.7, gathered from its events."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+
+import msgspec
+
+from rapc.runtime import events
+from rapc.runtime.world import OKAY, Offer, Time
+
+
+class Measures(msgspec.Struct, frozen=True):
+    """What came of a run.
+
+    `reason` is why it was over, `disaster` what the world says if it ended the run;
+    `time` the time units it took; `completed`, `given_up` and `pending` count the
+    tasks that are counted; `effector`, `sensor` and `failed` the primitives that
+    ended, those that only look apart; `counts` successes of the RAPs named for it.
+    """
+
+    reason: str
+    disaster: str | None
+    time: Time
+    completed: int
+    given_up: int
+    pending: int
+    effector: int
+    sensor: int
+    failed: int
+    counts: Mapping[str, int]
+
+
+class Tally:
+    """Counts what happens in a run; a listener for `Interpreter.listen`.
+
+    Args:
+        offer: what the world offers, with its sensors.
+        count: RAPs whose successes are counted, by what they are called.
+    """
+
+    def __init__(self, offer: Offer, count: Mapping[str, str]) -> None:
+        self._sensors = frozenset(offer.sensors)
+        self._count = count
+        self._successes = Counter(dict.fromkeys(count.values(), 0))
+        self.sensor = self.effector = self.failed = 0
+
+    def __call__(self, event: events.Event) -> None:
+        """Take one event into account."""
+        if isinstance(event, events.PrimitiveEnded):
+            if _name(event.request) in self._sensors:
+                self.sensor += 1
+            else:
+                self.effector += 1
+            self.failed += event.result != OKAY
+        elif isinstance(event, events.TaskSucceeded):
+            rap = _name(event.goal)
+            if rap in self._successes:
+                self._successes[rap] += 1
+
+    def counts(self) -> dict[str, int]:
+        """How often each RAP that is counted has succeeded."""
+        return {name: self._successes[rap] for name, rap in self._count.items()}
+
+
+def outcomes(
+    given: Sequence[str], results: Iterable[events.TaskResult]
+) -> tuple[int, int, int]:
+    """How many of the tasks given were completed, given up, and are pending.
+
+    Args:
+        given: the RAP of each task that is counted, whether it has begun or not.
+        results: what became of all tasks that have begun.
+    """
+    counted = [
+        result.outcome
+        for result in results
+        if _name(result.goal) in given and not result.background
+    ]
+    completed, given_up = counted.count("succeeded"), counted.count("failed")
+    return completed, given_up, len(given) - completed - given_up
+
+
+def _name(goal: str) -> str:
+    return goal.strip("()").partition(" ")[0]

@@ -1,0 +1,217 @@
+"""The points of an experiment: what is run for each value of each part.
+
+Here everything that an experiment names is looked up, and refused if it is not there,
+before the first run.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import msgspec
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.experiments.config import Config, code_of, plain_options, rapc_version, world_options
+from rapc.experiments.definition import (
+    Experiment,
+    ExperimentError,
+    Part,
+    Value,
+    meant,
+)
+from rapc.experiments.run import counted
+from rapc.parser.parse import TextError
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.machine import SettingError, read_settings
+from rapc.runtime.refusals import Refused
+from rapc.runtime.submission import Submission, read_submission
+from rapc.runtime.world import World
+from rapc.terms import format_atom
+from rapc.worlds import registry
+
+OWN = "rapc"
+"""The owner of the interpreter's settings, beside that of a world's options."""
+
+
+class Point(msgspec.Struct, frozen=True):
+    """One value of a part, and what is run for it.
+
+    `digest` is the configuration's hash; `texts` are the settings as the command line
+    takes them, `owner.name` and value.
+    """
+
+    part: str
+    value: Value | None
+    config: Config
+    digest: str
+    texts: Mapping[str, str]
+
+
+def library_path(experiment: Experiment, file: Path) -> Path:
+    """Where the library of an experiment lies, seen from its file."""
+    return file.parent / experiment.library
+
+
+def points(
+    experiment: Experiment,
+    library: CompiledLibrary,
+    folder: Path,
+    parts: Iterable[Part],
+) -> tuple[Point, ...]:
+    """The points of some parts, in order.
+
+    `library` has been checked; `folder` is where the experiment's file lies.
+
+    Raises:
+        ExperimentError: if the experiment names a world, an option, a setting, a RAP
+            or a task that is not there.
+    """
+    world = _world(experiment)
+    tasks = _tasks(experiment)
+    _see_to_names(experiment, library, tasks)
+    found = []
+    for part in parts:
+        for value in part.values or (None,):
+            texts = _texts(experiment, part, value, folder)
+            config = _config(experiment, library, world, texts)
+            _try(library, world, config, tasks)
+            found.append(Point(part.name, value, config, config.digest(), texts))
+    return tuple(found)
+
+
+def command(experiment: Experiment, point: Point, library: Path, seed: int) -> str:
+    """The command line that repeats one run of a point."""
+    words = ["rapc", "run", str(library), "--world", experiment.world]
+    words += ["--seed", str(seed), "--until", format_atom(experiment.until)]
+    for name, text in point.texts.items():
+        words += ["--set", f"{name}={text}"]
+    for task in experiment.tasks:
+        words += ["--task", task]
+    return shlex.join(words)
+
+
+def _world(experiment: Experiment) -> type[World]:
+    try:
+        return registry.find_world(experiment.world)
+    except registry.WorldError as error:
+        raise ExperimentError(error.message, error.help) from error
+
+
+def _tasks(experiment: Experiment) -> list[Submission]:
+    tasks = []
+    for number, text in enumerate(experiment.tasks, 1):
+        try:
+            tasks.append(read_submission(text))
+        except TextError as error:
+            raise ExperimentError(f"task {number}: {error}") from error
+    return tasks
+
+
+def _see_to_names(
+    experiment: Experiment, library: CompiledLibrary, tasks: Sequence[Submission]
+) -> None:
+    """Refuse RAPs to be counted that there are not."""
+    given = [str(task.goal[0]) for task in tasks if not task.background]
+    for name in experiment.counted:
+        if name not in given:
+            message = f"`counted`: no task in the foreground is one of `{name}`"
+            raise ExperimentError(message, meant(name, given))
+    for name, rap in experiment.count.items():
+        if rap not in library.library.raps:
+            message = f"`count`, {name}: there is no RAP `{rap}`"
+            raise ExperimentError(message, meant(rap, library.library.raps))
+    if not counted(tasks, experiment.counted):
+        raise ExperimentError("all tasks are in the background: there is none to count")
+
+
+def _texts(
+    experiment: Experiment, part: Part, value: Value | None, folder: Path
+) -> dict[str, str]:
+    """All settings of a point by `owner.name`, as text for the command line."""
+    values: dict[str, Value] = {}
+    for table in (experiment.set, part.set):
+        for owner, settings in table.items():
+            values |= {f"{owner}.{name}": value for name, value in settings.items()}
+    if part.vary is not None and value is not None:
+        values[part.vary] = value
+    return {name: _text(given, folder) for name, given in values.items()}
+
+
+def _text(value: Value, folder: Path) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f"@{folder / value[1:]}" if value.startswith("@") else value
+    return format_atom(value)
+
+
+def _config(
+    experiment: Experiment,
+    library: CompiledLibrary,
+    world: type[World],
+    texts: Mapping[str, str],
+) -> Config:
+    own, theirs = _by_owner(world, texts)
+    try:
+        options = registry.read_options(world, theirs)
+        settings = read_settings(own)
+    except registry.WorldError as error:
+        raise ExperimentError(error.message, error.help) from error
+    except SettingError as error:
+        raise ExperimentError(str(error)) from error
+    return Config(
+        rapc=rapc_version(),
+        code=code_of(world),
+        library=library.name,
+        sources=tuple((f.name, f.text) for f in library.library.files.values()),
+        world=experiment.world,
+        options=plain_options(world, options),
+        settings=msgspec.structs.asdict(settings),
+        tasks=experiment.tasks,
+        until=experiment.until,
+        counted=experiment.counted,
+        count=experiment.count,
+    )
+
+
+def _by_owner(
+    world: type[World], texts: Mapping[str, str]
+) -> tuple[dict[str, str], dict[str, str]]:
+    own: dict[str, str] = {}
+    theirs: dict[str, str] = {}
+    for key, text in texts.items():
+        owner, _, name = key.partition(".")
+        if owner not in (OWN, world.name):
+            raise ExperimentError(
+                f"`{key}`: `{owner}` is neither `{OWN}` nor `{world.name}`",
+                meant(owner, [OWN, world.name]),
+            )
+        (own if owner == OWN else theirs)[name] = text
+    return own, theirs
+
+
+def _try(
+    library: CompiledLibrary,
+    world: type[World],
+    config: Config,
+    tasks: Sequence[Submission],
+) -> None:
+    """See that a world can be made so, and that the tasks can be run in it."""
+    options = world_options(world, config.options)
+    try:
+        made = registry.build_world(world, 0, options)
+        Interpreter(library, made).check(tasks)
+    except registry.WorldError as error:
+        raise ExperimentError(error.message, error.help) from error
+    except Refused as refused:
+        first, *more = refused.reasons
+        raise ExperimentError(first, "; ".join(more) or None) from refused
+
+
+def unit(world: World | type[World], vary: str) -> str:
+    """The unit of what is varied; empty if it has none."""
+    owner, _, name = vary.partition(".")
+    units = {option.name: option.unit for option in world.options()}
+    return units.get(name, "") if owner == world.name else ""

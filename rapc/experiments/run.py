@@ -1,0 +1,128 @@
+"""One run, or several of one configuration: what a worker does, wherever it is.
+
+A worker is a process of its own. It gets all it needs with the job, and nothing that a
+run does outlasts the run but the compiled library.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from collections.abc import Sequence
+from functools import lru_cache
+
+import msgspec
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.experiments.config import Config, code_of, world_options
+from rapc.experiments.measures import Measures, Tally, outcomes
+from rapc.library import link
+from rapc.parser.parse import parse
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.machine import Settings
+from rapc.runtime.submission import Submission, read_submission
+from rapc.source import SourceFile
+from rapc.worlds import registry
+
+
+class Job(msgspec.Struct, frozen=True):
+    """Runs of one configuration under some seeds."""
+
+    config: Config
+    seeds: tuple[int, ...]
+
+
+class Result(msgspec.Struct, frozen=True):
+    """What came of a run: its measures, or why there are none, in a line.
+
+    `trace` is where an error came from, for a developer; `seconds` of processor time
+    were spent.
+    """
+
+    seed: int
+    measures: Measures | None
+    fault: str = ""
+    trace: str = ""
+    seconds: float = 0
+
+
+class OtherCode(Exception):
+    """A worker has another rapc than the one that gave it the job."""
+
+
+def run_job(job: Job) -> tuple[Result, ...]:
+    """Run a configuration under each seed of a job.
+
+    A run that raises an error is a result with a fault: the others go on.
+    """
+    return tuple([_run(job.config, seed) for seed in job.seeds])
+
+
+def _run(config: Config, seed: int) -> Result:
+    began = time.process_time()
+    try:
+        measures = measure(config, seed)
+    except Exception as error:  # whatever it is, it is told with its seed
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        return Result(seed, None, what, traceback.format_exc())
+    return Result(seed, measures, seconds=time.process_time() - began)
+
+
+def measure(config: Config, seed: int) -> Measures:
+    """Run a configuration under a seed, as `rapc run` does, and measure it.
+
+    Raises:
+        OtherCode: if the configuration was made by another rapc.
+    """
+    world_class = registry.find_world(config.world)
+    if code_of(world_class) != config.code:
+        raise OtherCode("the worker has another version of rapc or of the world")
+    options = world_options(world_class, config.options)
+    world = registry.build_world(world_class, seed, options)
+    library = _compiled(config.library, config.sources, threading.get_ident())
+    settings = msgspec.convert(config.settings, Settings)
+    interpreter = Interpreter(library, world, seed, settings)
+    tally = Tally(world.offer(), config.count)
+    interpreter.listen(tally)
+    tasks = [read_submission(task) for task in config.tasks]
+    interpreter.start()
+    for task in tasks:
+        interpreter.submit(task)
+    reason = interpreter.run(until=config.until)
+    done, given_up, pending = outcomes(
+        [str(task.goal[0]) for task in counted(tasks, config.counted)],
+        interpreter.results(),
+    )
+    return Measures(
+        reason=reason,
+        disaster=world.ended(),
+        time=interpreter.now,
+        completed=done,
+        given_up=given_up,
+        pending=pending,
+        effector=tally.effector,
+        sensor=tally.sensor,
+        failed=tally.failed,
+        counts=tally.counts(),
+    )
+
+
+def counted(tasks: Sequence[Submission], raps: Sequence[str]) -> list[Submission]:
+    """The tasks that are counted: those of some RAPs, or all; none in the background."""
+    return [
+        task for task in tasks if not task.background and (not raps or task.goal[0] in raps)
+    ]
+
+
+@lru_cache(maxsize=4)
+def _compiled(
+    name: str, sources: tuple[tuple[str, str], ...], thread: int
+) -> CompiledLibrary:
+    """A library from its texts, which were checked where they were read.
+
+    It compiles queries when they are first asked, so each thread has its own.
+    """
+    files = [SourceFile(file, text) for file, text in sources]
+    linked, _ = link([(file, parse(file)) for file in files])
+    return CompiledLibrary(linked, name)

@@ -1,0 +1,119 @@
+"""Results as they come, in a file that a batch can be taken up from again.
+
+One SQLite file; the key of a result is the hash of its configuration and its seed. The
+process that gives out the work is the only one that writes.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterable
+from pathlib import Path
+from types import TracebackType
+
+import msgspec
+
+from rapc.experiments.config import Config
+from rapc.experiments.measures import Measures
+from rapc.experiments.run import Result
+
+FORMAT = 1
+"""The version of the tables; other ones are refused."""
+
+_SCHEMA = """
+create table config (hash text primary key, config text not null);
+create table result (
+    config text not null references config (hash), seed integer not null,
+    reason text not null, disaster text, time numeric not null,
+    completed integer not null, given_up integer not null, pending integer not null,
+    effector integer not null, sensor integer not null, failed integer not null,
+    counts text not null, seconds real not null,
+    primary key (config, seed)
+) without rowid;
+"""
+
+_MEASURES = Measures.__struct_fields__
+
+
+class StoreError(Exception):
+    """A file that results cannot be kept in; one line."""
+
+
+class Store:
+    """The results in a file, which is made if there is none. To be used with `with`.
+
+    Raises:
+        StoreError: for a file that is something else, or cannot be written.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        try:
+            self._base = sqlite3.connect(file, isolation_level=None)
+            self._prepare()
+        except sqlite3.Error as error:
+            raise StoreError(f"`{file}` cannot be used: {error}") from error
+
+    def _prepare(self) -> None:
+        [(format_,)] = self._base.execute("pragma user_version")
+        [(tables,)] = self._base.execute("select count(*) from sqlite_schema")
+        if tables and format_ != FORMAT:
+            raise StoreError(f"`{self._file}` was not written by this version of rapc")
+        self._base.execute("pragma journal_mode = wal")
+        self._base.execute("pragma synchronous = normal")
+        if not tables:
+            script = f"begin; {_SCHEMA} pragma user_version = {FORMAT}; commit;"
+            self._base.executescript(script)
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._base.close()
+
+    def seeds(self, config: str) -> frozenset[int]:
+        """The seeds of which there are results, by the hash of a configuration."""
+        rows = self._base.execute("select seed from result where config = ?", (config,))
+        return frozenset(seed for (seed,) in rows)
+
+    def add(self, config: Config, results: Iterable[Result]) -> None:
+        """Keep what came of runs; those with a fault are left out."""
+        digest = config.digest()
+        self._base.execute("begin")
+        self._base.execute(
+            "insert or ignore into config values (?, ?)", (digest, config.as_json())
+        )
+        for result in results:
+            if result.measures is not None:
+                self._keep(digest, result, result.measures)
+        self._base.execute("commit")
+
+    def _keep(self, config: str, result: Result, measures: Measures) -> None:
+        row = {
+            **msgspec.structs.asdict(measures),
+            "counts": msgspec.json.encode(measures.counts).decode(),
+        }
+        values = (config, result.seed, *row.values(), round(result.seconds, 4))
+        marks = ", ".join("?" * len(values))
+        self._base.execute(f"insert or ignore into result values ({marks})", values)
+
+    def measures(self, config: str, seeds: range) -> dict[int, Measures]:
+        """What is known of a configuration under some seeds, by seed."""
+        columns = ", ".join(_MEASURES)
+        rows = self._base.execute(
+            f"select seed, {columns} from result "
+            "where config = ? and seed >= ? and seed < ? order by seed",
+            (config, seeds.start, seeds.stop),
+        )
+        return {seed: _measures(values) for seed, *values in rows}
+
+
+def _measures(values: list[object]) -> Measures:
+    row = dict(zip(_MEASURES, values, strict=True))
+    row["counts"] = msgspec.json.decode(str(row["counts"]))
+    return msgspec.convert(row, Measures)

@@ -1,0 +1,151 @@
+"""What the runs of a part come to: for each point the averages, and how they spread.
+
+A run that the world ended is a disaster: it is counted, and left out of the averages.
+Tasks that were given up or are pending are not (T 6.3.1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import msgspec
+
+from rapc.experiments.definition import Part, Reference, Value
+from rapc.experiments.measures import Measures
+from rapc.experiments.points import Point
+
+LABELS: Mapping[str, str] = {
+    "completed": "completed",
+    "given-up": "given up",
+    "pending": "pending",
+    "time": "time",
+    "time-each": "time each",
+    "effector": "effector",
+    "sensor": "sensor",
+    "failed": "failed",
+    "percent-sensor": "% sensor",
+    "percent-failed": "% failed",
+}
+"""The measures by the names that files of experiments have for them, as printed.
+
+`time-each` is the whole time divided by the tasks completed, as T 6.3.1 has it;
+`percent-failed` are the primitives that failed, of all.
+"""
+
+
+class Spread(msgspec.Struct, frozen=True):
+    """An average, with the least and the greatest number that went into it."""
+
+    mean: float
+    low: float
+    high: float
+
+
+class Row(msgspec.Struct, frozen=True):
+    """What the runs of one point come to.
+
+    `runs` counts those with results, of `wanted`; `disasters` are seeds by what the
+    world said. A measure that no run has is not among the figures.
+    """
+
+    value: Value | None
+    runs: int
+    wanted: int
+    disasters: Mapping[str, tuple[int, ...]]
+    figures: Mapping[str, Spread]
+
+    @property
+    def lost(self) -> int:
+        """How many runs ended in a disaster."""
+        return sum(map(len, self.disasters.values()))
+
+
+class Summary(msgspec.Struct, frozen=True):
+    """A part with its rows; `unit` is that of what it varies, `measures` are printed."""
+
+    part: Part
+    unit: str
+    measures: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every run that is wanted has a result."""
+        return all(row.runs == row.wanted for row in self.rows)
+
+    def reference(self, value: Value | None) -> Mapping[str, float]:
+        """Figures from elsewhere for a value, with those that follow from them."""
+        reference = self.part.reference
+        if reference is None:
+            return {}
+        return _with_time_each(_figures_at(reference, value))
+
+
+def summarize(
+    part: Part,
+    unit: str,
+    points: Sequence[Point],
+    found: Callable[[str], Mapping[int, Measures]],
+    wanted: int,
+) -> Summary:
+    """What the runs of a part come to.
+
+    Args:
+        part: the part.
+        unit: the unit of what it varies.
+        points: its points, in order.
+        found: the measures by seed that there are of a configuration, by its hash.
+        wanted: how many runs a point is to have.
+    """
+    counts = tuple(points[0].config.count)
+    rows = tuple([_row(p.value, found(p.digest), wanted) for p in points])
+    return Summary(part, unit, (*LABELS, *counts), rows)
+
+
+def _row(value: Value | None, found: Mapping[int, Measures], wanted: int) -> Row:
+    disasters: dict[str, tuple[int, ...]] = {}
+    for seed, measures in found.items():
+        if measures.disaster is not None:
+            what = measures.disaster
+            disasters[what] = (*disasters.get(what, ()), seed)
+    told = [_numbers(m) for m in found.values() if m.disaster is None]
+    names = dict.fromkeys(name for numbers in told for name in numbers)
+    figures = {n: _spread(many[n] for many in told if n in many) for n in names}
+    return Row(value, len(found), wanted, disasters, figures)
+
+
+def _spread(values: Iterable[float]) -> Spread:
+    known = list(values)
+    return Spread(sum(known) / len(known), min(known), max(known))
+
+
+def _numbers(measures: Measures) -> dict[str, float]:
+    primitives = measures.effector + measures.sensor
+    numbers: dict[str, float] = {
+        "completed": measures.completed,
+        "given-up": measures.given_up,
+        "pending": measures.pending,
+        "time": measures.time,
+        "effector": measures.effector,
+        "sensor": measures.sensor,
+        "failed": measures.failed,
+        **measures.counts,
+    }
+    if primitives:
+        numbers["percent-sensor"] = 100 * measures.sensor / primitives
+        numbers["percent-failed"] = 100 * measures.failed / primitives
+    return _with_time_each(numbers)
+
+
+def _with_time_each(numbers: Mapping[str, float]) -> dict[str, float]:
+    if "time-each" in numbers or not numbers.get("completed") or "time" not in numbers:
+        return dict(numbers)
+    return {**numbers, "time-each": numbers["time"] / numbers["completed"]}
+
+
+def _figures_at(reference: Reference, value: Value | None) -> dict[str, float]:
+    at = (None,) if value is None else reference.at
+    if value not in at:
+        return {}
+    place = at.index(value)
+    return {name: figures[place] for name, figures in reference.figures.items()}

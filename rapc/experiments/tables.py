@@ -1,0 +1,147 @@
+"""Tables of what was measured, like those of T 6.3: for a terminal and as Markdown.
+
+A row for each point, ours, and below it the figures from elsewhere, if there are any.
+Where a table is too wide for the terminal, its columns go below one another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+import msgspec
+
+from rapc.experiments.definition import Value
+from rapc.experiments.summary import LABELS, Row, Spread, Summary
+from rapc.terms import format_atom
+
+Kind = Literal["title", "head", "ours", "theirs", "text"]
+
+
+class Line(msgspec.Struct, frozen=True):
+    """A line of text and what it is, for who wants to colour it."""
+
+    kind: Kind
+    text: str
+
+
+class Grid(msgspec.Struct, frozen=True):
+    """A table: a head, and rows of as many cells, ours or theirs."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[Kind, tuple[str, ...]], ...]
+
+
+_GAP = 2
+
+
+def title(summary: Summary) -> str:
+    """The title of a part: what it is called, and by which name it is asked for."""
+    part = summary.part
+    return f"{part.title} (part `{part.name}`)" if part.title else f"Part `{part.name}`"
+
+
+def show(value: Value | None) -> str:
+    """A value of what is varied, as it is printed."""
+    if value is None:
+        return "all"
+    return format_atom(value) if not isinstance(value, bool) else str(value).lower()
+
+
+def grid(summary: Summary) -> Grid:
+    """The table of a part."""
+    names = [LABELS.get(name, name) for name in summary.measures]
+    at = summary.measures.index("time-each") + 1
+    names.insert(at, "from-to")
+    first = summary.part.vary or "point"
+    rows: list[tuple[Kind, tuple[str, ...]]] = []
+    for row in summary.rows:
+        rows.append(("ours", _ours(row, summary.measures)))
+        theirs = summary.reference(row.value)
+        if theirs and summary.part.reference is not None:
+            cells = [_cell(name, theirs.get(name)) for name in summary.measures]
+            cells.insert(at, "")
+            rows.append(("theirs", (summary.part.reference.title, "", "", *cells)))
+    head = (first.partition(".")[2] or first, "runs", "disasters", *names)
+    return Grid(head, tuple(rows))
+
+
+def _ours(row: Row, measures: Sequence[str]) -> tuple[str, ...]:
+    runs = str(row.runs) if row.runs == row.wanted else f"{row.runs}/{row.wanted}"
+    cells = [show(row.value), runs, str(row.lost)]
+    for name in measures:
+        spread = row.figures.get(name)
+        cells.append(_cell(name, spread.mean if spread else None))
+        if name == "time-each":
+            cells.append(_range(spread))
+    return tuple(cells)
+
+
+def _range(spread: Spread | None) -> str:
+    return f"{spread.low:.0f}-{spread.high:.0f}" if spread else "-"
+
+
+def _cell(name: str, value: float | None) -> str:
+    if value is None:
+        return "-"
+    if name in ("time", "time-each", "effector", "sensor"):
+        return f"{value:.0f}"
+    return format_atom(round(value, 1))
+
+
+def lines(made: Grid, width: int) -> Iterator[Line]:
+    """The table for a width in columns: the first column comes with all others."""
+    widths = [
+        max(len(cell) for cell in column)
+        for column in zip(made.head, *(cells for _, cells in made.rows), strict=True)
+    ]
+    for number, columns in enumerate(_split(widths, width)):
+        if number:
+            yield Line("text", "")
+        yield Line("head", _line(made.head, widths, columns))
+        for kind, cells in made.rows:
+            if kind == "ours" or any(cells[column] for column in columns[1:]):
+                yield Line(kind, _line(cells, widths, columns))
+
+
+def _split(widths: Sequence[int], width: int) -> Iterator[list[int]]:
+    """Columns that fit beside one another, each time after the first one."""
+    columns, used = [0], widths[0]
+    for column, wide in enumerate(widths[1:], 1):
+        if len(columns) > 1 and used + _GAP + wide > width:
+            yield columns
+            columns, used = [0], widths[0]
+        columns.append(column)
+        used += _GAP + wide
+    yield columns
+
+
+def _line(cells: Sequence[str], widths: Sequence[int], columns: Sequence[int]) -> str:
+    first, *others = columns
+    shown = [f"{cells[first]:<{widths[first]}}"]
+    shown += [f"{cells[column]:>{widths[column]}}" for column in others]
+    return (" " * _GAP).join(shown).rstrip()
+
+
+def markdown(made: Grid) -> Iterator[str]:
+    """The table as Markdown."""
+    yield _row(made.head)
+    yield _row(["---", *["---:"] * (len(made.head) - 1)])
+    for kind, cells in made.rows:
+        shown = cells if kind == "ours" else [f"*{c}*" if c else c for c in cells]
+        yield _row(shown)
+
+
+def _row(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def remarks(summary: Summary) -> Iterator[str]:
+    """What is to be said below a table: disasters with their seeds, and notes."""
+    for row in summary.rows:
+        for what, seeds in row.disasters.items():
+            listed = ", ".join(map(str, seeds))
+            where = "" if row.value is None else f" at {show(row.value)}"
+            word = "seed" if len(seeds) == 1 else "seeds"
+            yield f"Disaster{where}: {what} ({word} {listed})."
+    yield from summary.part.notes
