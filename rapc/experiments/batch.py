@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Protocol
 
 import msgspec
@@ -21,20 +21,20 @@ ATTEMPTS = 3
 """How often a run is given out before it is given up."""
 
 
-class Workers(Protocol):
-    """Who does the runs.
+class WorkersLost(Exception):
+    """Nobody is there any more to do the runs; one line."""
 
-    `room` is how many jobs are worth having under way at a time, `chunk` how many runs
-    a job should have at most.
-    """
+
+class Workers(Protocol):
+    """Who does the runs. Any of these may raise WorkersLost."""
 
     @property
     def room(self) -> int:
-        """How many jobs to have under way."""
+        """How many jobs are worth having under way at a time."""
 
     @property
     def chunk(self) -> int:
-        """How many runs to put into a job."""
+        """How many runs a job should have at most."""
 
     def submit(self, job: Job) -> Future[tuple[Result, ...]]:
         """Have a job done. The future's `TimeoutError` means that it took too long."""
@@ -52,9 +52,7 @@ class _Given(msgspec.Struct, frozen=True):
     attempt: int
 
 
-def jobs(
-    missing: Iterable[tuple[Config, Sequence[int]]], chunk: int
-) -> Iterator[Job]:
+def jobs(missing: Iterable[tuple[Config, Sequence[int]]], chunk: int) -> Iterator[Job]:
     """Jobs for the seeds that configurations lack, by turns: all get on alike."""
     queues = deque((config, deque(seeds)) for config, seeds in missing if seeds)
     while queues:
@@ -69,6 +67,9 @@ def run_batch(workers: Workers, work: Iterable[Job]) -> Iterator[Done]:
     """Have jobs done; yields results as they come, in any order.
 
     Each run of each job is in exactly one result, with its measures or a fault.
+
+    Raises:
+        WorkersLost: if there are no workers any more.
     """
     waiting = iter(work)
     again: deque[_Given] = deque()
@@ -108,11 +109,14 @@ def _take(
 ) -> Iterator[Done]:
     """What a future brought; what was lost goes to `again`, or is given up."""
     config, seeds = given.job.config, given.job.seeds
-    error = future.exception()
+    error = CancelledError() if future.cancelled() else future.exception()
     if error is None:
         yield Done(config, future.result())
     elif isinstance(error, TimeoutError):
-        yield Done(config, tuple(Result(s, None, "it took too long") for s in seeds))
+        yield Done(
+            config,
+            tuple(Result(s, None, "it took longer than the time limit") for s in seeds),
+        )
     elif given.attempt < ATTEMPTS:
         again.extend(_Given(Job(config, (s,)), given.attempt + 1) for s in seeds)
     else:

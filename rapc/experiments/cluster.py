@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import logging
+import socket
 from concurrent.futures import Future
 from types import TracebackType
 
 from distributed import Client
+from distributed.comm.addressing import get_address_host_port
 
+from rapc.experiments.batch import WorkersLost
 from rapc.experiments.run import Job, Result, run_job
 
 _RUNS = 8
 """How many runs make a job, at most: giving one out takes Dask some milliseconds."""
 
-
-class ClusterError(Exception):
-    """A cluster that cannot be reached; one line."""
+_PATIENCE = 10
+"""How many seconds a scheduler has to answer."""
 
 
 class ClusterWorkers:
@@ -25,16 +28,20 @@ class ClusterWorkers:
         runs: how many are to be done in all.
 
     Raises:
-        ClusterError: if nobody answers there.
+        WorkersLost: if nobody answers there.
     """
 
     def __init__(self, address: str, runs: int) -> None:
-        try:
-            self._client = Client(address, timeout=10, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
-            raise ClusterError(f"no Dask scheduler answers at `{address}`") from error
-        self._executor = self._client.get_executor(retries=2, pure=False)
+        for name in ("distributed", "distributed.client"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+        self._address = address
         self._runs = runs
+        try:
+            _knock(address)
+            self._client = Client(address, timeout=_PATIENCE, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise self._lost() from error
+        self._executor = self._client.get_executor(retries=2, pure=False)
 
     def __enter__(self) -> ClusterWorkers:
         return self
@@ -50,8 +57,12 @@ class ClusterWorkers:
 
     @property
     def room(self) -> int:
-        """A few jobs for each thread that the workers have now; they may come and go."""
-        return 4 * max(1, sum(self._client.nthreads().values()))
+        """A few jobs for each thread there is now: workers may come and go."""
+        try:
+            threads: int = sum(self._client.nthreads().values())
+        except OSError as error:
+            raise self._lost() from error
+        return 4 * max(1, threads)
 
     @property
     def chunk(self) -> int:
@@ -62,3 +73,12 @@ class ClusterWorkers:
         """Have a job done by a worker that the scheduler chooses."""
         future: Future[tuple[Result, ...]] = self._executor.submit(run_job, job)
         return future
+
+    def _lost(self) -> WorkersLost:
+        return WorkersLost(f"no Dask scheduler answers at `{self._address}`")
+
+
+def _knock(address: str) -> None:
+    """See that somebody is there: a client that cannot connect is noisy about it."""
+    host, port = get_address_host_port(address, strict=True)
+    socket.create_connection((host, port), timeout=_PATIENCE).close()

@@ -60,7 +60,9 @@ class Config(msgspec.Struct, frozen=True):
         return hashlib.sha256(self.as_json()).hexdigest()[:16]
 
 
-def world_options(world: type[World], plain: Mapping[str, Plain]) -> dict[str, Atom | bool]:
+def world_options(
+    world: type[World], plain: Mapping[str, Plain]
+) -> dict[str, Atom | bool]:
     """Values of options as a world takes them."""
     kinds = {option.name: option.kind for option in world.options()}
     return {
@@ -69,7 +71,9 @@ def world_options(world: type[World], plain: Mapping[str, Plain]) -> dict[str, A
     }
 
 
-def plain_options(world: type[World], given: Mapping[str, Atom | bool]) -> dict[str, Plain]:
+def plain_options(
+    world: type[World], given: Mapping[str, Atom | bool]
+) -> dict[str, Plain]:
     """The values of all options of a world: those given, and the defaults."""
     values = {option.name: option.default for option in world.options()} | dict(given)
     return {n: v.value if isinstance(v, Text) else v for n, v in values.items()}

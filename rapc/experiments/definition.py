@@ -23,7 +23,7 @@ Value = bool | int | float | str
 """A value of an option or setting as TOML has it."""
 
 _Name = Annotated[str, Meta(pattern=r"^[a-z0-9][a-z0-9-]{0,30}\Z")]
-_Above = Annotated[int, Meta(gt=0)] | Annotated[float, Meta(gt=0)]
+_Time = Annotated[int, Meta(gt=0, le=10**9)] | Annotated[float, Meta(gt=0, le=10**9)]
 _Settings = Mapping[str, Mapping[str, Value]]
 
 
@@ -87,11 +87,11 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     library: str
     world: str
     tasks: Annotated[tuple[str, ...], Meta(min_length=1)]
-    until: _Above
+    until: _Time
     part: Annotated[tuple[Part, ...], Meta(min_length=1)]
     title: str = ""
-    seeds: Annotated[int, Meta(ge=1)] = 30
-    time_limit: _Above = msgspec.field(name="time-limit", default=120)
+    seeds: Annotated[int, Meta(ge=1, le=10**6)] = 30
+    time_limit: _Time = msgspec.field(name="time-limit", default=120)
     counted: tuple[str, ...] = ()
     count: Mapping[_Name, str] = {}
     set: _Settings = {}
@@ -204,6 +204,9 @@ def _unknown(data: Mapping[str, Any]) -> Iterator[tuple[str, str, list[str]]]:
             yield from look(inner, kind, f" in `{key}` of part {number}")
 
 
+_NAMES = " of small letters, digits and hyphens"
+"""What the regular expression of `_Name` says."""
+
 _WORDS = {
     "str": "text",
     "int": "a whole number",
@@ -223,6 +226,7 @@ def _in_words(message: str) -> str:
     ``part 1, vary`: expected text, got a whole number`.
     """
     what, _, path = message.partition(" - at ")
+    what = what.partition(" matching regex")[0] + _NAMES * ("regex" in what)
     what = re.sub(r"`([^`]*)`", lambda m: _WORDS.get(m[1], f"`{m[1]}`"), what)
     path = path.strip("`").removeprefix("$").replace("[...]", "").removeprefix(".")
     path = re.sub(r"\[(\d+)\]", lambda m: f" {int(m[1]) + 1}", path).replace(".", ", ")

@@ -1,22 +1,63 @@
-"""Workers on this machine: a pool of processes that survives the loss of any of them."""
+"""Workers on this machine: processes, any of which may be lost."""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
 from concurrent.futures import Future
+from threading import Thread
 from types import TracebackType
 
 from pebble import ProcessPool
 
 from rapc.experiments.run import Job, Result, run_job
 
+_Results = tuple[Result, ...]
+
 
 def cores() -> int:
     """How many processes this machine runs at a time for us."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (
-        os.cpu_count() or 1
-    )
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class _Slot:
+    """One process, in a pool of its own, and the job it was given last.
+
+    The processes of one pool share a pipe and its locks: one that is killed while it
+    takes a job from the pipe leaves the others without. So each has its own, and gets
+    a new one when anything went wrong.
+    """
+
+    def __init__(self, time_limit: float) -> None:
+        self._limit = time_limit
+        self._pool = _pool()
+        self._last: Future[_Results] | None = None
+
+    @property
+    def free(self) -> bool:
+        return self._last is None or self._last.done()
+
+    def submit(self, job: Job) -> Future[_Results]:
+        if self._last is not None and self._last.exception() is not None:
+            self._pool.stop()
+            Thread(target=self._pool.join, daemon=True).start()
+            self._pool = _pool()
+        self._last = self._pool.schedule(run_job, args=[job], timeout=self._limit)
+        return self._last
+
+    def stop(self) -> None:
+        self._pool.stop()
+
+    def join(self) -> None:
+        self._pool.join()
+
+
+def _pool() -> ProcessPool:
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["rapc.experiments.run"])
+    return ProcessPool(max_workers=1, context=context)
 
 
 class LocalWorkers:
@@ -31,11 +72,8 @@ class LocalWorkers:
     chunk = 1
 
     def __init__(self, jobs: int, time_limit: float) -> None:
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload(["rapc.experiments.run"])
-        self.room = 2 * jobs
-        self._limit = time_limit
-        self._pool = ProcessPool(max_workers=jobs, context=context)
+        self._slots = [_Slot(time_limit) for _ in range(jobs)]
+        self.room = jobs
 
     def __enter__(self) -> LocalWorkers:
         return self
@@ -46,9 +84,11 @@ class LocalWorkers:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._pool.stop()
-        self._pool.join()
+        for slot in self._slots:
+            slot.stop()
+        for slot in self._slots:
+            slot.join()
 
-    def submit(self, job: Job) -> Future[tuple[Result, ...]]:
-        """Have a job done by the next process that is free."""
-        return self._pool.schedule(run_job, args=[job], timeout=self._limit)
+    def submit(self, job: Job) -> Future[_Results]:
+        """Have a job done by a process that is free, of which there must be one."""
+        return next(slot for slot in self._slots if slot.free).submit(job)

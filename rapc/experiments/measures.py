@@ -10,6 +10,24 @@ import msgspec
 from rapc.runtime import events
 from rapc.runtime.world import OKAY, Offer, Time
 
+LABELS: Mapping[str, str] = {
+    "completed": "completed",
+    "given-up": "given up",
+    "pending": "pending",
+    "time": "time",
+    "time-each": "time each",
+    "effector": "effector",
+    "sensor": "sensor",
+    "failed": "failed",
+    "percent-sensor": "% sensor",
+    "percent-failed": "% failed",
+}
+"""The measures by the names that files of experiments have for them, as printed.
+
+`time-each` is the whole time divided by the tasks completed, as T 6.3.1 has it;
+`percent-failed` are the primitives that failed, of all.
+"""
+
 
 class Measures(msgspec.Struct, frozen=True):
     """What came of a run.
@@ -80,6 +98,32 @@ def outcomes(
     ]
     completed, given_up = counted.count("succeeded"), counted.count("failed")
     return completed, given_up, len(given) - completed - given_up
+
+
+def numbers_of(measures: Measures) -> dict[str, float]:
+    """The numbers of a run by their names in `LABELS`, and what was counted besides."""
+    primitives = measures.effector + measures.sensor
+    numbers: dict[str, float] = {
+        "completed": measures.completed,
+        "given-up": measures.given_up,
+        "pending": measures.pending,
+        "time": measures.time,
+        "effector": measures.effector,
+        "sensor": measures.sensor,
+        "failed": measures.failed,
+        **measures.counts,
+    }
+    if primitives:
+        numbers["percent-sensor"] = 100 * measures.sensor / primitives
+        numbers["percent-failed"] = 100 * measures.failed / primitives
+    return with_time_each(numbers)
+
+
+def with_time_each(numbers: Mapping[str, float]) -> dict[str, float]:
+    """Numbers with the time for each task completed, where it can be told."""
+    if "time-each" in numbers or not numbers.get("completed") or "time" not in numbers:
+        return dict(numbers)
+    return {**numbers, "time-each": numbers["time"] / numbers["completed"]}
 
 
 def _name(goal: str) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -16,7 +17,7 @@ from matplotlib.figure import Figure
 from rapc.experiments.summary import Summary
 from rapc.experiments.tables import show
 
-_STYLE = {
+_STYLE: Any = {
     "svg.hashsalt": "rapc",
     "svg.fonttype": "path",
     "font.family": "DejaVu Sans",
@@ -90,7 +91,9 @@ def _theirs(axes: Axes, summary: Summary, number: int, measure: str) -> None:
             [figure for _, figure in told],
             color=_THEIRS,
             marker="x+*"[number % 3],
+            markersize=8,
             linestyle="none",
+            zorder=3,
             label=f"{summary.part.name}: {summary.part.reference.title}",
         )
 
@@ -118,10 +121,18 @@ def _frame(above: Axes, below: Axes, summary: Summary) -> None:
         below.set_xticks(_places(summary), [show(value) for value in values])
     mark = summary.part.mark
     for axes in (above, below):
+        axes.margins(y=0.1)
         axes.set_ylim(bottom=0)
         if mark is not None:
             axes.axvline(mark.at, color=_THEIRS, linestyle=":", linewidth=1)
     if mark is not None:
-        above.plot([mark.at], [0], marker="D", color="black", clip_on=False,
-                   linestyle="none", label=mark.label)
+        above.plot(
+            [mark.at],
+            [0],
+            marker="D",
+            color="black",
+            clip_on=False,
+            linestyle="none",
+            label=mark.label,
+        )
     above.legend(fontsize=8)

@@ -13,7 +13,13 @@ from pathlib import Path
 import msgspec
 
 from rapc.compiler.plans import CompiledLibrary
-from rapc.experiments.config import Config, code_of, plain_options, rapc_version, world_options
+from rapc.experiments.config import (
+    Config,
+    code_of,
+    plain_options,
+    rapc_version,
+    world_options,
+)
 from rapc.experiments.definition import (
     Experiment,
     ExperimentError,
@@ -21,6 +27,7 @@ from rapc.experiments.definition import (
     Value,
     meant,
 )
+from rapc.experiments.measures import LABELS
 from rapc.experiments.run import counted
 from rapc.parser.parse import TextError
 from rapc.runtime.interpreter import Interpreter
@@ -112,16 +119,24 @@ def _tasks(experiment: Experiment) -> list[Submission]:
 def _see_to_names(
     experiment: Experiment, library: CompiledLibrary, tasks: Sequence[Submission]
 ) -> None:
-    """Refuse RAPs to be counted that there are not."""
+    """Refuse RAPs to be counted, and measures with figures, that there are not."""
     given = [str(task.goal[0]) for task in tasks if not task.background]
     for name in experiment.counted:
         if name not in given:
             message = f"`counted`: no task in the foreground is one of `{name}`"
             raise ExperimentError(message, meant(name, given))
     for name, rap in experiment.count.items():
+        if name in LABELS:
+            raise ExperimentError(f"`count`, {name}: a measure is called so already")
         if rap not in library.library.raps:
-            message = f"`count`, {name}: there is no RAP `{rap}`"
+            message = f"`count`, {name}: no RAP is named `{rap}`"
             raise ExperimentError(message, meant(rap, library.library.raps))
+    measures = [*LABELS, *experiment.count]
+    for part in experiment.part:
+        for name in part.reference.figures if part.reference else ():
+            if name not in measures:
+                message = f"part `{part.name}`: there is no measure `{name}`"
+                raise ExperimentError(message, meant(name, measures))
     if not counted(tasks, experiment.counted):
         raise ExperimentError("all tasks are in the background: there is none to count")
 

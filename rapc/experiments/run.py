@@ -109,9 +109,11 @@ def measure(config: Config, seed: int) -> Measures:
 
 
 def counted(tasks: Sequence[Submission], raps: Sequence[str]) -> list[Submission]:
-    """The tasks that are counted: those of some RAPs, or all; none in the background."""
+    """The tasks that are counted: those of some RAPs, or all in the foreground."""
     return [
-        task for task in tasks if not task.background and (not raps or task.goal[0] in raps)
+        task
+        for task in tasks
+        if not task.background and (not raps or task.goal[0] in raps)
     ]
 
 

@@ -32,7 +32,15 @@ create table result (
 ) without rowid;
 """
 
-_MEASURES = Measures.__struct_fields__
+_KEEP = "insert or ignore into result values (?,?,?,?,?,?,?,?,?,?,?,?,?)"
+
+_CONFIGS = "select hash from config order by hash"
+
+_FIND = """
+select seed, reason, disaster, time, completed, given_up, pending, effector, sensor,
+    failed, counts
+from result where config = ? and seed >= ? and seed < ? order by seed
+"""
 
 
 class StoreError(Exception):
@@ -76,6 +84,10 @@ class Store:
     ) -> None:
         self._base.close()
 
+    def configs(self) -> list[str]:
+        """The hashes of the configurations of which there are results."""
+        return [digest for (digest,) in self._base.execute(_CONFIGS)]
+
     def seeds(self, config: str) -> frozenset[int]:
         """The seeds of which there are results, by the hash of a configuration."""
         rows = self._base.execute("select seed from result where config = ?", (config,))
@@ -99,21 +111,15 @@ class Store:
             "counts": msgspec.json.encode(measures.counts).decode(),
         }
         values = (config, result.seed, *row.values(), round(result.seconds, 4))
-        marks = ", ".join("?" * len(values))
-        self._base.execute(f"insert or ignore into result values ({marks})", values)
+        self._base.execute(_KEEP, values)
 
     def measures(self, config: str, seeds: range) -> dict[int, Measures]:
         """What is known of a configuration under some seeds, by seed."""
-        columns = ", ".join(_MEASURES)
-        rows = self._base.execute(
-            f"select seed, {columns} from result "
-            "where config = ? and seed >= ? and seed < ? order by seed",
-            (config, seeds.start, seeds.stop),
-        )
+        rows = self._base.execute(_FIND, (config, seeds.start, seeds.stop))
         return {seed: _measures(values) for seed, *values in rows}
 
 
 def _measures(values: list[object]) -> Measures:
-    row = dict(zip(_MEASURES, values, strict=True))
+    row = dict(zip(Measures.__struct_fields__, values, strict=True))
     row["counts"] = msgspec.json.decode(str(row["counts"]))
     return msgspec.convert(row, Measures)

@@ -11,26 +11,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import msgspec
 
 from rapc.experiments.definition import Part, Reference, Value
-from rapc.experiments.measures import Measures
+from rapc.experiments.measures import LABELS, Measures, numbers_of, with_time_each
 from rapc.experiments.points import Point
-
-LABELS: Mapping[str, str] = {
-    "completed": "completed",
-    "given-up": "given up",
-    "pending": "pending",
-    "time": "time",
-    "time-each": "time each",
-    "effector": "effector",
-    "sensor": "sensor",
-    "failed": "failed",
-    "percent-sensor": "% sensor",
-    "percent-failed": "% failed",
-}
-"""The measures by the names that files of experiments have for them, as printed.
-
-`time-each` is the whole time divided by the tasks completed, as T 6.3.1 has it;
-`percent-failed` are the primitives that failed, of all.
-"""
 
 
 class Spread(msgspec.Struct, frozen=True):
@@ -61,7 +43,7 @@ class Row(msgspec.Struct, frozen=True):
 
 
 class Summary(msgspec.Struct, frozen=True):
-    """A part with its rows; `unit` is that of what it varies, `measures` are printed."""
+    """A part with its rows; `unit` is that of what it varies."""
 
     part: Part
     unit: str
@@ -78,7 +60,7 @@ class Summary(msgspec.Struct, frozen=True):
         reference = self.part.reference
         if reference is None:
             return {}
-        return _with_time_each(_figures_at(reference, value))
+        return with_time_each(_figures_at(reference, value))
 
 
 def summarize(
@@ -108,7 +90,7 @@ def _row(value: Value | None, found: Mapping[int, Measures], wanted: int) -> Row
         if measures.disaster is not None:
             what = measures.disaster
             disasters[what] = (*disasters.get(what, ()), seed)
-    told = [_numbers(m) for m in found.values() if m.disaster is None]
+    told = [numbers_of(m) for m in found.values() if m.disaster is None]
     names = dict.fromkeys(name for numbers in told for name in numbers)
     figures = {n: _spread(many[n] for many in told if n in many) for n in names}
     return Row(value, len(found), wanted, disasters, figures)
@@ -117,30 +99,6 @@ def _row(value: Value | None, found: Mapping[int, Measures], wanted: int) -> Row
 def _spread(values: Iterable[float]) -> Spread:
     known = list(values)
     return Spread(sum(known) / len(known), min(known), max(known))
-
-
-def _numbers(measures: Measures) -> dict[str, float]:
-    primitives = measures.effector + measures.sensor
-    numbers: dict[str, float] = {
-        "completed": measures.completed,
-        "given-up": measures.given_up,
-        "pending": measures.pending,
-        "time": measures.time,
-        "effector": measures.effector,
-        "sensor": measures.sensor,
-        "failed": measures.failed,
-        **measures.counts,
-    }
-    if primitives:
-        numbers["percent-sensor"] = 100 * measures.sensor / primitives
-        numbers["percent-failed"] = 100 * measures.failed / primitives
-    return _with_time_each(numbers)
-
-
-def _with_time_each(numbers: Mapping[str, float]) -> dict[str, float]:
-    if "time-each" in numbers or not numbers.get("completed") or "time" not in numbers:
-        return dict(numbers)
-    return {**numbers, "time-each": numbers["time"] / numbers["completed"]}
 
 
 def _figures_at(reference: Reference, value: Value | None) -> dict[str, float]:

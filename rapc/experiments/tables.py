@@ -12,7 +12,8 @@ from typing import Literal
 import msgspec
 
 from rapc.experiments.definition import Value
-from rapc.experiments.summary import LABELS, Row, Spread, Summary
+from rapc.experiments.measures import LABELS
+from rapc.experiments.summary import Row, Spread, Summary
 from rapc.terms import format_atom
 
 Kind = Literal["title", "head", "ours", "theirs", "text"]
@@ -71,7 +72,7 @@ def _ours(row: Row, measures: Sequence[str]) -> tuple[str, ...]:
     cells = [show(row.value), runs, str(row.lost)]
     for name in measures:
         spread = row.figures.get(name)
-        cells.append(_cell(name, spread.mean if spread else None))
+        cells.append(_cell(name, float(spread.mean) if spread else None))
         if name == "time-each":
             cells.append(_range(spread))
     return tuple(cells)
@@ -86,7 +87,7 @@ def _cell(name: str, value: float | None) -> str:
         return "-"
     if name in ("time", "time-each", "effector", "sensor"):
         return f"{value:.0f}"
-    return format_atom(round(value, 1))
+    return f"{value:.1f}" if isinstance(value, float) else str(value)
 
 
 def lines(made: Grid, width: int) -> Iterator[Line]:

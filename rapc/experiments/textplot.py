@@ -1,11 +1,12 @@
 """Plots for a terminal, in plain characters: ranges and averages on one scale.
 
-    15  |----o-------|     o 811
+15       |----o---x---|     811
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from textwrap import wrap
 
 from rapc.experiments.summary import Spread, Summary
 from rapc.experiments.tables import Line, show
@@ -30,7 +31,8 @@ def plot(summary: Summary, width: int) -> Iterator[Line]:
     room = max(width - left - 8, _LEAST)
     scale = (room - 1) / max(*known, 1)
     told = f", x {reference.title}" if reference and any(theirs) else ""
-    yield Line("head", f"time each: |---| range, o average{told}")
+    head = f"time each: |---| range, o average{told}"
+    yield from (Line("head", line) for line in wrap(head, width))
     for label, spread, other in zip(labels, spreads, theirs, strict=True):
         bar = _bar(spread, other, room, scale)
         figure = f"{spread.mean:.0f}" if spread else "-"

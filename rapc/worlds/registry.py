@@ -95,6 +95,9 @@ def _load(point: EntryPoint) -> object:
 @contextmanager
 def _working_directory_on_path() -> Iterator[None]:
     here = str(Path.cwd())
+    if here in sys.path:
+        yield
+        return
     sys.path.append(here)
     try:
         yield

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -69,6 +70,16 @@ def test_what_is_no_world_is_refused_in_a_line(
     assert message in caught.value.message
     assert "\n" not in caught.value.message
     assert caught.value.help == help_
+
+
+def test_looking_for_a_world_leaves_the_path_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    before = list(sys.path)
+    registry.find_world("truck")
+    assert sys.path == before
 
 
 def test_a_module_of_the_working_directory_is_found(

@@ -1,0 +1,267 @@
+"""`rapc experiment`: a batch of seeded runs, its tables and plots."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rapc.cli.common import PIPED_WIDTH, common_options, fail, load_checked, settings
+from rapc.cli.options import say
+from rapc.experiments import definition, output
+from rapc.experiments.batch import Done, Workers, WorkersLost, jobs, run_batch
+from rapc.experiments.definition import ExperimentError
+from rapc.experiments.local import LocalWorkers, cores
+from rapc.experiments.session import Session
+from rapc.experiments.store import Store, StoreError
+from rapc.experiments.summary import Summary
+from rapc.experiments.tables import show
+from rapc.progress import bar
+from rapc.render import visible
+
+EXAMPLES = """\b
+Examples:
+  rapc experiment chapter6 --part one --seeds 10
+  rapc experiment my-experiment.toml --jobs 4 --out results
+  rapc experiment my-experiment.toml --cluster tcp://10.0.0.5:8786
+"""
+
+INTERRUPTED = 130
+"""The exit status after Ctrl-C."""
+
+_STYLES: Mapping[str, Mapping[str, Any]] = {
+    "title": {"bold": True},
+    "head": {"underline": True},
+    "theirs": {"dim": True},
+}
+
+_MOST_FAULTS = 10
+"""How many runs without a result are told of."""
+
+
+@click.command(
+    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.argument("name", metavar="NAME|FILE.toml")
+@click.option(
+    "--part", "parts", multiple=True, metavar="NAME", help="Only this part, or these."
+)
+@click.option(
+    "--seeds",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Runs for each point, from seed 0; as the file says if not given.",
+)
+@click.option(
+    "--jobs",
+    "processes",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Processes at work; as many as there are cores if not given.",
+)
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False),
+    metavar="DIR",
+    help="Folder for results, tables and plots; NAME-results if not given.",
+)
+@click.option(
+    "--cluster",
+    metavar="ADDRESS",
+    help="Run on the workers of the Dask scheduler at this address.",
+)
+@common_options
+def experiment(
+    name: str,
+    parts: Sequence[str],
+    seeds: int | None,
+    processes: int | None,
+    out: str | None,
+    cluster: str | None,
+) -> None:
+    """Run the experiment NAME that comes with rapc, or the one in FILE.toml.
+
+    Results are kept as they come: the same command started again does what is missing.
+
+    Exit status: 0 if every run has a result, 1 if one has none, 2 if nothing could be
+    run.
+    """
+    if cluster is not None and processes is not None:
+        raise click.UsageError("--jobs is for this machine, --cluster for others")
+    session = _session(name, parts, seeds)
+    folder = _folder(out or f"{session.made.name}-results")
+    with _store(folder) as store:
+        faults = _run_missing(session, store, cluster, processes)
+        summaries = list(session.summaries(store))
+    _write(session, summaries, folder)
+    for summary in summaries:
+        if summary.part.name in session.chosen:
+            _print(summary)
+    if not settings().quiet:
+        click.echo(f"Results, tables and plots are in `{folder}`.")
+    _tell_faults(faults)
+    raise SystemExit(1 if faults else 0)
+
+
+def _session(name: str, parts: Sequence[str], seeds: int | None) -> Session:
+    try:
+        file = definition.find(name)
+        made = definition.read(file)
+        path = file.parent / made.library
+        return Session(made, file.parent, load_checked(str(path)), path, parts, seeds)
+    except ExperimentError as error:
+        fail(error.message, error.help)
+
+
+def _folder(name: str) -> Path:
+    try:
+        Path(name).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        fail(f"cannot make `{name}`: {(error.strerror or str(error)).lower()}")
+    return Path(name)
+
+
+def _store(folder: Path) -> Store:
+    try:
+        return Store(folder / output.RESULTS)
+    except StoreError as error:
+        fail(str(error))
+
+
+def _run_missing(
+    session: Session, store: Store, cluster: str | None, processes: int | None
+) -> list[str]:
+    """Have the runs done that are missing; what is to be said of those that failed."""
+    missing = session.missing(store)
+    total = sum(len(seeds) for _, seeds in missing)
+    say(f"{total} runs are missing")
+    if not total:
+        return []
+    with _workers(session, total, cluster, processes) as workers:
+        work = run_batch(workers, jobs(missing, workers.chunk))
+        return _take_in(session, store, work, total)
+
+
+def _take_in(
+    session: Session, store: Store, work: Iterator[Done], total: int
+) -> list[str]:
+    """Keep what comes in; an end before its time leaves what has come."""
+    faults: list[str] = []
+    came = 0
+    given = settings()
+    shown = sys.stderr.isatty() and not given.quiet and not given.verbose
+    name, color = session.made.name, given.colored()
+    try:
+        with bar(name, total, sys.stderr, shown=shown, color=color) as advance:
+            for done in work:
+                store.add(done.config, done.results)
+                came += len(done.results)
+                advance(len(done.results))
+                faults += _tell(session, done)
+    except (KeyboardInterrupt, WorkersLost) as error:
+        why = str(error) or "interrupted"
+        told = f"{came} of {total} runs are done, the same command does the others"
+        click.echo(f"error: {why}: {told}", err=True)
+        lost = isinstance(error, WorkersLost)
+        raise SystemExit(1 if lost else INTERRUPTED) from None
+    return faults
+
+
+@contextmanager
+def _workers(
+    session: Session, total: int, cluster: str | None, processes: int | None
+) -> Iterator[Workers]:
+    """The processes of this machine, or those of a cluster."""
+    found: AbstractContextManager[Workers]
+    if cluster is None:
+        count = min(processes or cores(), total)
+        found = LocalWorkers(count, session.made.time_limit)
+    else:
+        try:
+            from rapc.experiments import cluster as dask  # noqa: PLC0415  # an extra
+        except ModuleNotFoundError as error:
+            _see_that_it_is(error, "distributed")
+            fail("--cluster needs Dask: install `rapc[cluster]`")
+        try:
+            found = dask.ClusterWorkers(cluster, total)
+        except WorkersLost as error:
+            fail(str(error))
+    with found as workers:
+        yield workers
+
+
+def _see_that_it_is(error: ModuleNotFoundError, package: str) -> None:
+    """Let an error through that is not about the package that may be missing."""
+    if (error.name or "").partition(".")[0] != package:
+        raise error
+
+
+def _tell(session: Session, done: Done) -> list[str]:
+    """Say what has come in, if `-v` asks for it; returns what went wrong, as text."""
+    point = session.point_of(done.config)
+    where = f"part `{point.part}`"
+    if point.value is not None:
+        where += f", {session.made.part_named(point.part).vary} {show(point.value)}"
+    faults = []
+    for result in done.results:
+        if result.measures is not None:
+            say(f"{where}, seed {result.seed}: done in {result.seconds:.2f} s")
+            continue
+        say(result.trace)
+        repeat = session.command(point, result.seed)
+        faults.append(
+            f"{where}, seed {result.seed}: {result.fault}\n  to see it again: {repeat}"
+        )
+    return faults
+
+
+def _tell_faults(faults: Sequence[str]) -> None:
+    for fault in faults[:_MOST_FAULTS]:
+        click.echo(f"error: a run has no result: {fault}", err=True)
+    more = len(faults) - _MOST_FAULTS
+    if more > 0:
+        click.echo(f"error: {more} more runs have no result", err=True)
+
+
+def _write(session: Session, summaries: Sequence[Summary], folder: Path) -> None:
+    """Write tables, plots and commands beside the results."""
+    try:
+        drawn = _draw(summaries, folder)
+        heading = session.made.title or session.made.name
+        output.write_tables(heading, summaries, drawn, folder / output.TABLES)
+        output.write_commands(session, folder / output.COMMANDS)
+    except OSError as error:
+        fail(f"cannot write in `{folder}`: {(error.strerror or str(error)).lower()}")
+
+
+def _draw(summaries: Sequence[Summary], folder: Path) -> list[str]:
+    """Draw the parts that vary something; returns their names."""
+    try:
+        from rapc.experiments import plots  # noqa: PLC0415  # an extra
+    except ModuleNotFoundError as error:
+        _see_that_it_is(error, "matplotlib")
+        click.echo("no plots: install `rapc[viz]` to have them drawn", err=True)
+        return []
+    named = {summary.part.name: summary for summary in summaries}
+    drawn = []
+    for name, summary in named.items():
+        if summary.part.vary is not None:
+            others = [named[other] for other in summary.part.beside if other in named]
+            plots.draw([summary, *others], folder / name)
+            drawn.append(name)
+    return drawn
+
+
+def _print(summary: Summary) -> None:
+    width = PIPED_WIDTH
+    if sys.stdout.isatty():
+        width = shutil.get_terminal_size().columns
+    for line in output.as_text(summary, width):
+        shown = click.style(visible(line.text), **_STYLES.get(line.kind, {}))
+        click.echo(shown, color=settings().colored())
+    click.echo()

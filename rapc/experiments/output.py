@@ -1,0 +1,65 @@
+"""What a batch leaves in its folder besides the results: tables and commands.
+
+Plots are drawn by `plots`, if matplotlib is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator
+from pathlib import Path
+from textwrap import wrap
+
+from rapc.experiments.session import Session
+from rapc.experiments.summary import Summary
+from rapc.experiments.tables import (
+    Kind,
+    Line,
+    grid,
+    lines,
+    markdown,
+    remarks,
+    show,
+    title,
+)
+from rapc.experiments.textplot import plot
+
+RESULTS = "results.sqlite"
+TABLES = "tables.md"
+COMMANDS = "commands.txt"
+
+
+def as_text(summary: Summary, width: int) -> Iterator[Line]:
+    """A part for a terminal of so many columns: table, remarks and plot."""
+    yield from _wrapped("title", title(summary), width)
+    yield from lines(grid(summary), width)
+    for remark in remarks(summary):
+        yield from _wrapped("text", remark, width)
+    if summary.part.vary is not None:
+        yield from plot(summary, width)
+
+
+def _wrapped(kind: Kind, text: str, width: int) -> Iterator[Line]:
+    return (Line(kind, line) for line in wrap(text, width))
+
+
+def write_tables(
+    heading: str, summaries: Iterable[Summary], drawn: Container[str], file: Path
+) -> None:
+    """Write the tables of parts as Markdown, with plots for those that were drawn."""
+    text = [f"## {heading}"]
+    for summary in summaries:
+        text += ["", f"### {title(summary)}", "", *markdown(grid(summary))]
+        for remark in remarks(summary):
+            text += ["", remark]
+        if summary.part.name in drawn:
+            text += ["", f"![{title(summary)}]({summary.part.name}.svg)"]
+    file.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+def write_commands(session: Session, file: Path) -> None:
+    """Write the command that repeats the run of each point under seed 0."""
+    text = []
+    for point in session.points:
+        value = "" if point.value is None else f" {show(point.value)}"
+        text += [f"# {point.part}{value}", session.command(point, 0), ""]
+    file.write_text("\n".join(text), encoding="utf-8")

@@ -1,0 +1,80 @@
+"""A batch as it was asked for: its points and seeds, and which of them are missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from rapc.compiler.plans import CompiledLibrary
+from rapc.experiments.config import Config
+from rapc.experiments.definition import Experiment
+from rapc.experiments.points import Point, command, points, unit
+from rapc.experiments.store import Store
+from rapc.experiments.summary import Summary, summarize
+from rapc.worlds.registry import find_world
+
+
+class Session:
+    """An experiment, the parts of it that are to be run, and under which seeds.
+
+    Args:
+        made: the experiment.
+        folder: where its file lies.
+        library: its library, checked.
+        library_path: where that lies.
+        parts: the names of the parts; all if there are none.
+        seeds: how many runs each point gets, from seed 0; None: as the experiment says.
+
+    Raises:
+        ExperimentError: for a part, world, option, setting, RAP or task that is not
+            there.
+    """
+
+    def __init__(
+        self,
+        made: Experiment,
+        folder: Path,
+        library: CompiledLibrary,
+        library_path: Path,
+        parts: Iterable[str] = (),
+        seeds: int | None = None,
+    ) -> None:
+        chosen = [made.part_named(name) for name in parts] or made.part
+        self.made = made
+        self.chosen = frozenset(part.name for part in chosen)
+        self.points = points(made, library, folder, made.part)
+        self.seeds = range(seeds or made.seeds)
+        self._library_path = library_path
+
+    def missing(self, store: Store) -> list[tuple[Config, list[int]]]:
+        """The seeds that the chosen points lack; points that are alike come once."""
+        lacking: dict[str, tuple[Config, list[int]]] = {}
+        for point in self.points:
+            if point.part in self.chosen and point.digest not in lacking:
+                there = store.seeds(point.digest)
+                seeds = [seed for seed in self.seeds if seed not in there]
+                lacking[point.digest] = point.config, seeds
+        return list(lacking.values())
+
+    def summaries(self, store: Store) -> Iterator[Summary]:
+        """The parts chosen, and those that have all their results from before."""
+        world = find_world(self.made.world)
+        for part in self.made.part:
+            summary = summarize(
+                part,
+                unit(world, part.vary or ""),
+                [point for point in self.points if point.part == part.name],
+                lambda digest: store.measures(digest, self.seeds),
+                len(self.seeds),
+            )
+            if part.name in self.chosen or summary.complete:
+                yield summary
+
+    def point_of(self, config: Config) -> Point:
+        """The first point that a configuration is of."""
+        digest = config.digest()
+        return next(point for point in self.points if point.digest == digest)
+
+    def command(self, point: Point, seed: int) -> str:
+        """The command line that repeats one run of a point."""
+        return command(self.made, point, self._library_path, seed)

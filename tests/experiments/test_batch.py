@@ -1,0 +1,52 @@
+"""Batches on this machine: nothing is lost with a worker, and a result is a result."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Iterable
+from operator import attrgetter
+
+from rapc.experiments.batch import Done, jobs, run_batch
+from rapc.experiments.local import LocalWorkers
+from rapc.experiments.run import Job, Result, run_job
+
+from .workshop import config, session
+
+SEEDS = range(8)
+
+
+def drain(batch: Iterable[Done]) -> list[Result]:
+    return [result for done in batch for result in done.results]
+
+
+def test_a_worker_killed_in_the_middle_changes_nothing() -> None:
+    truck = config()
+    with LocalWorkers(2, 60) as workers:
+        batch = run_batch(workers, jobs([(truck, SEEDS)], workers.chunk))
+        results = list(next(batch).results)
+        killed = multiprocessing.active_children()[0].pid
+        assert killed is not None
+        os.kill(killed, signal.SIGKILL)
+        results += drain(batch)
+    results.sort(key=attrgetter("seed"))
+    undisturbed = run_job(Job(truck, tuple(SEEDS)))
+    assert [r.seed for r in results] == list(SEEDS)
+    assert [r.measures for r in results] == [r.measures for r in undisturbed]
+    assert all(result.measures is not None for result in results)
+
+
+def test_jobs_take_turns() -> None:
+    one, two, none = (point.config for point in session().points[:3])
+    work = jobs([(one, [0, 1, 2]), (two, [5]), (none, [])], 2)
+    expected = [(one, (0, 1)), (two, (5,)), (one, (2,))]
+    assert [(job.config, job.seeds) for job in work] == expected
+
+
+def test_the_hash_is_of_what_decides_and_of_nothing_else() -> None:
+    digests = [point.digest for point in session().points]
+    assert digests[1] == digests[2]
+    assert len(set(digests)) == 4
+    other = session().points[0].config
+    assert other.digest() == digests[0]

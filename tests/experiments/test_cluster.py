@@ -1,0 +1,58 @@
+"""A batch on a Dask scheduler with two workers, one of which is killed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rapc.experiments.run import Job, run_job
+
+from .workshop import TRUCK, rows, session, wait_for, watched
+
+
+@contextmanager
+def dask(folder: Path, program: str, *args: str) -> Iterator[subprocess.Popen[str]]:
+    """One of Dask's programs on loopback, killed at the end: it does not go itself."""
+    module = f"distributed.cli.dask_{program}"
+    with subprocess.Popen(
+        [sys.executable, "-m", module, *args, "--no-dashboard"],
+        cwd=folder,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def worker(folder: Path, address: str) -> list[str]:
+    own = ["--no-nanny", "--nthreads", "1", "--host", "127.0.0.1"]
+    return ["worker", address, *own, "--local-directory", str(folder)]
+
+
+def test_a_worker_killed_in_the_middle_changes_nothing(tmp_path: Path) -> None:
+    (tmp_path / "truck.toml").write_text(TRUCK)
+    with dask(tmp_path, "scheduler", "--host", "127.0.0.1", "--port", "0") as scheduler:
+        address = wait_for(scheduler, "Scheduler at:").split()[-1]
+        asked = worker(tmp_path, address)
+        with dask(tmp_path, *asked) as one, dask(tmp_path, *asked) as two:
+            wait_for(one, "Registered to")
+            wait_for(two, "Registered to")
+            args = ("experiment", "truck.toml", "--cluster", address, "--out", "out")
+            with watched("-v", *args, cwd=tmp_path) as process:
+                wait_for(process, "done in")
+                one.kill()
+                _, told = process.communicate()
+                assert (process.returncode, "error" in told) == (0, False)
+    undisturbed = {
+        (point.digest, result.seed): result.measures
+        for point in session().points
+        for result in run_job(Job(point.config, tuple(range(5))))
+    }
+    kept = {(digest, seed): found for digest, seed, found in rows(tmp_path / "out")}
+    assert len(kept) == 20
+    assert kept == undisturbed

@@ -1,0 +1,228 @@
+"""Files of experiments: what is read from them, and what is refused in which words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rapc.experiments import definition
+from rapc.experiments.definition import ExperimentError, decode
+
+from .workshop import TRUCK, session
+
+
+def refusal(text: str) -> tuple[str, str | None]:
+    """What is said of a text that is no experiment, or names what is not there."""
+    with pytest.raises(ExperimentError) as caught:
+        session(text)
+    return caught.value.message, caught.value.help
+
+
+def changed(old: str, new: str) -> str:
+    assert old in TRUCK
+    return TRUCK.replace(old, new)
+
+
+def test_what_is_not_said_has_its_default() -> None:
+    made = decode(changed("seeds = 5\n", ""), "name")
+    assert (made.name, made.seeds, made.time_limit) == ("name", 30, 120)
+    assert made.part[2] == definition.Part("usual")
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "help_"),
+    [
+        ("until = ", "invalid value (at end of document)", None),
+        ("a = " + "[" * 20_000, "it is nested too deeply", None),
+        ("seads = 3\n" + TRUCK, "there is no key `seads`", "did you mean `seeds`?"),
+        (
+            changed("notes =", "note ="),
+            "there is no key `note` in part 1",
+            "did you mean `notes`?",
+        ),
+        (
+            changed("figures =", "figure ="),
+            "there is no key `figure` in `reference` of part 1",
+            "did you mean `figures`?",
+        ),
+        (
+            changed("label =", "name ="),
+            "there is no key `name` in `mark` of part 1",
+            None,
+        ),
+    ],
+)
+def test_keys_and_toml(text: str, message: str, help_: str | None) -> None:
+    assert refusal(text) == (message, help_)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (changed('world = "truck"\n', ""), "object missing required field `world`"),
+        (changed("= 4000", "= -1"), "`until`: expected a whole number >= 1"),
+        (
+            changed("= 4000", "= inf"),
+            "`until`: expected a number <= 1000000000.0",
+        ),
+        (changed("= 4000", '= "soon"'), "`until`: expected a number, got text"),
+        (changed("seeds = 5", "seeds = 0"), "`seeds`: expected a whole number >= 1"),
+        (
+            changed('"slow"', '"Slow one"'),
+            "`part 2, name`: expected text of small letters, digits and hyphens",
+        ),
+        (
+            changed("[2, 4]", "[2, [4]]"),
+            "`part 2, values 2`: expected text, a number or true or false, got a list",
+        ),
+        (
+            changed("tasks = [", "tasks = [3,"),
+            "`tasks 1`: expected text, got a whole number",
+        ),
+        (
+            "part = [3]\n" + TRUCK.partition("[[part]]")[0],
+            "`part 1`: expected a table, got a whole number",
+        ),
+    ],
+)
+def test_kinds_of_values(text: str, message: str) -> None:
+    assert refusal(text) == (message, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (changed('"slow"', '"drops"'), "there is more than one part `drops`"),
+        (
+            changed("values = [2, 4]", ""),
+            "part `slow` needs both `vary` and `values`, or neither",
+        ),
+        (changed("[2, 4]", "[2, 2]"), "part `slow` has a value twice"),
+        (
+            changed("at = [40]", "at = [0, 40]"),
+            "part `drops` has 1 reference figures for `completed`, "
+            "but 2 values they could be for",
+        ),
+        (
+            changed("values = [2, 4]", 'values = [2, 4]\nbeside = ["drops"]'),
+            "part `slow` is to be drawn beside `drops`, which is no part that varies "
+            "the same",
+        ),
+        (
+            TRUCK + 'mark = { at = 1, label = "here" }\n',
+            "part `usual` has a `mark`, but varies nothing",
+        ),
+        (
+            TRUCK + '[part.reference]\ntitle = "T"\nat = [1]\nfigures = {}\n',
+            "part `usual` varies nothing, so its reference needs no `at`",
+        ),
+    ],
+)
+def test_what_contradicts_itself(text: str, message: str) -> None:
+    assert refusal(text) == (message, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "help_"),
+    [
+        (
+            changed('world = "truck"', 'world = "truk"'),
+            "unknown world `truk`",
+            "did you mean `truck`?",
+        ),
+        (
+            changed("truck.arm1-drops", "truck.arm1-drop"),
+            "the world `truck` has no option `arm1-drop`",
+            "did you mean `arm1-drops`?",
+        ),
+        (
+            changed('"truck.arm1-drops"', '"trucks.arm1-drops"'),
+            "`trucks.arm1-drops`: `trucks` is neither `rapc` nor `truck`",
+            "did you mean `truck`?",
+        ),
+        (
+            changed('"truck.arm1-drops"', '"rapc.futile-limits"'),
+            "there is no setting `rapc.futile-limits`; did you mean `futile-limit`?",
+            None,
+        ),
+        (
+            changed("fuel = 1000", "fuel = true"),
+            "`truck.fuel` takes one number, not `true`",
+            "in the fuel bay at the start",
+        ),
+        (
+            changed("fuel-capacity = 1000", "fuel-capacity = 10"),
+            "the world `truck` refuses: `fuel` is more than `fuel-capacity`",
+            None,
+        ),
+        (
+            changed('"move-thing-to"', '"move-thing-too"'),
+            "`count`, moves: no RAP is named `move-thing-too`",
+            "did you mean `move-thing-to`?",
+        ),
+        (
+            changed("{ moves =", "{ time ="),
+            "`count`, time: a measure is called so already",
+            None,
+        ),
+        (
+            changed('["fill-order"]', '["fil-order"]'),
+            "`counted`: no task in the foreground is one of `fil-order`",
+            "did you mean `fill-order`?",
+        ),
+        (
+            changed("completed = [2]", "complete = [2]"),
+            "part `drops`: there is no measure `complete`",
+            "did you mean `completed`?",
+        ),
+    ],
+)
+def test_names_that_are_not_there(text: str, message: str, help_: str | None) -> None:
+    assert refusal(text) == (message, help_)
+
+
+@pytest.mark.parametrize(
+    ("task", "message"),
+    [
+        ("(fill-order red", "task 2: "),
+        ("(fill-orders red 1 factory-1)", "no RAP is named `fill-orders`"),
+        ("(fill-order red)", "`fill-order` "),
+    ],
+)
+def test_tasks_that_cannot_be(task: str, message: str) -> None:
+    text = changed("(fill-order blue 1 factory-2) :priority 2 :at 60", task)
+    assert refusal(text)[0].startswith(message)
+
+
+def test_there_must_be_a_task_to_count() -> None:
+    text = changed(" :priority 2", " :background true")
+    assert refusal(text)[0].startswith("`counted`: no task in the foreground")
+    text = text.replace('counted = ["fill-order"]\n', "")
+    message, _ = refusal(text)
+    assert message == "all tasks are in the background: there is none to count"
+
+
+def test_parts_are_found_by_name() -> None:
+    assert session(parts=["slow"]).chosen == {"slow"}
+    with pytest.raises(ExperimentError) as caught:
+        session(parts=["slo"])
+    assert caught.value.message == "the experiment `truck` has no part `slo`"
+    assert caught.value.help == "did you mean `slow`?"
+
+
+def test_files_are_found_by_name(tmp_path: Path) -> None:
+    with pytest.raises(ExperimentError) as caught:
+        definition.find("chapter")
+    assert caught.value.message == "there is no experiment `chapter`"
+    file = tmp_path / "my.toml"
+    assert definition.find(str(file)) == file
+    with pytest.raises(ExperimentError) as caught:
+        definition.read(file)
+    assert caught.value.message == f"cannot read `{file}`: no such file or directory"
+    file.write_bytes(b"\xff")
+    with pytest.raises(ExperimentError) as caught:
+        definition.read(file)
+    assert caught.value.message == f"cannot read `{file}`: it is no UTF-8 text"
+    file.write_text(TRUCK)
+    assert definition.read(file).name == "my"

@@ -1,0 +1,116 @@
+"""A small experiment with the truck, and commands that are watched while they run."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from rapc.api import compile_library
+from rapc.experiments import definition
+from rapc.experiments.config import Config
+from rapc.experiments.definition import Experiment
+from rapc.experiments.measures import Measures
+from rapc.experiments.session import Session
+from rapc.experiments.store import Store
+from tests.cli.command import COMMAND
+
+CHECKOUT = Path(__file__).parents[2]
+LIBRARY = CHECKOUT / "examples" / "rock-order.rap"
+
+TRUCK = f"""\
+title = "Two rocks while arms drop things"
+library = "{LIBRARY}"
+world = "truck"
+until = 4000
+seeds = 5
+tasks = [
+  "(fill-order red 1 factory-1) :priority 2",
+  "(fill-order blue 1 factory-2) :priority 2 :at 60",
+]
+counted = ["fill-order"]
+count = {{ moves = "move-thing-to" }}
+
+[set.truck]
+fuel = 1000
+fuel-capacity = 1000
+
+[[part]]
+name = "drops"
+title = "The first arm drops more and more"
+vary = "truck.arm1-drops"
+values = [0, 40]
+notes = ["The more drops, the longer it takes."]
+mark = {{ at = 15, label = "usual" }}
+
+[part.reference]
+title = "before"
+at = [40]
+figures = {{ completed = [2], time = [460] }}
+
+[[part]]
+name = "slow"
+vary = "truck.arm-move-time"
+values = [2, 4]
+set.truck.arm1-drops = 40
+
+[[part]]
+name = "usual"
+"""
+"""Three parts of 2, 2 and 1 points, of which one is in two parts."""
+
+
+def session(
+    text: str = TRUCK, parts: Sequence[str] = (), seeds: int | None = None
+) -> Session:
+    """A session for the text of an experiment that lies in the checkout."""
+    made: Experiment = definition.decode(text, "truck")
+    path = CHECKOUT / made.library
+    return Session(made, CHECKOUT, compile_library(path), path, parts, seeds)
+
+
+def config(text: str = TRUCK) -> Config:
+    """The configuration of the first point of an experiment."""
+    return session(text).points[0].config
+
+
+def rows(folder: Path) -> list[tuple[str, int, Measures]]:
+    """Everything in a folder's results but the time that it took."""
+    with Store(folder / "results.sqlite") as store:
+        return [
+            (digest, seed, measures)
+            for digest in store.configs()
+            for seed, measures in store.measures(digest, range(1000)).items()
+        ]
+
+
+@contextmanager
+def watched(*args: str, cwd: Path) -> Iterator[subprocess.Popen[str]]:
+    """A `rapc` command that runs in a process group of its own.
+
+    What it says on standard error can be read line by line.
+    """
+    with subprocess.Popen(
+        [COMMAND, *args],
+        cwd=cwd,
+        env={"PATH": "", "LANG": "C.UTF-8"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def wait_for(process: subprocess.Popen[str], word: str, times: int = 1) -> str:
+    """Read what a process says on standard error up to some line with a word."""
+    assert process.stderr is not None
+    for line in process.stderr:
+        times -= word in line
+        if not times:
+            return line
+    raise AssertionError(f"the process ended without saying `{word}` so often")
