@@ -10,7 +10,6 @@ import hashlib
 import sys
 from collections.abc import Iterable, Mapping
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 import msgspec
@@ -77,11 +76,6 @@ def plain_options(
     """The values of all options of a world: those given, and the defaults."""
     values = {option.name: option.default for option in world.options()} | dict(given)
     return {n: v.value if isinstance(v, Text) else v for n, v in values.items()}
-
-
-def rapc_version() -> str:
-    """The version of rapc that runs."""
-    return version("rapc")
 
 
 def code_of(world: type[World]) -> str:

@@ -17,7 +17,6 @@ from rapc.experiments.config import (
     Config,
     code_of,
     plain_options,
-    rapc_version,
     world_options,
 )
 from rapc.experiments.definition import (
@@ -36,6 +35,7 @@ from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission, read_submission
 from rapc.runtime.world import World
 from rapc.terms import format_atom
+from rapc.version import VERSION
 from rapc.worlds import registry
 
 OWN = "rapc"
@@ -177,7 +177,7 @@ def _config(
     except SettingError as error:
         raise ExperimentError(str(error)) from error
     return Config(
-        rapc=rapc_version(),
+        rapc=VERSION,
         code=code_of(world),
         library=library.name,
         sources=tuple((f.name, f.text) for f in library.library.files.values()),
