@@ -114,14 +114,13 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def legs(self, place: str) -> Iterator[Leg]:
         """The ways out of a place or, named by its road, of a stop half-way on it."""
         for road in self.roads:
-            back = opposite(road.direction)
             if road.a == place:
                 yield Leg(road, road.direction, road.b, 1)
             if road.b == place:
-                yield Leg(road, back, road.a, 1)
+                yield Leg(road, opposite(road.direction), road.a, 1)
             if road.name == place:
                 yield Leg(road, road.direction, road.b, 0.5)
-                yield Leg(road, back, road.a, 0.5)
+                yield Leg(road, opposite(road.direction), road.a, 0.5)
 
     def place(self, name: str) -> Place | None:
         """The place of a name, or None."""

@@ -18,24 +18,36 @@ def shuffle(scene: Scene, demon: Demon) -> Number | None:
     nothing that is on the truck or fixed.
     """
     settings, rng = scene.settings, scene.chance["shuffle"]
+    chance = settings.shuffle_efficiency / 100
+    left = {kind for kind in scene.kinds if scene.kinds[kind].fixed}
+    left |= frozenset() if settings.shuffle_tools else TOOLS
     if 0 < settings.shuffle_until <= scene.state.now:
         return None
     lying = _lying(scene)
-    counts = {place: len(items) for place, items in lying.items()}
-    left = frozenset() if settings.shuffle_tools else TOOLS
+    spare = {place: settings.item_limit - len(lying[place]) for place in lying}
+    room = [place for place in lying if spare[place] > 0]
     for place, items in lying.items():
         for item in items:
-            stays = item.kind in left or scene.kinds[item.kind].fixed
-            if stays or rng.random() * 100 >= settings.shuffle_efficiency:
+            if item.kind in left or rng.random() >= chance:
                 continue
-            limit = settings.item_limit
-            others = [p for p, n in counts.items() if n < limit and p != place]
-            if others:
-                target = others[int(rng.random() * len(others))]
-                scene.put(item, target)
-                counts[place] -= 1
-                counts[target] += 1
+            others = len(room) - (spare[place] > 0)
+            if others == 0:
+                continue
+            target = room[int(rng.random() * others)]
+            scene.put(item, room[others] if target == place else target)
+            _count(spare, room, place, 1)
+            _count(spare, room, item.place, -1)
     return settings.shuffle_interval
+
+
+def _count(spare: dict[str, int], room: list[str], place: str, more: int) -> None:
+    """A place has room for one more or less; `room` has those with room for any."""
+    before = spare[place] > 0
+    spare[place] += more
+    if spare[place] > 0 and not before:
+        room.append(place)
+    elif before and spare[place] <= 0:
+        room.remove(place)
 
 
 def _lying(scene: Scene) -> dict[str, list[Item]]:

@@ -152,6 +152,8 @@ class TruckWorld(World):
     def messages(self) -> Sequence[Message]:
         """What the truck knows of itself when it is switched on, then nothing."""
         pending = self._scene.state.pending
+        if not pending:
+            return ()
         found = tuple(Datum(content) for content in pending)
         pending.clear()
         return found
