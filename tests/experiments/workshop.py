@@ -35,6 +35,7 @@ count = {{ moves = "move-thing-to" }}
 [set.truck]
 fuel = 1000
 fuel-capacity = 1000
+arm-move-time = 2
 
 [[part]]
 name = "drops"
