@@ -17,7 +17,6 @@ from rapc.compiler.steps import Way
 from rapc.compiler.terms import (
     Clause,
     arguments,
-    attempt,
     bound_value,
     fault,
     known_value,
@@ -76,9 +75,9 @@ def pattern(clause: Clause, scope: Scope, formula: nodes.Pattern) -> None:
         clause.note(formula, Way.TEST)
         args = arguments(clause, scope, formula.args)
         if args is not None:
-            name = clause.emitter.constant(formula.name)
             listed = "".join(f"{a}, " for a in args)
-            scope.require(f"holds(ctx.functions[{name}](ctx.view, {listed}))")
+            held = registered(clause, scope, formula.name, listed, "holds({})")
+            scope.require(held)
     else:
         clause.note(formula, Way.NEVER)
         what = clause.emitter.constant(f"`{formula.name}` is not declared")
@@ -176,8 +175,8 @@ def _either(
         return value
     name = clause.emitter.constant(relation.name)
     index = f"({name}, {''.join(f'{p}, ' for p in parts)})"
-    default = registered(clause, function, index)
-    return attempt(clause, scope, f"{default} if {fact} is None else {stored}")
+    form = f"as_value({{}}) if {fact} is None else {stored}"
+    return registered(clause, scope, function, index, form)
 
 
 def _note_look_up(

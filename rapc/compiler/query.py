@@ -325,7 +325,13 @@ class TermValue:
     def _computed(self, ctx: Context, env: Bindings) -> Value:
         if self._compute is None:
             self._compute = _compile_term(self.term)
-        return self._compute(ctx, env)
+        try:
+            return self._compute(ctx, env)
+        except builtin.Fault:
+            raise
+        except Exception as error:  # of a registered function: say who asked it
+            error.add_note(self.where)
+            raise
 
 
 def _compile_term(term: nodes.Term) -> Compute:

@@ -94,14 +94,24 @@ def _computed(clause: Clause, scope: Scope, term: nodes.Call) -> str:
     listed = "".join(f"{a}, " for a in args)
     function = builtin.FUNCTIONS.get(term.function)
     if function is None:
-        return attempt(clause, scope, registered(clause, term.function, listed))
+        return registered(clause, scope, term.function, listed)
     return attempt(clause, scope, f"{clause.emitter.constant(function)}(({listed}))")
 
 
-def registered(clause: Clause, name: str, listed: str) -> str:
-    """The expression for what a registered function returns for these arguments."""
-    named = clause.emitter.constant(name)
-    return f"as_value(ctx.functions[{named}](ctx.view, {listed}))"
+def registered(
+    clause: Clause, scope: Scope, name: str, listed: str, form: str = "as_value({})"
+) -> str:
+    """As `attempt`, for what a registered function returns, put into a form.
+
+    An exception that it raises is the host's: it goes on, and says which clause it
+    was that asked.
+    """
+    called = f"ctx.functions[{clause.emitter.constant(name)}](ctx.view, {listed})"
+    result = attempt(clause, scope, form.format(called))
+    scope.line("except Exception as error:")
+    scope.line(f"    error.add_note({clause.where})")
+    scope.line("    raise")
+    return result
 
 
 def attempt(clause: Clause, scope: Scope, expression: str) -> str:

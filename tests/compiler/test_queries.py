@@ -238,6 +238,22 @@ def test_a_term_without_a_value_is_a_fault_where_it_is_needed() -> None:
     assert faults == ["place: ?x is not bound", 'place: `"a"` is not a number']
 
 
+@pytest.mark.parametrize("text", ["(odd ?x)", "(p (next-to ?x))", "(size ?x ?y)"])
+def test_what_a_function_raises_says_which_clause_has_asked_it(text: str) -> None:
+    def fail(*_: object) -> None:
+        raise LookupError("no such thing")
+
+    both = told()
+    both.context.functions = dict.fromkeys(("odd", "next-to", "zero"), fail)
+    with pytest.raises(LookupError) as raised:
+        ask(both, text, x="a")
+    assert raised.value.__notes__ == ["clause"]
+    term = TermValue(nodes.Call("next-to", (X,)), "place")
+    with pytest.raises(LookupError) as raised:
+        term.needed(both.context, {"?x": 2})
+    assert raised.value.__notes__ == ["place"]
+
+
 def test_the_short_form_of_a_declaration_without_a_list_is_unknown() -> None:
     source = SourceFile("t.rap", "(declare-memory-property hot unknown)")
     library, _ = link([(source, parse(source))])

@@ -273,7 +273,8 @@ class Memory:
         there = index.get(place, {})  # type: ignore[call-overload]
         if place != EXTERNAL or self.place is None:
             return iter(there)
-        near = [fact for fact in index.get(self.place, ()) if self.is_here(fact)]
+        items = self.items.known
+        near = [fact for fact in index.get(self.place, ()) if fact[1] in items]
         if not near or not there:
             return iter(near or there)
         either = {*near, *there}
