@@ -7,9 +7,11 @@ Everything keeps its IR node, so that what happens at run time can point at sour
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 
 from rapc.compiler.dependencies import Watch, watches
 from rapc.compiler.query import Query, TermValue
+from rapc.compiler.recursion import recursive
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.ir.walk import subformulas, subterms
@@ -24,7 +26,8 @@ class StepPlan:
     those that wait for this one, each once; `conditions`
     the `for` formulas that point at this step, each with the position of the step
     that carries it; both in the order of the text. `rap` is the RAP it asks for, once
-    that has been looked up.
+    that has been looked up. `timed` says whether more than order decides when it runs,
+    or its start ends others.
     """
 
     __slots__ = (
@@ -37,7 +40,9 @@ class StepPlan:
         "node",
         "outputs",
         "position",
+        "priority",
         "rap",
+        "timed",
         "until",
         "waits",
         "windows",
@@ -46,6 +51,7 @@ class StepPlan:
     def __init__(self, compiler: Compiler, node: nodes.Step, position: int) -> None:
         self.node = node
         self.position = position
+        self.priority = node.priority
         where = compiler.place(f"step `{node.tag}`", node.span)
         self.args = tuple(TermValue(arg, where) for arg in node.goal.args)
         self.computes = any(isinstance(arg, nodes.Call) for arg in node.goal.args)
@@ -58,11 +64,7 @@ class StepPlan:
         self.effects: list[EffectPlan] = []
         self.waits: list[WaitPlan] = []
         self.rap: RapPlan | None = None
-
-    @property
-    def timed(self) -> bool:
-        """Whether more than order decides when the step may run."""
-        return bool(self.windows or self.waits)
+        self.timed = False
 
 
 class ReceiverPlan:
@@ -165,15 +167,19 @@ class MethodPlan:
 
 
 class RequestPlan:
-    """A proposition to be filled in: a primitive's request or a notation."""
+    """A proposition to be filled in: a primitive's request or a notation.
 
-    __slots__ = ("args", "name", "node", "where")
+    `bare` is all of it where there are no arguments.
+    """
+
+    __slots__ = ("args", "bare", "name", "node", "where")
 
     def __init__(
         self, node: nodes.Pattern, args: Sequence[nodes.Term], where: str
     ) -> None:
         self.node = node
         self.name = node.name
+        self.bare = (node.name,)
         self.where = where
         self.args = tuple(TermValue(arg, where) for arg in args)
 
@@ -182,10 +188,11 @@ class RapPlan:
     """A RAP ready to be instantiated.
 
     `succeed` is None where no clause is given: `(last-result okay)`; `endless` is set
-    where it can never hold. `identity` is that of a task without inputs. `monitored`
-    says whether there is a monitor clause, `ages` whether it asks how old beliefs
-    are, `conditional` whether preconditions or
-    constraints, `prepares` whether something is to be made of the inputs.
+    where it can never hold. `identity` is that of a task without inputs; only
+    `recursive` RAPs can come up among their own subtasks. `monitored` says whether
+    there is a monitor clause, `ages` whether it asks how old beliefs are,
+    `conditional` whether there are preconditions or constraints, `prepares` whether
+    something is to be made of the inputs; `waits` if it is monitored or prepares.
     """
 
     __slots__ = (
@@ -206,9 +213,11 @@ class RapPlan:
         "preconditions",
         "prepared_from",
         "prepares",
+        "recursive",
         "repeat_while",
         "resources",
         "succeed",
+        "waits",
         "watches",
     )
 
@@ -248,6 +257,8 @@ class RapPlan:
         self.monitored = bool(node.monitor_state or node.monitor_time)
         self.conditional = bool(node.preconditions or node.constraints)
         self.prepares = bool(node.resources or node.duration or node.monitor_time)
+        self.waits = self.monitored or self.prepares
+        self.recursive = node.name in compiler.recursive
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)
@@ -275,6 +286,11 @@ class Compiler:
     def __init__(self, library: Library) -> None:
         self.library = library
         self.vocabulary = Vocabulary.of(library)
+
+    @cached_property
+    def recursive(self) -> frozenset[str]:
+        """The RAPs that may come up among their own subtasks."""
+        return recursive(self.library)
 
     def place(self, what: str, span: Span) -> str:
         """A clause's name with the row it stands in: `succeed at arms.rap:12`."""
@@ -309,6 +325,8 @@ def _steps(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
     for plan in plans:
         for annotation in plan.node.annotations:
             _annotate(compiler, plans, at_tag, plan, annotation)
+    for plan in plans:
+        plan.timed = bool(plan.windows or plan.waits or plan.until)
     return plans
 
 

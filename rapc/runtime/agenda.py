@@ -71,7 +71,9 @@ class Agenda:
         self._insert(task)
 
     def _insert(self, task: Task) -> None:
-        key = task.key = (-task.priority, task.limit - task.duration, task.failed)
+        wait = task.wait
+        latest = task.limit if wait is None else task.limit - wait.duration
+        key = task.key = (-task.priority, latest, task.failed)
         group = self._groups.get(key)
         if group is None:
             group = self._groups[key] = _Group()

@@ -15,7 +15,7 @@ from rapc.runtime.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.monitors import time_of
 from rapc.runtime.submission import Submission
-from rapc.runtime.task import ELIGIBLE, Env, MethodRun, Task, Waiting
+from rapc.runtime.task import ELIGIBLE, Env, Given, MethodRun, Task, Waiting
 from rapc.terms import number
 
 
@@ -29,15 +29,15 @@ def create_top(machine: Machine, submission: Submission) -> None:
     fix_inputs(task)
     repeats_ancestor(machine, task)
     task.priority = submission.priority
-    task.background = submission.background
-    machine.foreground += not task.background
+    task.given = Given(task, submission.background)
+    machine.given.append(task.given)
+    machine.foreground += not submission.background
     create(machine, task)
     if submission.deadline is not None:
         task.wait = task.wait or Waiting()
         task.wait.given_deadline = submission.deadline
         machine.monitors.state_deadline(task)
     let_go(machine, task)
-    machine.given.append(task)
 
 
 def make(machine: Machine, run: MethodRun, step: StepPlan) -> Task:
@@ -63,7 +63,8 @@ def create(machine: Machine, task: Task) -> None:
     """A task joins the run, told of with its inputs as they are now."""
     if task.step is not None and task.step.computes:
         fill_inputs(machine, task)
-    number = task.number = machine.next_number()
+    machine.numbers += 1
+    number = task.number = machine.numbers
     if task.step is None:
         task.family = number
     machine.tasks[number] = task
@@ -77,32 +78,30 @@ def create(machine: Machine, task: Task) -> None:
             priority=task.priority,
             step=task.step.node.tag if task.step is not None else None,
         )
-    if task.plan.prepares:
-        if task.wait is not None:
-            task.wait.made = machine.recorder.time
-        _prepare(machine, task)
+    if task.plan.prepares and task.wait is not None:
+        task.wait.made = machine.recorder.time
+        _prepare(machine, task, task.wait)
 
 
-def _prepare(machine: Machine, task: Task) -> None:
+def _prepare(machine: Machine, task: Task, wait: Waiting) -> None:
     """Make resources, duration and delay as soon as the inputs they use are bound."""
     plan = task.plan
-    if task.prepared or any(
+    if wait.prepared or any(
         value is None and name in plan.prepared_from
         for name, value in zip(plan.inputs, task.goal_args, strict=True)
     ):
         return
-    task.prepared = True
+    wait.prepared = True
     machine.context.task = task
     for resource, initial in plan.resources:
         made = _make(machine.context, resource.kind, initial, task.env)
         if made is None:
-            task.spoilt = True
+            wait.spoilt = True
         else:
             task.env[resource.variable.name] = made
     if plan.duration is not None:
-        task.duration = time_of(machine.context, plan.duration, task.env) or 0
-    if task.wait is not None:
-        machine.monitors.arm(task, task.wait.made)
+        wait.duration = time_of(machine.context, plan.duration, task.env) or 0
+    machine.monitors.arm(task, wait.made)
 
 
 def _make(
@@ -127,13 +126,16 @@ def fix_inputs(task: Task) -> None:
     """Keep the inputs of a task that are bound, and the resources it has."""
     plan, args = task.plan, task.goal_args
     task.bound = None not in args
-    given = zip(plan.inputs, args, strict=True)
-    env = {name: value for name, value in given if value is not None}
+    if task.bound:
+        env = dict(zip(plan.inputs, args, strict=True))
+    else:
+        given = zip(plan.inputs, args, strict=True)
+        env = {name: value for name, value in given if value is not None}
     for resource, _ in plan.resources:
         name = resource.variable.name
         if name in task.env:
             env[name] = task.env[name]
-    task.env = env
+    task.env = env  # type: ignore[assignment]  # None is not in it
 
 
 def repeats_ancestor(machine: Machine, task: Task) -> bool:
@@ -142,6 +144,9 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
     Asked once, when its inputs are first all bound: this is who it is from now.
     """
     identity: tuple[object, ...] = task.plan.identity
+    if not (task.plan.recursive or machine.solvers):
+        task.identity = identity
+        return False
     if task.goal_args:
         values = [frozen(value) for value in task.goal_args if value is not None]
         identity = (*identity, *values)
@@ -162,13 +167,16 @@ def let_go(machine: Machine, task: Task) -> None:
     A step with `wait-for` listens from now; one that is to wait for its signal
     before it goes on is held until then.
     """
-    wait = task.wait
+    wait, step = task.wait, task.step
     if wait is None:
-        make_ready(machine, task)
+        if step is not None and step.computes:
+            fill_inputs(machine, task)
+        task.state = ELIGIBLE
+        machine.agenda.add(task)
         return
-    if task.step is not None:
+    if step is not None:
         read_windows(machine, task, last=True)
-        _listen(machine, task, wait, task.step)
+        _listen(machine, task, wait, step)
     if not wait.held:
         when_time_comes(machine, task)
 
@@ -200,7 +208,8 @@ def make_ready(machine: Machine, task: Task) -> None:
     """
     if task.step is not None and task.step.computes:
         fill_inputs(machine, task)
-    if task.plan.monitored and task.bound and not task.spoilt:
+    spoilt = task.wait is not None and task.wait.spoilt
+    if task.plan.monitored and task.bound and not spoilt:
         machine.monitors.first_test(task)
     else:
         task.state = ELIGIBLE
@@ -235,7 +244,7 @@ def _open(
     start = time_of(context, window.start, env)
     stop = None if start is None else time_of(context, window.stop, env)
     if start is None or stop is None:
-        task.spoilt = True
+        wait.spoilt = True
         return
     wait.opens = max(wait.opens, number(base + start))
     if base + stop < wait.given_deadline:
@@ -264,5 +273,5 @@ def fill_inputs(machine: Machine, task: Task) -> None:
         values.append(arg.value(context, env) if name is None else env.get(name))
     task.goal_args = tuple(values)
     fix_inputs(task)
-    if task.number and task.plan.prepares:
-        _prepare(machine, task)
+    if task.number and task.plan.prepares and task.wait is not None:
+        _prepare(machine, task, task.wait)

@@ -7,6 +7,7 @@ ends the cycle.
 from __future__ import annotations
 
 from rapc.compiler.plans import MethodPlan
+from rapc.compiler.query import Query
 from rapc.runtime.beginnings import (
     create,
     fill_inputs,
@@ -31,7 +32,7 @@ from rapc.runtime.events import FamilySwitched, MethodChosen, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.memory import FactError
 from rapc.runtime.requests import ground, request
-from rapc.runtime.task import RUNNING, Env, MethodRun, Task
+from rapc.runtime.task import ENDED, RUNNING, Env, MethodRun, Task, Waiting
 from rapc.runtime.world import OKAY
 from rapc.terms import format_atom
 
@@ -45,39 +46,50 @@ def run_cycle(machine: Machine, task: Task) -> None:
     if recorder.on:
         _tell_selected(machine, task)
     machine.agenda.last_family = task.family
-    after_method, task.after_method = task.after_method, False
-    if not (task.begun or plan.monitored):
-        _begin(machine, task)
-    if (not task.bound or task.identity is None) and _misses_inputs(machine, task):
-        return
-    if task.spoilt:
-        fail(machine, task, INTERFERENCE)
-        return
-    if not task.begun:
-        _begin(machine, task)
-    found = _found(machine, task)
+    if task.wait is not None or task.identity is None:
+        _first_of_all(machine, task)
+        if task.state is ENDED:
+            return
+    if plan.succeed is None:
+        found: Env | None = {} if task.last_result == OKAY else None
+    else:
+        found = _found(machine, task, plan.succeed)
     if found is not None:
         succeed(machine, task, found)
-    elif plan.monitored and not (
-        task.begun and machine.monitors.still_hold(task, after_method)
-    ):
+    elif plan.monitored and not _monitors_hold(machine, task):
         machine.monitors.block(task)
     elif _is_conditional(task) and not _conditions_hold(machine, task):
-        if task.live:
+        if task.state is not ENDED:
             fail(machine, task, INTERFERENCE)
     else:
         _try_method(machine, task)
 
 
-def _found(machine: Machine, task: Task) -> Env | None:
-    """What `succeed` binds if it holds; without the clause, a method's good end."""
-    query = task.plan.succeed
-    if query is None:
-        return {} if task.last_result == OKAY else None
+def _first_of_all(machine: Machine, task: Task) -> None:
+    """Step 1, and what sets off others at the first selection; may end the task."""
+    wait = task.wait
+    if wait is not None and not (wait.begun or task.plan.monitored):
+        _begin(machine, task, wait)
+    if task.identity is None and _misses_inputs(machine, task):
+        return
+    if wait is not None:
+        if wait.spoilt:
+            fail(machine, task, INTERFERENCE)
+        elif not wait.begun:
+            _begin(machine, task, wait)
+
+
+def _found(machine: Machine, task: Task, succeed: Query) -> Env | None:
+    """What the `succeed` clause binds if it holds."""
     if task.plan.endless:
         return None
     machine.context.task = task
-    return query.first(machine.context, task.env)
+    return succeed.first(machine.context, task.env)
+
+
+def _monitors_hold(machine: Machine, task: Task) -> bool:
+    wait = task.wait
+    return wait is None or (wait.begun and machine.monitors.still_hold(task, wait))
 
 
 def _is_conditional(task: Task) -> bool:
@@ -94,15 +106,15 @@ def _tell_selected(machine: Machine, task: Task) -> None:
     recorder.emit(TaskSelected, task=task.number, goal=task.goal())
 
 
-def _begin(machine: Machine, task: Task) -> None:
+def _begin(machine: Machine, task: Task, wait: Waiting) -> None:
     """The first selection with monitors holding sets off `until-start`."""
     step, run = task.step, task.within
     if step is None or run is None or not step.until:
-        task.begun = True
+        wait.begun = True
         return
-    if task.plan.monitored and not machine.monitors.still_hold(task, False):
+    if task.plan.monitored and not machine.monitors.still_hold(task, wait):
         return
-    task.begun = True
+    wait.begun = True
     followers(machine, run, until(machine, run, step.position, at_end=False))
 
 
@@ -200,12 +212,14 @@ def _start(machine: Machine, run: MethodRun) -> None:
     """Step 9: the method starts and the task waits for it."""
     task, method = run.task, run.plan
     task.run = run
-    under_way = machine.under_way
-    under_way[task.identity] = under_way.get(task.identity, 0) + 1
+    if task.plan.recursive or machine.solvers:
+        under_way = machine.under_way
+        under_way[task.identity] = under_way.get(task.identity, 0) + 1
     task.state = RUNNING
     if task.wait is not None:
         task.wait.timer = None
-    task.begin_method(method)
+    if task.method is not method:
+        task.begin_method(method)
     if machine.recorder.on:
         machine.recorder.emit(
             MethodChosen,

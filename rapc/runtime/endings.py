@@ -55,13 +55,14 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         fail(machine, task, INTERFERENCE)
         return
     _leave(machine, task)
-    task.outputs, task.outcome = outputs, OKAY
+    if task.given is not None:
+        task.given.outcome, task.given.outputs = OKAY, outputs
     machine.succeeded += 1
     if machine.recorder.on:
         machine.recorder.emit(
             TaskSucceeded,
             task=task.number,
-            goal=task.goal(),
+            goal=task.goal(outputs),
             outputs={name: format_atom(value) for name, value in outputs.items()},
         )
     if step is None or run is None:
@@ -77,8 +78,9 @@ def _outputs(task: Task, found: Env) -> Env:
     outputs: Env = {}
     for name in task.plan.outputs:
         value = found.get(name)
-        if value is None and task.success_env is not None:
-            value = task.success_env.get(name)
+        history = task.history
+        if value is None and history is not None and history.success is not None:
+            value = history.success.get(name)
         if value is not None:
             outputs[name] = value
     return outputs
@@ -197,9 +199,11 @@ def late_recursion(
 
 def fail(machine: Machine, task: Task, reason: str) -> None:
     """A task fails: its method goes with it, its parent comes up again."""
-    result = task.world_failure or reason
+    world_failure = task.world_failure
+    result = world_failure or reason
     _leave(machine, task)
-    task.outcome = result
+    if task.given is not None:
+        task.given.outcome = result
     if machine.recorder.on:
         machine.recorder.emit(
             TaskFailed,
@@ -211,8 +215,8 @@ def fail(machine: Machine, task: Task, reason: str) -> None:
     run = task.within
     if run is None:
         return
-    if task.world_failure is not None:
-        run.task.world_failure = task.world_failure
+    if world_failure is not None:
+        run.task.remember().failure = world_failure
     end_method(machine, run, result)
 
 
@@ -235,10 +239,10 @@ def end_method(
         )
     task.end_method(run.plan, result)
     if result == OKAY and task.plan.outputs:
-        task.success_env = run.env
-    task.after_method = True
+        task.remember().success = run.env
     task.state = ELIGIBLE
-    if task.plan.monitor_time is not None:
+    if task.wait is not None:
+        task.wait.after_method = True
         machine.monitors.arm(task, machine.recorder.time)
     machine.agenda.add(task)
 
@@ -279,7 +283,7 @@ def end_by_signal(machine: Machine, task: Task, mode: str) -> None:
 def _stop(machine: Machine, task: Task) -> MethodRun | None:
     """A task is at work no longer; what it was at."""
     run, task.run = task.run, None
-    if run is not None:
+    if run is not None and (task.plan.recursive or machine.solvers):
         others = machine.under_way[task.identity] - 1
         if others:
             machine.under_way[task.identity] = others
@@ -299,7 +303,7 @@ def _drop(machine: Machine, run: MethodRun) -> None:
 
 def _leave(machine: Machine, task: Task) -> None:
     if task.step is None:
-        machine.foreground -= not task.background
+        machine.foreground -= task.given is not None and not task.given.background
     else:
         for wait in task.step.waits:
             machine.listening.get(wait.signal, {}).pop(task.number, None)

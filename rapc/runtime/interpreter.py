@@ -180,7 +180,7 @@ class Interpreter:
         goal = self._machine.memory.canonical(goal)
         found = [
             task
-            for task in self._machine.given
+            for task in (given.task for given in self._machine.given)
             if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
         ]
         for task in found:
@@ -272,9 +272,9 @@ class Interpreter:
             action()
         results = self.results()
         waiting = () if reason == "done" else self.waiting()
-        for task in self._machine.given:
-            if task.live:
-                remove(machine, task, "run-over")
+        for given in machine.given:
+            if given.task.live:
+                remove(machine, given.task, "run-over")
         if machine.recorder.on:
             machine.recorder.emit(
                 RunEnded, reason=reason, results=results, waiting=waiting

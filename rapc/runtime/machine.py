@@ -23,7 +23,7 @@ from rapc.runtime.monitors import Monitors
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.renaming import rename
 from rapc.runtime.submission import Submission
-from rapc.runtime.task import Task
+from rapc.runtime.task import Given, Task
 from rapc.runtime.world import Time, World
 from rapc.spell import nearest
 from rapc.terms import number
@@ -84,7 +84,8 @@ class Machine:
     signal, by the signal's name; `under_way` how many tasks of each identity are at
     work on a method. `given` are the top-level tasks so far and `scheduled` those for
     later, of which `expected` are to keep the run going; `foreground` counts the live
-    ones that do, `succeeded` the tasks of all levels that have ended well.
+    ones that do, `succeeded` the tasks of all levels that have ended well. `numbers`
+    tasks and `tickets` requests were counted so far, from 1.
     """
 
     def __init__(
@@ -123,7 +124,7 @@ class Machine:
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}
         self.under_way: dict[object, int] = {}
-        self.given: list[Task] = []
+        self.given: list[Given] = []
         self.scheduled: list[tuple[Time, int, Submission]] = []
         self.expected = 0
         self.foreground = 0
@@ -134,8 +135,8 @@ class Machine:
         self.appointments: list[tuple[Time, int, Callable[[], None]]] = []
         self.context_asked: ContextListener | None = None
         self.handlers = world.handlers()
-        self._numbers = 0
-        self._tickets = 0
+        self.numbers = 0
+        self.tickets = 0
         self._overlay: dict[str, list[MethodPlan]] = {}
 
     def clock(self) -> Time:
@@ -145,8 +146,11 @@ class Machine:
     def look_at_clock(self) -> None:
         """Take the time from the world; for the run it stops at `until`."""
         now = self.world.now()
-        if now == self.recorder.time and (self.until is None or now <= self.until):
-            return
+        if now != self.recorder.time or self.until is not None:
+            self.set_clock(now)
+
+    def set_clock(self, now: Time) -> None:
+        """It is so late in the world; for the run time stops at `until`."""
         self.late = self.until is not None and now > self.until
         self.recorder.time = self.until if self.late and self.until is not None else now
 
@@ -159,17 +163,12 @@ class Machine:
     def recount(self) -> None:
         """Count anew which identities are at work: items have got other names."""
         at_work = [task for task in self.tasks.values() if task.run is not None]
-        self.under_way = dict(Counter(task.identity for task in at_work))
+        counted = [task for task in at_work if self.may_recur(task.plan)]
+        self.under_way = dict(Counter(task.identity for task in counted))
 
-    def next_number(self) -> int:
-        """The number of a new task, from 1."""
-        self._numbers += 1
-        return self._numbers
-
-    def next_ticket(self) -> int:
-        """The ticket of a new request, from 1."""
-        self._tickets += 1
-        return self._tickets
+    def may_recur(self, plan: RapPlan) -> bool:
+        """Whether a RAP can come up among its own subtasks; solvers may bring it in."""
+        return plan.recursive or bool(self.solvers)
 
     def methods(self, plan: RapPlan) -> tuple[MethodPlan, ...]:
         """A RAP's methods with those that solvers have added in this run."""

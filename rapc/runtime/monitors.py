@@ -189,7 +189,7 @@ class Monitors:
         start = time_of(self._context, plan.start, task.env)
         stop = None if start is None else time_of(self._context, plan.stop, task.env)
         if start is None or stop is None:
-            task.spoilt = True
+            wait.spoilt = True
             return
         wait.ready_at = number(base + start)
         wait.monitor_deadline = base + stop
@@ -260,15 +260,16 @@ class Monitors:
 
     def _test(self, task: Task) -> None:
         """Test a task that is untested, blocked, or woken and not yet selected."""
-        state = task.state
-        if task.after_method or not (
-            state is BLOCKED or state is UNTESTED or state is ELIGIBLE
+        state, wait = task.state, task.wait
+        if (
+            wait is None
+            or wait.after_method
+            or not (state is BLOCKED or state is UNTESTED or state is ELIGIBLE)
         ):
             return
         if self.holds(task):
             if state is BLOCKED and self._recorder.on:
-                on = task.wait.blocked_on if task.wait is not None else ""
-                self._recorder.emit(TaskWoken, task=task.number, on=on)
+                self._recorder.emit(TaskWoken, task=task.number, on=wait.blocked_on)
             if state is not ELIGIBLE:
                 task.state = ELIGIBLE
                 self._agenda.add(task)
@@ -276,16 +277,16 @@ class Monitors:
             self._agenda.discard(task)
             self.block(task)
 
-    def still_hold(self, task: Task, after_method: bool) -> bool:
+    def still_hold(self, task: Task, wait: Waiting) -> bool:
         """Whether the monitors of a task that was selected hold.
 
         Most were tested before the choice; again only if something has changed since,
         or if the task comes up after its method.
         """
-        wait = task.wait
-        if after_method or wait is None or wait.keys is None:
+        if wait.after_method or wait.keys is None or task.number in self.dirty:
+            wait.after_method = False
             return self.holds(task)
-        return task.number not in self.dirty or self.holds(task)
+        return True
 
     def holds(self, task: Task) -> bool:
         """Whether a task's monitors hold now; listens for when that may change."""

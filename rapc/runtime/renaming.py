@@ -31,7 +31,9 @@ def rename(run: Tasks, lost: str, kept: str) -> None:
     """Every live task holds `kept` wherever it held `lost`."""
     sets: dict[int, SetResource] = {}
     for task in run.tasks.values():
-        environments = [task.env, task.success_env or {}]
+        environments = [task.env]
+        if task.history is not None and task.history.success is not None:
+            environments.append(task.history.success)
         if task.run is not None:
             environments.append(task.run.env)
         for env in environments:

@@ -18,6 +18,8 @@ from rapc.runtime.task import MethodRun, Task
 from rapc.runtime.world import OKAY, Datum, Finished, Message, Reply, Signal
 from rapc.terms import Atom, Fact, format_list
 
+_RESOURCES = (Counter, SetResource)
+
 
 class PortError(Exception):
     """A world that does not keep to the port; the text says how."""
@@ -25,12 +27,15 @@ class PortError(Exception):
 
 def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
     """A request or notation filled in; None with an unbound variable or resource."""
-    machine.context.task = run.task
+    context, env = machine.context, run.env
+    context.task = run.task
     parts: list[Atom] = [plan.name]
     for arg in plan.args:
-        value = arg.needed(machine.context, run.env)
-        if isinstance(value, Counter | SetResource):
-            machine.context.unfit(plan.where, value, "a symbol, number or string")
+        value = env.get(arg.name) if arg.name is not None else None
+        if value is None:
+            value = arg.needed(context, env)
+        if isinstance(value, _RESOURCES):
+            context.unfit(plan.where, value, "a symbol, number or string")
             return None
         if value is None:
             return None
@@ -40,7 +45,7 @@ def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
 
 def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
     """Send a method's request; an atomic one has ended when this returns."""
-    asked = ground(machine, run, plan)
+    asked = ground(machine, run, plan) if plan.args else plan.bare
     sent = None if asked is None else _sensed(machine, asked)
     if asked is None or sent is None:
         end_method(machine, run, INTERFERENCE)
@@ -53,22 +58,25 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
             request=format_list(asked),
             sent=format_list(sent),
         )
-    ticket = machine.next_ticket()
+    machine.tickets += 1
+    run.ticket = ticket = machine.tickets
     machine.pending[ticket] = (task, asked)
-    run.ticket = ticket
     reply = machine.world.perform(ticket, sent)
     machine.look_at_clock()
     if reply is not None and not machine.late:
-        machine.keep_appointments()
+        if machine.appointments:
+            machine.keep_appointments()
         finish(machine, ticket, reply)
 
 
 def _sensed(machine: Machine, request: Fact) -> Fact | None:
     """A request with sensor names; None if an item has none now."""
-    sensor_of = machine.memory.items.sensor_of
+    items = machine.memory.items
+    if not (items.known or items.gone):
+        return request
     parts: list[Atom] = [request[0]]
     for part in request[1:]:
-        name = sensor_of(part) if isinstance(part, str) else part
+        name = items.sensor_of(part) if isinstance(part, str) else part
         if name is None:
             return None
         parts.append(name)
@@ -84,14 +92,18 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
     if ticket not in machine.pending:
         raise PortError(f"the world ended a request that is not under way: {ticket}")
     task, asked = machine.pending.pop(ticket)
-    asked = machine.memory.canonical(asked)
-    handler = machine.handlers.results.get(str(asked[0]))
-    with machine.access.batch():
-        if handler is not None:
-            handler(machine.access, asked, reply.result)
-        for content in reply.data:
-            _handle(machine, content)
-    asked = machine.memory.canonical(asked)
+    canonical = machine.memory.canonical
+    asked = canonical(asked)
+    handler = machine.handlers.results.get(asked[0])
+    if handler is None and not reply.data:
+        machine.access.settle()
+    else:
+        with machine.access.batch():
+            if handler is not None:
+                handler(machine.access, asked, reply.result)
+            for content in reply.data:
+                _handle(machine, content)
+        asked = canonical(asked)
     if machine.recorder.on:
         machine.recorder.emit(
             PrimitiveEnded,
@@ -108,7 +120,7 @@ def _end(machine: Machine, task: Task, result: str) -> None:
     run = task.run
     assert run is not None
     if result != OKAY:
-        task.world_failure = result
+        task.remember().failure = result
     end_method(machine, run, result)
 
 

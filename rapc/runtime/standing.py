@@ -10,7 +10,7 @@ import msgspec
 
 from rapc.runtime.events import RunStarted, TaskResult
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import BLOCKED, ELIGIBLE, UNTESTED, WAITING, Task
+from rapc.runtime.task import BLOCKED, ELIGIBLE, UNTESTED, WAITING, Given, Task
 from rapc.runtime.world import OKAY, Time
 from rapc.terms import number
 
@@ -47,9 +47,10 @@ def agenda(machine: Machine) -> tuple[AgendaEntry, ...]:
 
 def _entry(machine: Machine, task: Task) -> AgendaEntry:
     deadline = None if task.limit == math.inf else number(task.limit)
+    duration = 0 if task.wait is None else task.wait.duration
     slack = None
     if deadline is not None:
-        slack = number(deadline - task.duration - machine.recorder.time)
+        slack = number(deadline - duration - machine.recorder.time)
     state = WAITING if task.state is UNTESTED else task.state
     return AgendaEntry(
         task=task.number,
@@ -59,7 +60,7 @@ def _entry(machine: Machine, task: Task) -> AgendaEntry:
         family=task.family,
         parent=task.parent.number if task.parent is not None else None,
         deadline=deadline,
-        duration=task.duration,
+        duration=duration,
         slack=slack,
         waits_for=_obstacle(machine, task),
     )
@@ -104,21 +105,21 @@ def tell_start(
     )
 
 
-def results(given: Iterable[Task]) -> tuple[TaskResult, ...]:
+def results(given: Iterable[Given]) -> tuple[TaskResult, ...]:
     """What has become of each top-level task, in the order in which they came."""
-    return tuple([_result(task) for task in given])
+    return tuple([_result(one) for one in given])
 
 
-def _result(task: Task) -> TaskResult:
+def _result(given: Given) -> TaskResult:
     outcome = "unfinished"
-    if task.outcome is not None:
-        outcome = "succeeded" if task.outcome == OKAY else "failed"
+    if given.outcome is not None:
+        outcome = "succeeded" if given.outcome == OKAY else "failed"
     return TaskResult(
-        task=task.number,
-        goal=task.goal(),
+        task=given.task.number,
+        goal=given.task.goal(given.outputs),
         outcome=outcome,
-        result=task.outcome,
-        background=task.background,
+        result=given.outcome,
+        background=given.background,
     )
 
 

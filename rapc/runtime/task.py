@@ -9,6 +9,7 @@ signals and monitors, `History` from the second method or the first failure on.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Final
 
 from rapc.compiler.dependencies import WatchKey
@@ -21,7 +22,6 @@ from rapc.terms import format_atom
 
 Env = dict[str, Value]
 """Variables and what they are bound to."""
-
 WAITING: Final = "waiting"
 UNTESTED: Final = "untested"
 ELIGIBLE: Final = "eligible"
@@ -32,18 +32,24 @@ ENDED: Final = "ended"
 
 
 class Waiting:
-    """What a task may have to wait for besides its turn.
+    """What a task may have to wait for besides its turn, and what its inputs make.
 
     `opens` is the latest start of its windows, `windows` those whose times are not
     yet known; `held` is set while it waits for a signal. `ready_at` is when its
     monitored time comes, counted from when it was `made` at first; `keys` are the
     changes it listens to, None before it does. `timer` is the time it waits for now,
     `blocked_on` what the trace says of it. The deadlines are those given by windows or
-    a host, by `monitor-time`, and the one last told of as missed.
+    a host, by `monitor-time`, and the one last told of as missed. `begun` is set once
+    it was selected with its monitors holding, `after_method` while it is to come up
+    whatever its monitors say. `prepared` says that resources and times are made of
+    its inputs, `spoilt` that they could not be.
     """
 
     __slots__ = (
+        "after_method",
+        "begun",
         "blocked_on",
+        "duration",
         "given_deadline",
         "held",
         "keys",
@@ -51,7 +57,9 @@ class Waiting:
         "missed",
         "monitor_deadline",
         "opens",
+        "prepared",
         "ready_at",
+        "spoilt",
         "timer",
         "windows",
     )
@@ -68,6 +76,11 @@ class Waiting:
         self.given_deadline: float = math.inf
         self.monitor_deadline: float = math.inf
         self.missed: float | None = None
+        self.begun = False
+        self.after_method = False
+        self.prepared = False
+        self.spoilt = False
+        self.duration: Time = 0
 
     @property
     def deadline(self) -> float:
@@ -76,40 +89,56 @@ class Waiting:
 
 
 class History:
-    """What the methods of a task have come to: results by name, failures by index."""
+    """What the methods of a task have come to: results by name, failures by index.
 
-    __slots__ = ("failures", "results")
+    `failure` is the last failure symbol from the world, `success` the environment of
+    the last method that ended well, for a task with outputs.
+    """
+
+    __slots__ = ("failure", "failures", "results", "success")
 
     def __init__(self) -> None:
         self.results: dict[object, str | None] = {}
         self.failures: dict[int, int] = {}
+        self.failure: str | None = None
+        self.success: Env | None = None
+
+
+class Given:
+    """What a top-level task has besides: `outcome` is `okay` or what it handed up.
+
+    It is None unless the task has ended by itself; so are the `outputs`.
+    """
+
+    __slots__ = ("background", "outcome", "outputs", "task")
+
+    def __init__(self, task: Task, background: bool) -> None:
+        self.task = task
+        self.background = background
+        self.outcome: str | None = None
+        self.outputs: Env = {}
 
 
 class Task:
     """One goal under way; it has no number until it joins the run.
 
-    `env` holds inputs and resources, once `bound`; `identity` the RAP with its input
-    values, for the recursion test; `constrained` is the nearest ancestor that states
-    constraints; `family` is the number of its top-level task; `limit` the nearest
-    deadline of its own and its ancestors'. `outcome` is `okay` or what the task
-    handed up, None unless it has ended by itself. `begun` is set once it was selected
-    with its monitors holding, `after_method` while it is to come up whatever its
-    monitors say. `method` is the one tried last; `choice` with `tries` is the
-    only choice that its futile-loop detector has seen, unless there are `choices`.
+    `env` holds inputs and resources, once `bound`; `identity` is set with the last
+    input, and is the RAP with its input values where a recursion test needs them;
+    `constrained` is the nearest ancestor that states constraints; `family` is the
+    number of its top-level task; `limit` the nearest deadline of its own and its
+    ancestors'. `waiting` counts the steps that it still follows. `method` is the one
+    tried last; `choice` with `tries` is the choice that its futile-loop detector has
+    seen last, with the others in `choices`. `wait` and `history` are None for most.
     """
 
     __slots__ = (
-        "after_method",
-        "background",
-        "begun",
         "bound",
         "choice",
         "choices",
         "constrained",
-        "duration",
         "env",
-        "failed",
         "family",
+        "given",
         "goal_args",
         "history",
         "identity",
@@ -118,32 +147,25 @@ class Task:
         "limit",
         "method",
         "number",
-        "outcome",
-        "outputs",
         "parent",
         "plan",
-        "prepared",
         "priority",
         "run",
-        "spoilt",
         "state",
         "step",
-        "success_env",
         "tries",
         "wait",
         "waiting",
         "within",
-        "world_failure",
     )
 
     def __init__(
         self, plan: RapPlan, within: MethodRun | None, step: StepPlan | None
     ) -> None:
-        self.number = 0
         self.plan = plan
         self.within = within
         self.step = step
-        self.wait: Waiting | None = None
+        self.number = 0
         if within is None or step is None:
             self.parent: Task | None = None
             self.family: int = 0
@@ -151,69 +173,67 @@ class Task:
             self.limit: float = math.inf
             self.priority = 0
             self.waiting = 0
+            self.wait = Waiting() if plan.waits else None
         else:
             self.parent = parent = within.task
             self.family = parent.family
-            constrains = parent.plan.constraints is not None
-            self.constrained = parent if constrains else parent.constrained
+            self.constrained = parent.constrained
+            if parent.plan.constraints is not None:
+                self.constrained = parent
             self.limit = parent.limit
-            self.priority = parent.priority + step.node.priority
+            self.priority = parent.priority + step.priority
             self.waiting = step.before
-            if step.windows or step.waits:
+            self.wait = None
+            if plan.waits or step.timed:
                 self.wait = Waiting(step.windows)
-        if plan.monitored and self.wait is None:
-            self.wait = Waiting()
         self.goal_args: tuple[Value | None, ...] = ()
-        self.background = False
-        self.begun = False
         self.env: Env = {}
         self.bound = False
-        self.spoilt = False
-        self.prepared = False
         self.identity: tuple[object, ...] | None = None
-        self.duration: Time = 0
         self.state = WAITING
         self.key: tuple[float, float, bool] | None = None
-        self.after_method = False
         self.run: MethodRun | None = None
-        self.failed = False
         self.method: MethodPlan | None = None
         self.history: History | None = None
         self.choice: tuple[object, ...] | None = None
         self.tries = 0
         self.choices: dict[tuple[object, ...], int] | None = None
         self.last_result: str | None = None
-        self.outcome: str | None = None
-        self.world_failure: str | None = None
-        self.success_env: Env | None = None
-        self.outputs: Env | None = None
+        self.given: Given | None = None
 
     @property
     def live(self) -> bool:
         """Whether the task has not ended and was not removed."""
         return self.state is not ENDED
 
+    @property
+    def failed(self) -> bool:
+        """Whether one of its methods has ended badly."""
+        return self.history is not None and bool(self.history.failures)
+
+    @property
+    def world_failure(self) -> str | None:
+        """The last failure symbol from the world that has reached it."""
+        return None if self.history is None else self.history.failure
+
     # --- history ---------------------------------------------------------------
 
     def begin_method(self, method: MethodPlan) -> None:
-        """A method is tried."""
-        if self.method is method:
-            return
+        """A method is tried that is not the one tried last."""
         if self.method is not None:
-            self._remember().results.setdefault(method.node.name)
+            self.remember().results.setdefault(method.node.name)
         self.method = method
 
     def end_method(self, method: MethodPlan, result: str) -> None:
         """A method has come to a result."""
         self.last_result = result
         if result != OKAY:
-            self.failed = True
-            failures = self._remember().failures
+            failures = self.remember().failures
             failures[method.index] = failures.get(method.index, 0) + 1
         if self.history is not None:
             self.history.results[method.node.name] = result
 
-    def _remember(self) -> History:
+    def remember(self) -> History:
         """The history, written from the method tried so far if there is none."""
         if self.history is None:
             self.history = History()
@@ -242,19 +262,19 @@ class Task:
 
     def times_chosen(self, key: tuple[object, ...]) -> int:
         """How often a choice was made since the detector started afresh."""
-        if self.choices is not None:
-            return self.choices.get(key, 0)
-        return self.tries if self.choice == key else 0
+        if self.choice == key:
+            return self.tries
+        return 0 if self.choices is None else self.choices.get(key, 0)
 
     def note_choice(self, key: tuple[object, ...]) -> None:
         """A choice is made; only a second, different one needs a table."""
-        if self.choices is not None:
-            self.choices[key] = self.choices.get(key, 0) + 1
-        elif self.choice is None or self.choice == key:
+        if self.choice != key:
+            if self.choice is not None:
+                self.choices = self.choices or {}
+                self.choices[self.choice] = self.tries
+            self.tries = 0 if self.choices is None else self.choices.pop(key, 0)
             self.choice = key
-            self.tries += 1
-        else:
-            self.choices = {self.choice: self.tries, key: 1}
+        self.tries += 1
 
     def forget_choices(self) -> None:
         """The detector starts afresh."""
@@ -264,8 +284,8 @@ class Task:
 
     # --- in words ----------------------------------------------------------------
 
-    def goal(self) -> str:
-        """The goal as the trace prints it: inputs by value, outputs once known."""
+    def goal(self, outputs: Mapping[str, Value] | None = None) -> str:
+        """The goal as the trace prints it: inputs by value, and outputs if known."""
         words = [self.plan.name]
         terms = self.step.node.goal.args if self.step is not None else ()
         for at, name in enumerate(self.plan.inputs):
@@ -280,7 +300,7 @@ class Task:
         if self.plan.outputs:
             words.append("=>")
             for name in self.plan.outputs:
-                known = None if self.outputs is None else self.outputs.get(name)
+                known = None if outputs is None else outputs.get(name)
                 words.append(name if known is None else format_atom(known))
         return f"({' '.join(words)})"
 

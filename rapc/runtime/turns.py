@@ -13,8 +13,11 @@ from rapc.runtime.beginnings import create_top, when_time_comes
 from rapc.runtime.cycle import run_cycle
 from rapc.runtime.machine import Machine
 from rapc.runtime.requests import take_in
-from rapc.runtime.world import World
+from rapc.runtime.world import Time
 from rapc.terms import number
+
+_QUIET = ""
+"""No reason to be over, only for not turning on."""
 
 
 class Turns:
@@ -23,19 +26,20 @@ class Turns:
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
         self._idle = 0
-        ends = machine.world.ended
-        self._ended = None if ends.__func__ is World.ended else ends  # type: ignore[attr-defined]
 
     def go(self, most: int | None, wait: bool) -> str | None:
         """Turn until the run is over, and say why; or until so `most` cycles are done.
 
         Without `wait` also until no task can go on now.
         """
-        machine, left = self._machine, most
+        machine, left = self._machine, -1 if most is None else most
         recorder, monitors, agenda = machine.recorder, machine.monitors, machine.agenda
-        receive = machine.world.messages
-        while not machine.over and left != 0:
-            machine.look_at_clock()
+        world, settings = machine.world, machine.settings
+        clock, receive = world.now, world.messages
+        while left != 0 and not machine.over:
+            before = clock()
+            if before != recorder.time or machine.until is not None:
+                machine.set_clock(before)
             if not machine.late:
                 if machine.appointments or machine.recognizer.unsettled:
                     machine.keep_appointments()
@@ -51,18 +55,17 @@ class Turns:
             if reason is not None:
                 return reason
             task = agenda.choose()
-            if task is not None:
-                before = recorder.time
-                run_cycle(machine, task)
-                self._spend(before)
-                if left is not None:
-                    left -= 1
-            elif wait:
-                reason = self._wait()
+            if task is None:
+                reason = self._wait() if wait else _QUIET
                 if reason is not None:
-                    return reason
-            else:
-                return None
+                    return reason or None
+                continue
+            before = recorder.time
+            run_cycle(machine, task)
+            left -= 1
+            if settings.cycle_cost:
+                self._spend(settings.cycle_cost)
+            self._idle = self._idle + 1 if recorder.time == before else 0
         return None
 
     def reason(self) -> str | None:
@@ -70,7 +73,7 @@ class Turns:
         machine = self._machine
         if machine.late:
             return "until"
-        if self._ended is not None and self._ended() is not None:
+        if machine.world.ended() is not None:
             return "world"
         if not (machine.foreground or machine.expected or machine.appointments):
             return "done"
@@ -92,14 +95,11 @@ class Turns:
                 when_time_comes(machine, task)
         machine.monitors.settle()
 
-    def _spend(self, before: float) -> None:
-        """Let a cycle take its time, and count cycles in which no time passes."""
-        machine = self._machine
-        cost = machine.settings.cycle_cost
-        if cost:
-            machine.world.advance(number(machine.world.now() + cost))
-            machine.look_at_clock()
-        self._idle = self._idle + 1 if machine.recorder.time == before else 0
+    def _spend(self, cost: Time) -> None:
+        """Let a cycle take its time."""
+        world = self._machine.world
+        world.advance(number(world.now() + cost))
+        self._machine.look_at_clock()
 
     def _wait(self) -> str | None:
         """Nothing is eligible: move time on to what comes next, or say what ends."""
