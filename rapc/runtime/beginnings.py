@@ -6,7 +6,8 @@ selected in `rapc.runtime.cycle` (semantics 3 and 4).
 
 from __future__ import annotations
 
-from rapc.compiler.plans import StepPlan, WindowPlan
+from rapc.compiler.nets import StepPlan, WindowPlan
+from rapc.compiler.plans import RapPlan
 from rapc.compiler.query import TermValue
 from rapc.parser.printer import format_formula
 from rapc.resources import Counter, SetResource, frozen
@@ -40,17 +41,8 @@ def create_top(machine: Machine, submission: Submission) -> None:
     let_go(machine, task)
 
 
-def make(machine: Machine, run: MethodRun, step: StepPlan) -> Task:
-    """The task of a step, not yet numbered, with its inputs as far as they are there.
-
-    Raises:
-        LookupError: for a RAP that no checked library can lack.
-    """
-    plan = step.rap
-    if plan is None:
-        plan = step.rap = machine.library.rap(step.node.goal.name)
-        if plan is None:
-            raise LookupError(f"no RAP is named `{step.node.goal.name}`")
+def make(machine: Machine, run: MethodRun, step: StepPlan, plan: RapPlan) -> Task:
+    """The task of a step, not yet numbered; its inputs are read as far as they go."""
     task = Task(plan, run, step)
     if plan.inputs:
         fill_inputs(machine, task)

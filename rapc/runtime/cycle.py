@@ -200,8 +200,12 @@ def _try_method(machine: Machine, task: Task) -> None:
 def _spawn(machine: Machine, run: MethodRun) -> bool:
     """Make the steps' tasks, not yet numbered; False if one repeats an ancestor."""
     run.steps = tasks = []
-    for step in run.plan.steps:
-        task = make(machine, run, step)
+    method = run.plan
+    if not method.raps:
+        names = [step.node.goal.name for step in method.steps]
+        method.raps = tuple([machine.library.known_rap(name) for name in names])
+    for step, rap in zip(method.steps, method.raps, strict=True):
+        task = make(machine, run, step, rap)
         tasks.append(task)
         if task.bound and repeats_ancestor(machine, task):
             return False

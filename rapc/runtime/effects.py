@@ -7,7 +7,7 @@ semantics 6).
 from __future__ import annotations
 
 from rapc.compiler.builtin import Fault, add, subtract
-from rapc.compiler.plans import EffectPlan, StepPlan
+from rapc.compiler.nets import EffectPlan, StepPlan
 from rapc.resources import Counter, SetResource, Value
 from rapc.runtime.context import QueryContext
 from rapc.runtime.events import ResourceChanged

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.compiler.plans import ReceiverPlan, StepPlan
+from rapc.compiler.nets import ReceiverPlan, StepPlan
 from rapc.resources import Value
 from rapc.runtime.beginnings import (
     fill_inputs,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.compiler.plans import RequestPlan
+from rapc.compiler.clauses import RequestPlan
 from rapc.resources import Counter, SetResource
 from rapc.runtime.endings import INTERFERENCE, end_method
 from rapc.runtime.events import DataReceived, PrimitiveEnded, PrimitiveRequested

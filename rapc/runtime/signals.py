@@ -6,7 +6,7 @@ said by the first of its `wait-for`s that matches.
 
 from __future__ import annotations
 
-from rapc.compiler.plans import WaitPlan
+from rapc.compiler.nets import WaitPlan
 from rapc.runtime import events
 from rapc.runtime.beginnings import when_time_comes
 from rapc.runtime.endings import end_by_signal, late_recursion, receive

@@ -13,7 +13,8 @@ from collections.abc import Mapping
 from typing import Final
 
 from rapc.compiler.dependencies import WatchKey
-from rapc.compiler.plans import MethodPlan, RapPlan, StepPlan, WindowPlan
+from rapc.compiler.nets import StepPlan, WindowPlan
+from rapc.compiler.plans import MethodPlan, RapPlan
 from rapc.parser.printer import format_term
 from rapc.resources import Value
 from rapc.runtime.memory.memory import Notation
