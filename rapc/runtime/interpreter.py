@@ -298,8 +298,8 @@ class Interpreter:
         `given` are the variables whose values come with each asking, in that order.
 
         Raises:
-            ValueError: for a text that is no formula (`TextError`), and for a
-                variable that the formula does not have.
+            ValueError: for a text that is no formula (`TextError`), a name that the
+                library does not declare, a variable that the formula does not have.
         """
         if isinstance(formula, str):
             formula = parse_formula(formula)

@@ -6,17 +6,21 @@ history of methods has no answer (semantics 2).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any
 
+from rapc.compiler.builtin import FUNCTIONS
 from rapc.compiler.emitter import Ending
 from rapc.compiler.query import Query
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.ir import nodes
 from rapc.ir.nodes import Formula
+from rapc.ir.walk import subformulas, subterms, terms
 from rapc.resources import Value
 from rapc.runtime.context import QueryContext
 from rapc.runtime.machine import Machine
 from rapc.runtime.renaming import with_names
-from rapc.spell import nearest
+from rapc.spell import counted, nearest
 
 Answer = dict[str, Value]
 """What an answer binds besides what was given; a variable it leaves free is absent."""
@@ -35,7 +39,8 @@ class Question:
         given: the variables, with their question marks, that get values.
 
     Raises:
-        ValueError: for a variable that the formula does not have, or one given twice.
+        ValueError: for a name that the library does not declare, or not with so many
+            arguments; for a variable that the formula does not have, or is given twice.
     """
 
     __slots__ = (
@@ -60,6 +65,7 @@ class Question:
             machine.memory, machine.recorder, machine.context.functions
         )
         self._aliases = -1
+        _check_names(formula, machine.library.vocabulary)
         self._query = self._compiled()
         for name in self.given:
             _check(name, self._query.variables, self.given)
@@ -98,10 +104,34 @@ class Question:
         return self._query
 
 
+def _check_names(formula: Formula, vocabulary: Vocabulary) -> None:
+    declared = {**vocabulary.relations, **vocabulary.functions}
+    for part in subformulas(formula):
+        if isinstance(part, nodes.Pattern):
+            _check_name(part.name, declared)
+            relation = vocabulary.relations.get(part.name)
+            count = len(part.args)
+            full = count if relation is None else len(relation.full(part.args))
+            if relation is not None and relation.arity not in (None, full):
+                takes = counted(relation.arity or 0, "argument")
+                raise ValueError(f"`{part.name}` takes {takes}, not {count}")
+    for term in (inner for at in terms(formula) for inner in subterms(at.term)):
+        if isinstance(term, nodes.Call) and term.function not in FUNCTIONS:
+            _check_name(term.function, vocabulary.functions)
+
+
+def _check_name(name: str, declared: Collection[str]) -> None:
+    if name not in declared:
+        raise ValueError(f"`{name}` is not declared{_hint(name, declared)}")
+
+
 def _check(name: str, known: Sequence[str], given: Sequence[str]) -> None:
     if name not in known:
-        near = nearest(name, known)
-        hint = f"; did you mean `{near}`?" if near else ""
-        raise ValueError(f"`{name}` is not in the question{hint}")
+        raise ValueError(f"`{name}` is not in the question{_hint(name, known)}")
     if given.count(name) > 1:
         raise ValueError(f"`{name}` is given twice")
+
+
+def _hint(name: str, known: Iterable[str]) -> str:
+    near = nearest(name, known)
+    return f"; did you mean `{near}`?" if near else ""
