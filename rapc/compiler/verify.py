@@ -77,28 +77,30 @@ class Verifier:
 
     def _visit(self, value: object, depth: int) -> None:
         kind = type(value)
-        if kind is str:
-            if value not in self._words:
-                self._words.add(_word(str(value)))
+        if kind is Span:
+            if value.file not in self._files:  # type: ignore[attr-defined]  # it is one
+                raise UnsoundError("something stands in no file")
+        elif kind is str:
+            self._words.add(_word(str(value)))
         elif kind is tuple:
             for part in value:  # type: ignore[attr-defined]  # it is a tuple
                 self._visit(part, depth)
         elif kind is int or kind is float:
             _number(value)  # type: ignore[arg-type]  # it is one of these
-        elif kind is Span:
-            if value.file not in self._files:  # type: ignore[attr-defined]  # it is one
-                raise UnsoundError("something stands in no file")
         elif isinstance(value, nodes.Node):
             if depth > MAX_DEPTH:
                 raise UnsoundError("something is nested too deeply")
             self._node(value)
+            words = self._words
             for name in _fields(type(value)):
-                self._visit(getattr(value, name), depth + 1)
+                part = getattr(value, name)
+                if part is not None and not (type(part) is str and part in words):
+                    self._visit(part, depth + 1)
 
     def _node(self, node: nodes.Node) -> None:
         """What is to be seen to wherever a node stands."""
         if isinstance(node, nodes.Var):
-            if not node.name.startswith("?"):
+            if node.name[:1] != "?":
                 raise UnsoundError(f"`{node.name}` is no name of a variable")
         elif isinstance(node, nodes.Call):
             self._call(node)
