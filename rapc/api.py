@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from rapc import loader
+from rapc import files, loader
 from rapc.analysis.driver import Report, check_library
 from rapc.compiler.artifact import Artifact
 from rapc.compiler.plans import CompiledLibrary
@@ -70,7 +70,7 @@ def read_artifact(*paths: str | Path) -> Artifact | None:
         LoadError: if it cannot be read.
         ArtifactError: if this rapc cannot run it.
     """
-    data = loader.read_compiled(paths[0]) if len(paths) == 1 else None
+    data = files.read_compiled(paths[0]) if len(paths) == 1 else None
     return None if data is None else Artifact(data, str(paths[0]))
 
 

@@ -22,9 +22,6 @@ from rapc.source import SourceFile, Span
 BUILTIN_NAMES = frozenset((*TRUTHS, *QUERIES, *CALLS))
 """What formulas and terms may begin with that no library can declare (semantics 2)."""
 
-COMPILED = b"rapc-library "
-"""How a file begins that holds a compiled library (`rapc.compiler.artifact`)."""
-
 DUPLICATE = Rule(
     code="RAP060",
     name="duplicate-definition",

@@ -1,14 +1,13 @@
 """Find and read RAP files, follow `require`, and link what was read.
 
-The only reader of files below the front ends. What cannot be read at all is a
-`LoadError`, one line for the user; everything else that is wrong is a diagnostic, and
-what could be made of the rest is there as well.
+What cannot be read at all is a `LoadError` (`rapc.files`), one line for the user;
+everything else that is wrong is a diagnostic, and what could be made of the rest is
+there as well.
 """
 
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
@@ -17,14 +16,22 @@ import msgspec
 
 from rapc import library
 from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.files import (
+    SUFFIX,
+    TEST_SUFFIX,
+    Identity,
+    files_at,
+    fold_line_ends,
+    identity_of,
+    named,
+    read_standard_input,
+    read_text,
+)
 from rapc.ir import nodes
-from rapc.library import COMPILED, Library
+from rapc.library import Library
 from rapc.parser.parse import Comment, Parsed, parse
 from rapc.source import SourceFile, Span
 from rapc.spell import nearest
-
-SUFFIX = ".rap"
-TEST_SUFFIX = ".test.rap"
 
 _LONG = 60
 """How much of a required name is repeated in messages."""
@@ -47,17 +54,6 @@ is missing, so most of what uses it would be reported as unknown too.""",
 
 RULES = (UNRESOLVED,)
 """The rules that loading can break."""
-
-
-Identity = tuple[int, int]
-"""The device and number of a file or folder."""
-
-_Entry = tuple[Path, tuple[Identity, ...] | None]
-"""A folder with those that it lies in, or a file with None."""
-
-
-class LoadError(Exception):
-    """A path that cannot be read, or is no text; the message is one line."""
 
 
 class Loaded(msgspec.Struct, frozen=True):
@@ -94,9 +90,9 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
     reading = _Reading(tests)
     for path in dict.fromkeys(map(str, paths)):
         if path == "-":
-            reading.add(_read_standard_input())
+            reading.add(SourceFile("<stdin>", read_standard_input()))
         else:
-            reading.read_all(_files_at(_named(path), tests))
+            reading.read_all(files_at(named(path), tests))
     return reading.finish()
 
 
@@ -121,21 +117,21 @@ def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
     seen: set[Identity] = set()
     for path in dict.fromkeys(map(str, paths)):
         if path == "-":
-            yield _read_standard_input()
+            yield SourceFile("<stdin>", read_standard_input())
             continue
-        named = _named(path)
-        for file in _files_at(named, tests=True):
-            if file != named and not file.name.endswith(TEST_SUFFIX):
+        whole = named(path)
+        for file in files_at(whole, tests=True):
+            if file != whole and not file.name.endswith(TEST_SUFFIX):
                 continue
-            if _identity(file) not in seen:
-                seen.add(_identity(file))
-                yield SourceFile(str(file), _read(file))
+            if identity_of(file) not in seen:
+                seen.add(identity_of(file))
+                yield SourceFile(str(file), read_text(file))
 
 
 def load_text(text: str, name: str = "<text>") -> Loaded:
     """Link one text as if it were a file in the working folder; see `load`."""
     reading = _Reading(tests=False)
-    reading.add(SourceFile(name, _fold_line_ends(text)))
+    reading.add(SourceFile(name, fold_line_ends(text)))
     return reading.finish()
 
 
@@ -145,24 +141,6 @@ def standard_libraries() -> tuple[str, ...]:
     if not folder.is_dir():
         return ()
     return tuple(sorted(e.name.removesuffix(SUFFIX) for e in folder.iterdir()))
-
-
-def read_compiled(path: str | Path) -> bytes | None:
-    """All of a file that begins as a compiled library does; None for any other path.
-
-    Raises:
-        LoadError: for such a file that cannot be read.
-    """
-    if not os.path.isfile(path):
-        return None
-    try:
-        with Path(path).open("rb") as file:
-            if file.read(len(COMPILED)) != COMPILED:
-                return None
-            file.seek(0)
-            return file.read()
-    except OSError as error:
-        raise LoadError(_unreadable(Path(path), error)) from None
 
 
 class _Opened(msgspec.Struct, frozen=True):
@@ -190,7 +168,7 @@ class _Reading:
         """Read files that were not read before, under whatever name."""
         for path in paths:
             if self._is_new(path):
-                self.add(SourceFile(str(path), _read(path)))
+                self.add(SourceFile(str(path), read_text(path)))
 
     def add_first(self, source: SourceFile) -> None:
         """Parse a file that was read before this began, or a text; see `add`."""
@@ -207,7 +185,7 @@ class _Reading:
                 done = opened.pop()
                 self.parsed.append((done.source, done.parsed))
             elif self._is_new(path):
-                opened.append(self._open(SourceFile(str(path), _read(path))))
+                opened.append(self._open(SourceFile(str(path), read_text(path))))
 
     def finish(self) -> Loaded:
         """Link what was read."""
@@ -218,7 +196,7 @@ class _Reading:
         return Loaded(linked, (*own, *self.missing, *names), comments, partial)
 
     def _is_new(self, path: Path) -> bool:
-        identity = _identity(path)
+        identity = identity_of(path)
         is_new = identity not in self.seen
         self.seen.add(identity)
         return is_new
@@ -230,7 +208,7 @@ class _Reading:
     def _required(self, parsed: Parsed, path: Path) -> Iterator[Path]:
         for form in self._requires(parsed):
             target = _resolve(form.name, path)
-            found = [] if target is None else list(_files_at(target, self.tests))
+            found = [] if target is None else list(files_at(target, self.tests))
             if not found:
                 self.missing.append(_unresolved(form, path))
             yield from found
@@ -297,101 +275,3 @@ def _beside(requiring: Path) -> list[str]:
         return []
     found = [name for name, is_folder in listed if is_folder or name.endswith(SUFFIX)]
     return [name.removesuffix(SUFFIX) for name in found]
-
-
-# --- files ----------------------------------------------------------------------
-
-
-def _named(path: str) -> Path:
-    if not path:
-        raise LoadError("`` does not exist")
-    return Path(path)
-
-
-def _files_at(path: Path, tests: bool) -> Iterator[Path]:
-    """The file itself, or all RAP files below a folder, sorted by path."""
-    if not os.path.lexists(path):
-        raise LoadError(f"`{path}` does not exist")
-    if not os.path.isdir(path):
-        yield path
-        return
-    stack: list[_Entry] = [(path, ())]
-    while stack:
-        here, above = stack.pop()
-        if above is None:
-            yield here
-            continue
-        identity = _identity(here)
-        if identity in above:
-            raise LoadError(f"`{here}` is a link back to a folder that it lies in")
-        stack.extend(reversed(_entries(here, (*above, identity), tests)))
-
-
-def _identity(path: Path) -> Identity:
-    """What tells a file or folder from all others, whatever it is called."""
-    try:
-        status = path.stat()
-    except OSError as error:
-        raise LoadError(_unreadable(path, error)) from None
-    return status.st_dev, status.st_ino
-
-
-def _entries(folder: Path, above: tuple[Identity, ...], tests: bool) -> list[_Entry]:
-    """A folder's RAP files (with None) and folders (with those they lie in)."""
-    try:
-        with os.scandir(folder) as entries:
-            listed = sorted((e.name, e.is_dir()) for e in entries)
-    except OSError as error:
-        raise LoadError(_unreadable(folder, error)) from None
-    found: list[_Entry] = []
-    for name, is_folder in listed:
-        if is_folder and not name.startswith("."):
-            found.append((folder / name, above))
-        elif not is_folder and _is_rap(name, tests):
-            found.append((folder / name, None))
-    return found
-
-
-def _is_rap(name: str, tests: bool) -> bool:
-    return name.endswith(SUFFIX) and (tests or not name.endswith(TEST_SUFFIX))
-
-
-def _read_standard_input() -> SourceFile:
-    return SourceFile("<stdin>", _decode("<stdin>", _standard_input()))
-
-
-def _standard_input() -> bytes:
-    if sys.stdin is None:  # closed by the caller
-        raise LoadError("cannot read `<stdin>`: it is closed")
-    return sys.stdin.buffer.read()
-
-
-def _read(path: Path) -> str:
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise LoadError(_unreadable(path, error)) from None
-    return _decode(str(path), data)
-
-
-def _unreadable(path: Path, error: OSError) -> str:
-    return f"cannot read `{path}`: {(error.strerror or str(error)).lower()}"
-
-
-def _decode(name: str, data: bytes) -> str:
-    if data.startswith(COMPILED):
-        raise LoadError(f"`{name}` is a compiled library: sources are wanted here")
-    if b"\0" in data:
-        raise LoadError(f"`{name}` is a binary file: it holds a null byte")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        row = data.count(b"\n", 0, error.start) + 1
-        raise LoadError(
-            f"`{name}` is not UTF-8: byte 0x{data[error.start]:02x} in line {row}"
-        ) from None
-    return _fold_line_ends(text)
-
-
-def _fold_line_ends(text: str) -> str:
-    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text

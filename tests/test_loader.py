@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from rapc.diagnostics import Diagnostic
-from rapc.loader import LoadError, load, load_text, standard_libraries
+from rapc.files import LoadError
+from rapc.loader import load, load_text, standard_libraries
 
 
 def _write(folder: Path, **files: str) -> Path:

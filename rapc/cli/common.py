@@ -20,7 +20,8 @@ from rapc.api import CheckError, compile_loaded, read_artifact
 from rapc.cli.options import USAGE, common_options, fail, say, settings
 from rapc.compiler.artifact import ArtifactError
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import Loaded, LoadError, load
+from rapc.files import LoadError
+from rapc.loader import Loaded, load
 
 __all__ = (
     "USAGE",

@@ -21,7 +21,7 @@ from rapc.cli.common import (
 from rapc.compiler.artifact import ArtifactError, Suite, encode
 from rapc.compiler.explain import explain, tell
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import LoadError, read_compiled
+from rapc.files import LoadError, read_compiled
 from rapc.testing import discover
 
 EXAMPLES = """\b

@@ -13,7 +13,7 @@ import click
 
 from rapc.cli.common import USAGE, common_options, fail, print_findings, settings
 from rapc.compiler.artifact import ArtifactError
-from rapc.loader import LoadError
+from rapc.files import LoadError
 from rapc.parser.parse import TextError
 from rapc.render import visible
 from rapc.testing import coverage_table, discover, explain

@@ -25,9 +25,10 @@ import msgspec
 from rapc.compiler.plans import CompiledLibrary
 from rapc.compiler.verify import UnsoundError, Verifier
 from rapc.compiler.vocabulary import Vocabulary
+from rapc.files import COMPILED
 from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
-from rapc.library import COMPILED, Library, link
+from rapc.library import Library, link
 from rapc.parser.parse import Parsed
 from rapc.source import SourceFile
 from rapc.version import VERSION

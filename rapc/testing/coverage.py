@@ -12,9 +12,9 @@ from os.path import normpath
 
 import msgspec
 
+from rapc.files import TEST_SUFFIX
 from rapc.ir import nodes
 from rapc.library import Library
-from rapc.loader import TEST_SUFFIX
 from rapc.runtime import events
 from rapc.runtime.world import OKAY
 from rapc.testing.patterns import read_value, split_goal

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import msgspec
 
-from rapc import loader
+from rapc import files, loader
 from rapc.analysis.driver import Report, check_library
 from rapc.compiler.artifact import Artifact
 from rapc.compiler.plans import CompiledLibrary
@@ -41,7 +41,7 @@ def find(paths: Iterable[str | Path]) -> Found:
     reports: list[Report] = []
     sources: list[str] = []
     for path in dict.fromkeys(map(str, paths)):
-        data = loader.read_compiled(path)
+        data = files.read_compiled(path)
         if data is None:
             sources.append(path)
         else:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import io
+import os
 from pathlib import Path
 
 import pytest
 
-from rapc.loader import LoadError, load
+from rapc.files import LoadError
+from rapc.loader import load
 
 from .command import rapc
 
@@ -125,4 +128,40 @@ def test_no_path_is_not_the_working_folder(tmp_path: Path) -> None:
 def test_closed_standard_input_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdin", None)
     with pytest.raises(LoadError, match="cannot read `<stdin>`: it is closed"):
+        load(["-"])
+
+
+@pytest.mark.parametrize("command", ["check", "test", "compile"])
+def test_what_is_no_file_is_not_read(command: str, tmp_path: Path) -> None:
+    """It may never end, as a device, or never begin, as a pipe."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "folder").mkdir()
+    os.mkfifo(tmp_path / "folder" / "pipe.test.rap")
+    os.mkfifo(tmp_path / "folder" / "pipe.rap")
+    more = ("-o", "out") if command == "compile" else ()
+    for path in ("pipe", "/dev/zero", "folder"):
+        done = rapc(command, path, *more, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr.startswith("error: `")
+        said = "is neither a file nor a folder; standard input is `-`\n"
+        assert done.stderr.endswith(said)
+
+
+def test_a_file_beyond_measure_is_not_read(tmp_path: Path) -> None:
+    for begin in (b"", b"rapc-library 1 "):
+        with (tmp_path / "huge.rap").open("wb") as file:
+            file.write(begin)
+            file.truncate(2**34)
+        done = rapc("check", "huge.rap", cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        said = "error: `huge.rap` is too large: more than 200 MB\n"
+        assert done.stderr == said
+
+
+def test_standard_input_beyond_measure_is_not_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("rapc.files.LARGEST", 10)
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b";" * 11)))
+    with pytest.raises(LoadError, match="`<stdin>` is too large"):
         load(["-"])

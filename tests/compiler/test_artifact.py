@@ -14,8 +14,9 @@ from rapc import api
 from rapc.compiler import artifact
 from rapc.compiler.artifact import Artifact, ArtifactError, encode, seal
 from rapc.compiler.plans import CompiledLibrary
+from rapc.files import LoadError
 from rapc.ir.nodes import Node
-from rapc.loader import LoadError, load_text
+from rapc.loader import load_text
 from rapc.testing.run import Case, Outcome, run_case
 from rapc.version import VERSION
 

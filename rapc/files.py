@@ -1,0 +1,183 @@
+"""Files and folders: which of them hold RAP, and what is in them.
+
+The only reader of files below the front ends. What cannot be read, or is no text, is a
+`LoadError`, one line for the user.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+SUFFIX = ".rap"
+TEST_SUFFIX = ".test.rap"
+
+COMPILED = b"rapc-library "
+"""How a file begins that holds a compiled library (`rapc.compiler.artifact`)."""
+
+LARGEST = 200_000_000
+"""How many bytes a file may have; the largest library known has a thousandth of it."""
+
+Identity = tuple[int, int]
+"""The device and number of a file or folder."""
+
+_Entry = tuple[Path, tuple[Identity, ...] | None]
+"""A folder with those that it lies in, or a file with None."""
+
+
+class LoadError(Exception):
+    """A path that cannot be read, or is no text; the message is one line."""
+
+
+# --- which files --------------------------------------------------------------------
+
+
+def named(path: str) -> Path:
+    """The path of a name that somebody typed. Raises LoadError for an empty one."""
+    if not path:
+        raise LoadError("`` does not exist")
+    return Path(path)
+
+
+def files_at(path: Path, tests: bool) -> Iterator[Path]:
+    """The file itself, or all RAP files below a folder, sorted by path."""
+    if not os.path.lexists(path):
+        raise LoadError(f"`{path}` does not exist")
+    if not os.path.isdir(path):
+        yield path
+        return
+    stack: list[_Entry] = [(path, ())]
+    while stack:
+        here, above = stack.pop()
+        if above is None:
+            yield here
+            continue
+        identity = identity_of(here)
+        if identity in above:
+            raise LoadError(f"`{here}` is a link back to a folder that it lies in")
+        stack.extend(reversed(_entries(here, (*above, identity), tests)))
+
+
+def identity_of(path: Path) -> Identity:
+    """What tells a file or folder from all others, whatever it is called."""
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise LoadError(_unreadable(path, error)) from None
+    return status.st_dev, status.st_ino
+
+
+def _entries(folder: Path, above: tuple[Identity, ...], tests: bool) -> list[_Entry]:
+    """A folder's RAP files (with None) and folders (with those they lie in)."""
+    try:
+        with os.scandir(folder) as entries:
+            listed = sorted((e.name, e.is_dir()) for e in entries)
+    except OSError as error:
+        raise LoadError(_unreadable(folder, error)) from None
+    found: list[_Entry] = []
+    for name, is_folder in listed:
+        if is_folder and not name.startswith("."):
+            found.append((folder / name, above))
+        elif not is_folder and _is_rap(name, tests):
+            found.append((folder / name, None))
+    return found
+
+
+def _is_rap(name: str, tests: bool) -> bool:
+    return name.endswith(SUFFIX) and (tests or not name.endswith(TEST_SUFFIX))
+
+
+# --- what is in them ------------------------------------------------------------------
+
+
+def read_standard_input() -> str:
+    """The text on standard input.
+
+    Raises:
+        LoadError: if it is closed, is not UTF-8, or is beyond measure.
+    """
+    if sys.stdin is None:  # closed by the caller
+        raise LoadError("cannot read `<stdin>`: it is closed")
+    return _decode("<stdin>", _all_of("<stdin>", sys.stdin.buffer))
+
+
+def read_text(path: Path) -> str:
+    """The text of a file, with line ends folded to one character.
+
+    Raises:
+        LoadError: if it cannot be read, is not UTF-8, or is beyond measure.
+    """
+    try:
+        with _opened(path) as file:
+            data = _all_of(str(path), file)
+    except OSError as error:
+        raise LoadError(_unreadable(path, error)) from None
+    return _decode(str(path), data)
+
+
+def read_compiled(path: str | Path) -> bytes | None:
+    """All of a file that begins as a compiled library does; None for any other path.
+
+    Raises:
+        LoadError: for such a file that cannot be read.
+    """
+    if not os.path.isfile(path):
+        return None
+    try:
+        with _opened(Path(path)) as file:
+            if file.read(len(COMPILED)) != COMPILED:
+                return None
+            file.seek(0)
+            return _all_of(str(path), file)
+    except OSError as error:
+        raise LoadError(_unreadable(Path(path), error)) from None
+
+
+def _opened(path: Path) -> BinaryIO:
+    """A plain file, opened; a device may never end, and a pipe never begin."""
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):
+        raise LoadError(
+            f"`{path}` is neither a file nor a folder; standard input is `-`"
+        )
+    _measure(str(path), status.st_size)
+    return path.open("rb")
+
+
+def _all_of(name: str, file: BinaryIO) -> bytes:
+    data = file.read(LARGEST + 1)
+    _measure(name, len(data))
+    return data
+
+
+def _measure(name: str, size: int) -> None:
+    if size > LARGEST:
+        raise LoadError(f"`{name}` is too large: more than {LARGEST // 10**6} MB")
+
+
+def _unreadable(path: Path, error: OSError) -> str:
+    return f"cannot read `{path}`: {(error.strerror or str(error)).lower()}"
+
+
+def _decode(name: str, data: bytes) -> str:
+    if data.startswith(COMPILED):
+        raise LoadError(f"`{name}` is a compiled library: sources are wanted here")
+    if b"\0" in data:
+        raise LoadError(f"`{name}` is a binary file: it holds a null byte")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        row = data.count(b"\n", 0, error.start) + 1
+        raise LoadError(
+            f"`{name}` is not UTF-8: byte 0x{data[error.start]:02x} in line {row}"
+        ) from None
+    return fold_line_ends(text)
+
+
+def fold_line_ends(text: str) -> str:
+    """A text whose lines all end in one character."""
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
