@@ -34,6 +34,7 @@ from rapc.analysis.passes import (
     unknown_method,
     unknown_rap,
     unknown_result,
+    until_itself,
 )
 from rapc.diagnostics import Rule
 from rapc.parser import rules as parser
@@ -57,6 +58,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     resources.ANALYZER,
     resource_as_value.ANALYZER,
     unknown_method.ANALYZER,
+    until_itself.ANALYZER,
     age_in_monitor.ANALYZER,
     not_a_number.ANALYZER,
     nothing_awaited.ANALYZER,

@@ -329,4 +329,27 @@ actions.""",
   (match-result (succeed (rule (true (mem-add (have ?thing)))))))
 """,
     ),
+    Rule(
+        code="RAP046",
+        name="grouped-steps",
+        severity=Severity.ERROR,
+        summary="steps are grouped by a word such as `sequence`",
+        why="""The steps of a task-net stand beside each other. They may run in any
+order, but for what their annotations say: `(for t2)` puts a step before step t2.""",
+        example="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (sequence (t1 (lift)) (t2 (carry))))))
+""",
+        better="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift) (for t2))
+    (t2 (carry)))))
+""",
+    ),
 )

@@ -236,9 +236,11 @@ class TaskResult(msgspec.Struct, frozen=True):
 class RunEnded(Event, frozen=True, kw_only=True):
     """The last event: why the run is over, and what became of each task given.
 
-    `waiting` names the tasks that were left over, each with what it waited for.
+    `waiting` names the tasks that were left over, each with what it waited for;
+    `because` is what a world said that ended the run.
     """
 
     reason: str
+    because: str | None = None
     results: tuple[TaskResult, ...]
     waiting: tuple[str, ...]

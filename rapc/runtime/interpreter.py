@@ -277,7 +277,11 @@ class Interpreter:
                 remove(machine, given.task, "run-over")
         if machine.recorder.on:
             machine.recorder.emit(
-                RunEnded, reason=reason, results=results, waiting=waiting
+                RunEnded,
+                reason=reason,
+                because=machine.world.ended() if reason == "world" else None,
+                results=results,
+                waiting=waiting,
             )
 
     def results(self) -> tuple[TaskResult, ...]:

@@ -36,8 +36,9 @@ class Report:
         if self._end is None:
             return
         end = self._end
+        why = end.reason if end.because is None else f"{end.reason}: {end.because}"
         yield (
-            f"Run over ({end.reason}) at time {format_atom(end.time)} "
+            f"Run over ({why}) at time {format_atom(end.time)} "
             f"after {end.cycle} cycles."
         )
         for result in end.results:

@@ -55,4 +55,6 @@ def _time(options: Mapping[str, Atom], name: str) -> Time | None:
     value = options.get(name)
     if value is not None and not isinstance(value, int | float):
         raise TextError(f"`:{name}` takes a time, not `{value}`")
+    if value is not None and value < 0:
+        raise TextError(f"`:{name}` takes a time, and the clock begins at 0")
     return value

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import re
 import subprocess
 from pathlib import Path
 
 import pytest
 
 from tests.cli.command import rapc
+
+ROCKS = Path(__file__).parents[2] / "examples" / "rock-order.rap"
 
 LIBRARY = """\
 (declare-primitive nap () (okay))
@@ -64,6 +68,8 @@ def _run(
     ("more", "said"),
     [
         (("--until", "-1"), "--until takes a time, and the clock begins at 0"),
+        (("--task", "(spin) :at -1"), "`:at` takes a time, and the clock begins at 0"),
+        (("--task", "(spin) :deadline -0.5"), "`:deadline` takes a time, and the"),
         (("--until", "nan"), "--until takes a finite number"),
         (("--task", "(spin 1)"), "`spin` takes 0 inputs, not 1"),
         (("--trace", "doze.rap"), "--trace: `doze.rap` is a file of the library"),
@@ -106,3 +112,16 @@ def test_a_world_that_cannot_be_built_is_named(bed: Path) -> None:
     done = _run(bed, world="bed:Broken")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: the world `bed` cannot be built: TypeError:")
+
+
+def test_the_report_says_why_the_world_ended_a_run(tmp_path: Path) -> None:
+    trace = tmp_path / "trace.jsonl"
+    done = rapc(
+        *("run", str(ROCKS), "--world", "truck", "--task", "(rock-order red 1)"),
+        *("--set", "truck.fuel=0.1", "-q", "--trace", str(trace)),
+    )
+    assert done.returncode == 1
+    assert re.match(r"Run over \(world: out of fuel on road-\d+\) at", done.stdout)
+    end = json.loads(trace.read_text().splitlines()[-1])
+    assert end["reason"] == "world"
+    assert end["because"].startswith("out of fuel on road-")

@@ -186,7 +186,8 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
                 continue
             if tag not in tags:
                 names = names or Names(tags)
-                run.report(_unknown_tag(annotation, tag, names))
+                place = _place(run, annotation, tag)
+                run.report(_unknown_tag(place, tag, names))
             elif type(annotation) is nodes.For:
                 edges[tags[tag]].append(Edge(at, tags[tag], annotation))
             elif type(annotation) is nodes.Window:
@@ -252,11 +253,24 @@ def _tag(annotation: nodes.Annotation) -> str | None:
     return None
 
 
-def _unknown_tag(annotation: nodes.Annotation, tag: str, names: Names) -> Diagnostic:
+def _place(run: Pass, annotation: nodes.Annotation, tag: str) -> Span:
+    """Where an annotation names its tag: behind its word, or at the end."""
+    span = annotation.span
+    if type(annotation) is not nodes.For or annotation.formula is None:
+        return word_span(run.library.files, span, 1)
+    source = run.library.files.get(span.file)
+    if source is None:
+        return span
+    end = span.start + len(source.text[span.start : span.end].rstrip(") \t\n"))
+    named = source.text[end - len(tag) : end].lower() == tag
+    return source.span(end - len(tag), end) if named else span
+
+
+def _unknown_tag(place: Span, tag: str, names: Names) -> Diagnostic:
     return Diagnostic(
         rule=UNKNOWN_TAG.name,
         message=f"no step of this task-net has the tag `{tag}`",
-        span=annotation.span,
+        span=place,
         help=names.did_you_mean(tag),
     )
 

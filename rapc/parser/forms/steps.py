@@ -10,16 +10,41 @@ from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.formulas import formula
 from rapc.parser.forms.terms import goal, signal, term
-from rapc.parser.names import ANNOTATIONS, METHOD_CLAUSES, SLIPS
+from rapc.parser.names import ANNOTATIONS, CALLS, METHOD_CLAUSES, SLIPS
 from rapc.spell import nearest
+
+_GROUPS = ("sequence", "parallel")
+"""Words that group steps in other languages."""
 
 _MODES = ("proceed", "succeed", "fail")
 
 
 def task_net(ctx: Context, datum: List) -> nodes.TaskNet:
     """`(task-net step...)`."""
-    steps = tuple(filter(None, [_step(ctx, row) for row in datum.items[1:]]))
+    rows = datum.items[1:]
+    if rows and type(rows[0]) is Symbol and rows[0].name in _GROUPS:
+        _grouped(ctx, rows[0])
+        return nodes.TaskNet((), ctx.span(datum))
+    steps = tuple(filter(None, [_step(ctx, row) for row in rows]))
     return nodes.TaskNet(steps, ctx.span(datum))
+
+
+def _grouped(ctx: Context, word: Datum) -> None:
+    ctx.report(
+        "grouped-steps",
+        f"`{ctx.text(word)}` cannot group steps",
+        word,
+        help="steps stand beside each other; one with `(for t2)` comes before step t2",
+    )
+
+
+def _holds_steps(items: Sequence[Datum]) -> bool:
+    """Whether what stands behind a word like `sequence` is a step and no goal."""
+    first = items[0] if items else None
+    if not isinstance(first, List) or len(first.items) < 2:
+        return False
+    asked = first.items[1]
+    return type(asked) is List and head_of(asked) not in CALLS
 
 
 def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
@@ -34,6 +59,9 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
         )
         return None
     items = datum.items[1:]
+    if tag in _GROUPS and _holds_steps(items):
+        _grouped(ctx, datum.items[0])
+        return None
     priority = 0
     if items and type(items[0]) is Numeral:
         priority, items = _priority(ctx, items[0]), items[1:]
