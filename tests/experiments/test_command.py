@@ -232,7 +232,10 @@ def test_without_matplotlib_there_are_tables(truck: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "told"),
     [
-        (["chapter"], "error: there is no experiment `chapter`\n"),
+        (
+            ["chapter"],
+            "error: there is no experiment `chapter`\n  did you mean `chapter6`?\n",
+        ),
         (["none.toml"], "error: cannot read `none.toml`: no such file or directory\n"),
         (
             ["truck.toml", "--part", "drop"],
