@@ -27,13 +27,15 @@ class Row(msgspec.Struct, frozen=True):
     """What the runs of one point come to.
 
     `runs` counts those with results, of `wanted`; `disasters` are seeds by what the
-    world said. A measure that no run has is not among the figures.
+    world said, `stopped` seeds by why a run was over though tasks were left and the
+    world had not ended it. A measure that no run has is not among the figures.
     """
 
     value: Value | None
     runs: int
     wanted: int
     disasters: Mapping[str, tuple[int, ...]]
+    stopped: Mapping[str, tuple[int, ...]]
     figures: Mapping[str, Spread]
 
     @property
@@ -85,15 +87,26 @@ def summarize(
 
 
 def _row(value: Value | None, found: Mapping[int, Measures], wanted: int) -> Row:
-    disasters: dict[str, tuple[int, ...]] = {}
-    for seed, measures in found.items():
-        if measures.disaster is not None:
-            what = measures.disaster
-            disasters[what] = (*disasters.get(what, ()), seed)
+    disasters = _seeds({seed: m.disaster for seed, m in found.items()})
+    stopped = _seeds({seed: _stopped(m) for seed, m in found.items()})
     told = [numbers_of(m) for m in found.values() if m.disaster is None]
     names = dict.fromkeys(name for numbers in told for name in numbers)
     figures = {n: _spread(many[n] for many in told if n in many) for n in names}
-    return Row(value, len(found), wanted, disasters, figures)
+    return Row(value, len(found), wanted, disasters, stopped, figures)
+
+
+def _stopped(measures: Measures) -> str | None:
+    over = measures.reason == "done" or measures.disaster is not None
+    return None if over else measures.reason
+
+
+def _seeds(told: Mapping[int, str | None]) -> dict[str, tuple[int, ...]]:
+    """Seeds by what is told of them."""
+    seeds: dict[str, tuple[int, ...]] = {}
+    for seed, what in told.items():
+        if what is not None:
+            seeds[what] = (*seeds.get(what, ()), seed)
+    return seeds
 
 
 def _spread(values: Iterable[float]) -> Spread:

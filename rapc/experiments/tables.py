@@ -137,12 +137,21 @@ def _row(cells: Sequence[str]) -> str:
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
+_STOPPED = {
+    "until": "Stopped at the time `until`",
+    "stuck": "Stuck: nothing could go on",
+    "runaway": "Called off: the clock stood still",
+}
+"""What is said of runs that were over before their tasks were."""
+
+
 def remarks(summary: Summary) -> Iterator[str]:
-    """What is to be said below a table: disasters with their seeds, and notes."""
+    """What is to be said below a table: runs to look at, by their seeds, and notes."""
     for row in summary.rows:
-        for what, seeds in row.disasters.items():
-            listed = ", ".join(map(str, seeds))
-            where = "" if row.value is None else f" at {show(row.value)}"
+        told = [(f"Disaster: {what}", seeds) for what, seeds in row.disasters.items()]
+        told += [(_STOPPED[reason], seeds) for reason, seeds in row.stopped.items()]
+        where = "" if row.value is None else f"At {show(row.value)}: "
+        for what, seeds in told:
             word = "seed" if len(seeds) == 1 else "seeds"
-            yield f"Disaster{where}: {what} ({word} {listed})."
+            yield f"{where}{what} ({word} {', '.join(map(str, seeds))})."
     yield from summary.part.notes

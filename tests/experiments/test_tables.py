@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from rapc.experiments import plots
@@ -54,7 +55,7 @@ def summary(*found: Sequence[Measures], part: Part = PART) -> Summary:
 
 
 STILL = [measures(300), measures(500), measures(600, 1), measures(90, 0, "no fuel")]
-WILD = [measures(100, 0)]
+WILD = [msgspec.structs.replace(measures(100, 0), reason="until")]
 
 
 @pytest.fixture
@@ -89,7 +90,11 @@ def test_figures_from_elsewhere_stand_below_ours(drops: Summary) -> None:
     assert (ours["time each"], theirs["time each"]) == ("333", "441")
     assert (ours["from-to"], theirs["from-to"]) == ("150-600", "")
     assert (wild["runs"], wild["time each"], wild["from-to"]) == ("1/4", "-", "-")
-    assert list(remarks(drops)) == ["Disaster at 0: no fuel (seed 3).", "A note."]
+    assert list(remarks(drops)) == [
+        "At 0: Disaster: no fuel (seed 3).",
+        "At 40: Stopped at the time `until` (seed 0).",
+        "A note.",
+    ]
 
 
 @pytest.mark.parametrize("width", [120, 80, 40, 24])
