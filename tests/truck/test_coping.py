@@ -7,6 +7,8 @@ from itertools import pairwise
 
 import pytest
 
+from rapc.terms import Text
+
 from .runs import FACTORIES, PLENTY, Run, map_with, order, task
 
 SEEDS = range(8)
@@ -158,3 +160,30 @@ def test_what_cannot_be_is_given_up_at_once(color: str, factory: str | None) -> 
     assert (run.reason, run.outcomes) == ("done", ["failed"])
     assert run.delivered == Counter()
     assert run.interpreter.now < 10
+
+
+def test_a_quarry_that_makes_nothing_is_given_up() -> None:
+    full = map_with(("fuel-drum", "quarry-1", 10, None))
+    watch = task("watch-surroundings", priority=8, background=True)
+    run = Run(watch, order("red"), options={"map": full})
+    assert (run.reason, run.outcomes) == ("done", ["failed"])
+    assert 500 < run.interpreter.now < 1500
+    run.assert_honest()
+
+
+ISLAND = """\
+{"start": "pit", "places": [{"name": "pit", "kind": "quarry", "color": "red"},
+  {"name": "works", "kind": "factory"}, {"name": "island", "kind": "factory"}],
+ "roads": [{"name": "lane", "from": "pit", "direction": "west", "to": "works",
+   "time": 20, "fuel": 0}],
+ "items": [{"kind": "rock", "color": "red", "place": "pit", "count": 4}]}
+"""
+
+
+def test_rocks_of_an_order_given_up_make_room_for_another() -> None:
+    options = {"map": Text(ISLAND), "bay2-capacity": 15}
+    lost = order("red", 2, factory="island", priority=2)
+    run = Run(lost, order("red", 2, factory="works"), options=options)
+    assert run.outcomes == ["failed", "succeeded"]
+    assert run.delivered == {("red", "works"): 2}
+    run.assert_honest()

@@ -48,6 +48,18 @@ def test_the_first_messages_tell_where_the_truck_is() -> None:
     assert one.knows("time-arrived 0")
 
 
+def test_a_trip_takes_all_names_but_those_of_guns_and_tools_on_board() -> None:
+    one = robot(rock(), thing("gun"), thing("gun-tool"))
+    one.do(*SEE, "arm-move arm1 external", "arm-move arm1 gun-tool-1")
+    one.do("arm-grasp arm1 gun-tool-1", "arm-move arm1 bay1")
+    one.do("arm-ungrasp arm1 gun-tool-1", "truck-turn north", "truck-move")
+    assert one.reaches("gun-tool-1")
+    assert one.where("gun-tool-1") == "bay1"
+    assert not one.reaches("gun-1")
+    assert one.where("gun-1") == "depot"
+    assert not one.reaches("rock-1")
+
+
 def test_a_scan_introduces_items_at_their_true_place() -> None:
     one = robot(rock(), thing("gun"))
     one.do(*SEE)

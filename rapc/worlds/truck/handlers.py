@@ -20,6 +20,7 @@ from rapc.terms import Atom, Fact
 
 _ARMS = ("arm1", "arm2")
 _ON_BOARD = ("bay1", "bay2", "weapon-bay", "fuel-bay", "folded", *_ARMS)
+_DISTINCT = ("gun", "gun-tool")
 _LIQUIDS = ("liquid-held", "quantity-held")
 
 
@@ -228,8 +229,14 @@ def _road_seen(memory: HandlerMemory, datum: Fact) -> None:
 
 
 def _new_location(memory: HandlerMemory, datum: Fact) -> None:
+    """Names lapse, but for what is aboard and has one name for life (T 6.2.2)."""
+    facts = [f for kind in _DISTINCT for f in memory.query("class", None, kind, "true")]
     memory.expire()
     memory.arrive(datum[1])
+    for _, item, kind, _ in facts:
+        place = memory.value("location", item)
+        if place in _ON_BOARD:
+            memory.introduce(str(item), str(kind), place)
     _replace(memory, "truck-location", datum[1])
     _replace(memory, "time-arrived", memory.now)
     for stale in ("scanned-since-move", "examined-since-move", "direction"):
