@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from rapc.terms import Text
+from rapc.terms import Atom, Text
 
 from .runs import FACTORIES, PLENTY, Run, map_with, order, task
 
@@ -181,7 +181,7 @@ ISLAND = """\
 
 
 def test_rocks_of_an_order_given_up_make_room_for_another() -> None:
-    options = {"map": Text(ISLAND), "bay2-capacity": 15}
+    options: dict[str, Atom | bool] = {"map": Text(ISLAND), "bay2-capacity": 15}
     lost = order("red", 2, factory="island", priority=2)
     run = Run(lost, order("red", 2, factory="works"), options=options)
     assert run.outcomes == ["failed", "succeeded"]
