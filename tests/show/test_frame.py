@@ -233,3 +233,12 @@ def test_a_road_is_drawn_where_the_truck_stops_on_it() -> None:
     assert world.ended() == "out of fuel on road-17"
     [spot] = [s for s in picture.spots if s.name == picture.here]
     assert (spot.name, spot.at) == ("road-17", (1.75, 3.5))
+
+
+def test_night_and_rain_are_told() -> None:
+    world = TruckWorld(random.Random(3), {"rain": 100, "day-length": 100})
+    world.advance(99)
+    notes = {spot.name: spot.note for spot in world.picture().spots}
+    assert (notes["zone-4"], notes["arm1"]) == ("dark rain", "folded")
+    world.advance(110)
+    assert "rain" in {spot.note for spot in world.picture().spots}

@@ -11,6 +11,7 @@ from rapc.runtime.world import Gauge, Picture, Spot, Thing
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL
+from rapc.worlds.truck.weather import dark, raining
 
 _STEPS: Mapping[str, tuple[int, int]] = {
     "north": (0, -1),
@@ -75,14 +76,21 @@ def _spots(scene: Scene) -> Iterator[Spot]:
     for item in scene.state.items.values():
         things.setdefault(scene.root(item), []).append(Thing(item.kind, item.color))
     for name, at in where.items():
-        yield Spot(name, tuple(things.get(name, ())), at)
+        yield Spot(name, tuple(things.get(name, ())), at, _weather(scene, name))
     for road in scene.map.roads:
         if road.name in things or road.name == scene.state.truck.place:
             (one, other), (up, down) = zip(where[road.a], where[road.b], strict=True)
             at = ((one + other) / 2, (up + down) / 2)
-            yield Spot(road.name, tuple(things.get(road.name, ())), at)
+            there = tuple(things.get(road.name, ()))
+            yield Spot(road.name, there, at, _weather(scene, road.name))
     for name in (*ARMS, *BAYS):
         yield Spot(name, tuple(things.get(name, ())), note=_note(scene, name))
+
+
+def _weather(scene: Scene, spot: str) -> str:
+    """`dark`, `rain` or both, if it is so."""
+    words = [("dark", dark(scene, spot)), ("rain", raining(scene, spot))]
+    return " ".join(word for word, is_so in words if is_so)
 
 
 def _note(scene: Scene, name: str) -> str:
