@@ -27,11 +27,21 @@ FAULTY = """\
 """
 
 
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """What becomes of the faulty library."""
+    folder = tmp_path_factory.mktemp("compiled")
+    (folder / "go.test.rap").write_text(FAULTY)
+    done = rapc("compile", "go.test.rap", "-o", "go.rapc", cwd=folder)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    return (folder / "go.rapc").read_bytes()
+
+
 @pytest.fixture
-def faulty(tmp_path: Path) -> Path:
+def faulty(tmp_path: Path, compiled: bytes) -> Path:
     """A folder with a library, and a test of it that fails for a fault at run time."""
     (tmp_path / "go.test.rap").write_text(FAULTY)
-    rapc("compile", "go.test.rap", "-o", "go.rapc", cwd=tmp_path)
+    (tmp_path / "go.rapc").write_bytes(compiled)
     return tmp_path
 
 
