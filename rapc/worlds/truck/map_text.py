@@ -78,8 +78,8 @@ def _bad_kind(name: str, kind: Kind, kinds: Mapping[str, Kind]) -> Iterator[str]
         yield f"`{name}`: a capacity goes with a liquid or with rounds"
     if kind.liquid and kind.rounds:
         yield f"`{name}` is a vessel or a weapon, not both"
-    if kind.tool is not None:
-        yield from _unknown(kind.tool, kinds, f"the tool for a `{name}`")
+    if kind.tool not in (None, "gun-tool"):
+        yield f"a `{name}` can only need a `gun-tool` (the robot knows no other tool)"
     if kind.machine is not None:
         yield from _bad_machine(name, kind, kind.machine, kinds)
 
