@@ -1,6 +1,6 @@
 """Run all benchmarks, or those named, and print their figures as a table.
 
-python -m bench.run [--quick] [parse|compiled|queries|agenda|monitors|order|memory]...
+python -m bench.run [--quick] [NAME]..., where `--help` lists the names
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-from bench import agenda, compiled, memory, monitors, order, parse, queries
+from bench import agenda, chapter6, compiled, memory, monitors, order, parse, queries
 from bench.common import Figure, table
 
 BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
@@ -20,6 +20,7 @@ BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
     "monitors": monitors.figures,
     "agenda": agenda.figures,
     "order": order.figures,
+    "chapter6": chapter6.figures,
     "memory": memory.figures,
 }
 

@@ -1,0 +1,66 @@
+"""Runs of T chapter 6: nine orders, in the still world and at every point of it.
+
+What `rapc experiment chapter6` has its processes do, in this one, without the library's
+being read: that is done once a process.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Iterator
+
+import msgspec
+
+from bench.common import Figure
+from rapc.api import compile_library
+from rapc.experiments import definition
+from rapc.experiments.config import Config
+from rapc.experiments.measures import Measures
+from rapc.experiments.run import measure
+from rapc.experiments.session import Session
+
+
+class _Run(msgspec.Struct, frozen=True):
+    """What a run took, in seconds, and what came of it."""
+
+    wall: float
+    cpu: float
+    measures: Measures
+
+
+def _run(config: Config, seed: int) -> _Run:
+    wall, cpu = time.perf_counter(), time.process_time()
+    measures = measure(config, seed)
+    return _Run(time.perf_counter() - wall, time.process_time() - cpu, measures)
+
+
+def _session() -> Session:
+    file = definition.find("chapter6")
+    made = definition.read(file)
+    path = file.parent / made.library
+    return Session(made, file.parent, compile_library(path), path)
+
+
+def figures(quick: bool = False) -> Iterator[Figure]:
+    """Medians over seeds in the still world; and the sum of one run at each point."""
+    session = _session()
+    configs = {point.digest: point.config for point in session.points}
+    still = session.points[0].config
+    _run(still, 0)
+    runs = [_run(still, seed) for seed in range(1 if quick else 20)]
+    size = f"{len(runs)} seeds, median"
+    rows = {
+        "wall time": (statistics.median(run.wall for run in runs), "s"),
+        "CPU time": (statistics.median(run.cpu for run in runs), "s"),
+        "simulated time": (
+            statistics.median(run.measures.time for run in runs),
+            "time units",
+        ),
+    }
+    for what, (value, unit) in rows.items():
+        yield Figure("chapter6", f"{what} of a still run", size, value, unit)
+    points = list(configs.values())[: 2 if quick else None]
+    spent = sum(_run(config, 0).cpu for config in points)
+    size = f"{len(points)} points, seed 0"
+    yield Figure("chapter6", "CPU time of a run at each point", size, spent, "s")
