@@ -118,11 +118,10 @@ class Interpreter:
         Raises:
             FactError: if the declarations do not allow it.
         """
-        memory = self._machine.memory
-        checked = memory.checked(fact)
-        memory.refuse_by_hand(checked)
-        memory.assert_fact(checked, "user")
-        self._machine.access.settle()
+        machine = self._machine
+        machine.memory.assert_by_hand(fact, "user")
+        if machine.recognizer.unsettled:
+            machine.access.settle()
 
     def check_fact(self, *fact: Atom) -> None:
         """Look at a fact without asserting it. Raises FactError as `assert_fact`."""
@@ -134,9 +133,7 @@ class Interpreter:
         Raises:
             FactError: if the prefix names nothing declared.
         """
-        memory = self._machine.memory
-        memory.refuse_by_hand(memory.canonical(prefix))
-        memory.erase(prefix, "user")
+        self._machine.memory.erase_by_hand(prefix, "user")
         self._machine.access.settle()
 
     def signal(self, *content: Atom) -> None:

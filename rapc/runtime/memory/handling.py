@@ -130,14 +130,11 @@ class HandlerAccess(MemoryView):
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact now. Raises FactError for what may not be asserted."""
-        checked = self._memory.checked(fact)
-        self._memory.refuse_by_hand(checked)
-        self._memory.assert_fact(checked, "handler")
+        self._memory.assert_by_hand(fact, "handler")
 
     def erase(self, *prefix: Atom) -> None:
         """Erase every fact that starts so. Raises FactError as `assert_fact`."""
-        self._memory.refuse_by_hand(self._memory.canonical(prefix))
-        self._memory.erase(prefix, "handler")
+        self._memory.erase_by_hand(prefix, "handler")
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
         """An item is seen: see `HandlerMemory.introduce`."""

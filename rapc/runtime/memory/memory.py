@@ -23,6 +23,9 @@ from rapc.terms import Atom, Fact, Text, format_list, number
 _KINDS = frozenset((str, int, float, Text))
 """The types of what may stand in a fact."""
 
+_BY_HANDLERS = ("class", "location")
+"""What an introduced item has from `introduce`, `move` and `lose`."""
+
 EXTERNAL = "external"
 """The place outside the robot, wherever it is."""
 
@@ -89,7 +92,7 @@ class Memory:
         relation = self._relation(fact)
         size = relation.arity
         for part in fact:
-            if type(part) is float:
+            if type(part) is not str and type(part) is not int:
                 fact = tuple([_in_one_form(part) for part in fact])
                 break
         if size == len(fact) > 1 and relation.is_property:
@@ -122,7 +125,7 @@ class Memory:
         Raises:
             FactError: for such a fact, or a prefix of one.
         """
-        if not fact or fact[0] not in ("class", "location") or not self.items.known:
+        if not fact or fact[0] not in _BY_HANDLERS or not self.items.known:
             return
         known = self.items.known
         if len(fact) == 1:
@@ -142,10 +145,29 @@ class Memory:
         relation = self._relations.get(name) if type(name) is str else None
         if relation is None:
             raise FactError(f"`{name}` is not declared")
-        for part in fact:
-            if type(part) is not str and type(part) not in _KINDS:
-                raise FactError(f"`{part}` is not a symbol, number or string")
         return relation
+
+    def assert_by_hand(self, fact: Fact, by: str) -> None:
+        """Assert a fact that a host or a handler has made: checked, then asserted.
+
+        Raises:
+            FactError: as `checked`, and as `refuse_by_hand`.
+        """
+        fact = self.checked(fact)
+        if fact[0] in _BY_HANDLERS:
+            self.refuse_by_hand(fact)
+        if self._notations:
+            self._notations.pop(fact, None)
+        self._store(fact, by)
+
+    def erase_by_hand(self, prefix: Fact, by: str) -> None:
+        """Erase every fact that starts so, on behalf of a host or a handler.
+
+        Raises:
+            FactError: as `erase`, and as `refuse_by_hand`.
+        """
+        self.refuse_by_hand(self.canonical(prefix))
+        self.erase(prefix, by)
 
     def assert_fact(self, fact: Fact, by: str) -> None:
         """Assert a full, checked fact now; a property's old value is erased."""
@@ -190,6 +212,9 @@ class Memory:
             FactError: if the prefix names nothing declared.
         """
         self._relation(prefix)
+        for part in prefix:
+            if type(part) is not str:
+                _in_one_form(part)
         if self.items.aliases:
             prefix = self.canonical(prefix)
         for fact in self.facts.starting(prefix):
@@ -283,6 +308,8 @@ class Memory:
 
 def _in_one_form(part: Atom) -> Atom:
     """A value as it is kept: a whole float as an integer. Raises FactError."""
+    if type(part) not in _KINDS:
+        raise FactError(f"`{part}` is not a symbol, number or string")
     if type(part) is not float:
         return part
     try:

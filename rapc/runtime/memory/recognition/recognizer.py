@@ -38,8 +38,9 @@ class Recognizer:
         scores: their comparators.
         max_layers: how many layers a set keeps after an expiry, at least 1.
 
-    `renamed` is called with the name that goes and the one that stands for it, after
-    the facts have been changed: tasks that hold it have to change too.
+    `unsettled` holds the sets that have changed since all were settled. `renamed` is
+    called with the name that goes and the one that stands for it, after the facts have
+    been changed: tasks that hold it have to change too.
     """
 
     def __init__(
@@ -58,7 +59,7 @@ class Recognizer:
         self._scores = scores or Scores((), (), {})
         self._max_layers = max_layers
         self._number = 0
-        self._dirty: dict[ExpectationSet, None] = {}
+        self.unsettled: dict[ExpectationSet, None] = {}
         self._lost: dict[Description, None] = {}
         if self._classes:
             memory.described = self._described
@@ -68,11 +69,6 @@ class Recognizer:
     def recognises(self, kind: str) -> bool:
         """Whether items of a class are recognised by comparison."""
         return kind in self._classes
-
-    @property
-    def unsettled(self) -> bool:
-        """Whether a set has changed since all were settled."""
-        return bool(self._dirty)
 
     def _set_size(self, kind: object, place: object) -> int | None:
         if kind not in self._classes:
@@ -99,7 +95,7 @@ class Recognizer:
 
     def _touch(self, changed: ExpectationSet | None) -> None:
         if changed is not None:
-            self._dirty[changed] = None
+            self.unsettled[changed] = None
 
     def _new(self, kind: str, sensor: str) -> Description:
         self._number += 1
@@ -276,7 +272,7 @@ class Recognizer:
                     stack.append(member)
                     member.home, member.mask = None, 0
                 del self.sets[home.kind, home.place]
-                self._dirty.pop(home, None)
+                self.unsettled.pop(home, None)
 
     # --- merging ----------------------------------------------------------------
 
@@ -314,7 +310,7 @@ class Recognizer:
                 into = target.new_layer() if at else target.local
                 for member in row:
                     target.add(into, member)
-            self._dirty.pop(home, None)
+            self.unsettled.pop(home, None)
             self._fill(target)
             self._touch(target)
 
@@ -322,14 +318,14 @@ class Recognizer:
 
     def settle(self) -> None:
         """Make all identifications that the changed sets allow, until none is left."""
-        while self._dirty:
-            home = next(iter(self._dirty))
+        while self.unsettled:
+            home = next(iter(self.unsettled))
             match = self._next(home)
             if match is not None:
                 kept = self._one(match.one, match.other)
                 self._teller.merged(kept, match)
             elif not self._tidy(home):
-                del self._dirty[home]
+                del self.unsettled[home]
 
     def _next(self, home: ExpectationSet) -> Match | None:
         return best_match(home, self._scores.of(home.kind, home.place))
