@@ -19,7 +19,7 @@ from rapc.compiler.plans import CompiledLibrary
 from rapc.parser.parse import TextError, parse_fact
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.machine import SettingError, Settings, read_settings
-from rapc.runtime.memory.memory import FactError
+from rapc.runtime.memory.checking import FactError
 from rapc.runtime.refusals import Refused
 from rapc.runtime.report import Report
 from rapc.runtime.requests import PortError

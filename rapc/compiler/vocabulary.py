@@ -12,7 +12,6 @@ import msgspec
 
 from rapc.ir import nodes
 from rapc.library import Library
-from rapc.terms import Atom
 
 CONSTANT_DEFAULTS = ("unknown", "true", "false")
 """Defaults that are values; any other default names a registered function."""
@@ -65,13 +64,6 @@ class Vocabulary(msgspec.Struct, frozen=True):
                 declared.name, _arity(declared.args), True, declared.default
             )
         return cls(relations, dict(library.functions))
-
-    def short_fact(self, fact: tuple[Atom, ...]) -> tuple[Atom, ...]:
-        """A fact with the value `true` put in where its short form left it out."""
-        relation = self.relations.get(str(fact[0]))
-        if relation is None or not relation.is_property or not relation.arity:
-            return fact
-        return (*fact, "true") if len(fact) == relation.arity > 1 else fact
 
 
 def _arity(args: Sequence[nodes.Argument] | None) -> int | None:

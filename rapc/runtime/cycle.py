@@ -30,7 +30,7 @@ from rapc.runtime.endings import (
 )
 from rapc.runtime.events import FamilySwitched, MethodChosen, TaskSelected
 from rapc.runtime.machine import Machine
-from rapc.runtime.memory.memory import FactError
+from rapc.runtime.memory.checking import FactError
 from rapc.runtime.requests import ground, request
 from rapc.runtime.task import ENDED, RUNNING, Env, MethodRun, Task, Waiting
 from rapc.runtime.world import OKAY

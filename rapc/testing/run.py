@@ -14,7 +14,7 @@ import msgspec
 from rapc.compiler.plans import CompiledLibrary
 from rapc.ir import tests
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.memory.memory import FactError
+from rapc.runtime.memory.checking import FactError
 from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission

@@ -14,7 +14,8 @@ from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes, tests, walk
 from rapc.library import Library
 from rapc.runtime import events
-from rapc.runtime.memory.memory import FactError, Memory
+from rapc.runtime.memory.checking import FactError
+from rapc.runtime.memory.memory import Memory
 from rapc.runtime.recorder import Recorder
 from rapc.source import Span
 from rapc.spell import counted, nearest

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rapc.runtime import events
-from rapc.runtime.memory.memory import FactError
+from rapc.runtime.memory.checking import FactError
 from rapc.runtime.memory.recognition.scoring import Described
 
 from .driving import DRUMS, WORDS, bench, leave, merges, names, see, the_set, values

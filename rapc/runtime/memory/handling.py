@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from rapc.runtime.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
+from rapc.runtime.memory.checking import FactError
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.items import Item
-from rapc.runtime.memory.memory import EXTERNAL, FactError, Memory
+from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.recognition.descriptions import UNKNOWN, Description
 from rapc.runtime.memory.recognition.recognizer import Recognizer
 from rapc.runtime.recorder import Recorder

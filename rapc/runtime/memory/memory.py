@@ -10,28 +10,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from rapc.compiler.vocabulary import Relation, Vocabulary
+from rapc.compiler.vocabulary import Vocabulary
 from rapc.runtime.events import FactAsserted, FactErased
+from rapc.runtime.memory.checking import FactError, check_prefix, full_form
 from rapc.runtime.memory.facts import FactStore
 from rapc.runtime.memory.items import Items
 from rapc.runtime.memory.mentions import Mentions
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.world import Time
-from rapc.spell import counted
-from rapc.terms import Atom, Fact, Text, format_list, number
-
-_KINDS = frozenset((str, int, float, Text))
-"""The types of what may stand in a fact."""
+from rapc.terms import Atom, Fact, format_list
 
 _BY_HANDLERS = ("class", "location")
 """What an introduced item has from `introduce`, `move` and `lose`."""
 
 EXTERNAL = "external"
 """The place outside the robot, wherever it is."""
-
-
-class FactError(ValueError):
-    """A fact that memory refuses; the text says why, in one line."""
 
 
 class Notation:
@@ -76,7 +69,6 @@ class Memory:
         self.mentions: Mentions | None = None
         self.excluded: Callable[[Fact], Sequence[Fact]] | None = None
         self.set_size: Callable[[object, object], int | None] = lambda kind, at: None
-        self._relations = vocabulary.relations
         self._recorder = recorder
         self._clock = clock
         self._notations: dict[Fact, Notation] = {}
@@ -89,24 +81,8 @@ class Memory:
         Raises:
             FactError: if the declarations do not allow it.
         """
-        relation = self._relation(fact)
-        size = relation.arity
-        for part in fact:
-            if type(part) is not str and type(part) is not int:
-                fact = tuple([_in_one_form(part) for part in fact])
-                break
-        if size == len(fact) > 1 and relation.is_property:
-            fact = (*fact, "true")
-        if self.items.aliases:
-            fact = self.canonical(fact)
-        if size is not None and len(fact) - 1 != size:
-            raise FactError(
-                f"`{relation.name}` takes {counted(size, 'argument')}, "
-                f"not {len(fact) - 1}: {format_list(fact)}"
-            )
-        if relation.is_property and len(fact) == 1:
-            raise FactError(f"the property `{relation.name}` needs a value")
-        return fact
+        fact = full_form(fact, self.vocabulary.relations)
+        return self.canonical(fact) if self.items.aliases else fact
 
     def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:
         """A fact, prefix or pattern with the names that stand for others now."""
@@ -139,13 +115,6 @@ class Memory:
                     f"{format_list(fact)}: an introduced item's location and class "
                     "are set by `introduce`, `move` and `lose`"
                 )
-
-    def _relation(self, fact: Fact) -> Relation:
-        name = fact[0] if fact else ""
-        relation = self._relations.get(name) if type(name) is str else None
-        if relation is None:
-            raise FactError(f"`{name}` is not declared")
-        return relation
 
     def assert_by_hand(self, fact: Fact, by: str) -> None:
         """Assert a fact that a host or a handler has made: checked, then asserted.
@@ -211,10 +180,7 @@ class Memory:
         Raises:
             FactError: if the prefix names nothing declared.
         """
-        self._relation(prefix)
-        for part in prefix:
-            if type(part) is not str:
-                _in_one_form(part)
+        check_prefix(prefix, self.vocabulary.relations)
         if self.items.aliases:
             prefix = self.canonical(prefix)
         for fact in self.facts.starting(prefix):
@@ -304,15 +270,3 @@ class Memory:
             return iter(near or there)
         either = {*near, *there}
         return iter([fact for fact in located.stamps if fact in either])
-
-
-def _in_one_form(part: Atom) -> Atom:
-    """A value as it is kept: a whole float as an integer. Raises FactError."""
-    if type(part) not in _KINDS:
-        raise FactError(f"`{part}` is not a symbol, number or string")
-    if type(part) is not float:
-        return part
-    try:
-        return number(part)
-    except ValueError:
-        raise FactError(f"`{part}` is not a number of the language") from None

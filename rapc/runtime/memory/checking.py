@@ -1,0 +1,71 @@
+"""What a fact has to be to get into memory, and the one form in which it is kept.
+
+Who may assert it, and what else changes with it, is for `rapc.runtime.memory.memory`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rapc.compiler.vocabulary import Relation
+from rapc.spell import counted
+from rapc.terms import Atom, Fact, Text, format_list, number
+
+_KINDS = frozenset((str, int, float, Text))
+"""The types of what may stand in a fact."""
+
+
+class FactError(ValueError):
+    """A fact that memory refuses; the text says why, in one line."""
+
+
+def full_form(fact: Fact, relations: Mapping[str, Relation]) -> Fact:
+    """A fact as it is kept: numbers in their one form, no value left out.
+
+    Raises:
+        FactError: if the declarations do not allow it.
+    """
+    relation = _declared(fact, relations)
+    size = relation.arity
+    for part in fact:
+        if type(part) is not str and type(part) is not int:
+            fact = tuple([_in_one_form(part) for part in fact])
+            break
+    if size == len(fact) > 1 and relation.is_property:
+        fact = (*fact, "true")
+    if size is not None and len(fact) - 1 != size:
+        raise FactError(
+            f"`{relation.name}` takes {counted(size, 'argument')}, "
+            f"not {len(fact) - 1}: {format_list(fact)}"
+        )
+    if relation.is_property and len(fact) == 1:
+        raise FactError(f"the property `{relation.name}` needs a value")
+    return fact
+
+
+def check_prefix(prefix: Fact, relations: Mapping[str, Relation]) -> None:
+    """See that facts may begin so. Raises FactError."""
+    _declared(prefix, relations)
+    for part in prefix:
+        if type(part) is not str:
+            _in_one_form(part)
+
+
+def _declared(fact: Fact, relations: Mapping[str, Relation]) -> Relation:
+    name = fact[0] if fact else ""
+    relation = relations.get(name) if type(name) is str else None
+    if relation is None:
+        raise FactError(f"`{name}` is not declared")
+    return relation
+
+
+def _in_one_form(part: Atom) -> Atom:
+    """A value as it is kept: a whole float as an integer. Raises FactError."""
+    if type(part) not in _KINDS:
+        raise FactError(f"`{part}` is not a symbol, number or string")
+    if type(part) is not float:
+        return part
+    try:
+        return number(part)
+    except ValueError:
+        raise FactError(f"`{part}` is not a number of the language") from None
