@@ -19,13 +19,15 @@ class StepPlan:
     those that wait for this one, each once; `conditions`
     the `for` formulas that point at this step, each with the position of the step
     that carries it; both in the order of the text. `timed` says whether more than
-    order decides when it runs, or its start ends others.
+    order decides when it runs, or its start ends others; `brings` whether its success
+    brings outputs or effects.
     """
 
     __slots__ = (
         "after",
         "args",
         "before",
+        "brings",
         "computes",
         "conditions",
         "effects",
@@ -55,6 +57,7 @@ class StepPlan:
         self.effects: list[EffectPlan] = []
         self.waits: list[WaitPlan] = []
         self.timed = False
+        self.brings = False
 
 
 class ReceiverPlan:
@@ -116,6 +119,7 @@ def steps_of(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
             _annotate(compiler, plans, at_tag, plan, annotation)
     for plan in plans:
         plan.timed = bool(plan.windows or plan.waits or plan.until)
+        plan.brings = bool(plan.outputs or plan.effects)
     return plans
 
 

@@ -23,7 +23,7 @@ class MethodPlan:
     `users` are, for each variable, the positions of the steps whose inputs or windows
     use it; `raps` are what the steps ask for, once they have been looked up. `binds`
     says whether steps may add to the method's environment, `dated` whether windows are
-    reckoned from the ends of steps.
+    reckoned from the ends of steps. `key` tells the method from others of its RAP.
     """
 
     __slots__ = (
@@ -31,6 +31,7 @@ class MethodPlan:
         "choice",
         "dated",
         "index",
+        "key",
         "name",
         "node",
         "notations",
@@ -45,6 +46,7 @@ class MethodPlan:
     ) -> None:
         self.node = node
         self.index = index
+        self.key = (index,)
         self.name = f"#{index + 1}" if node.name is None else str(node.name)
         parts = [f for f in (rap.repeat_while, node.context) if f is not None]
         self.choice: Query | None = None

@@ -31,7 +31,7 @@ class Context(Protocol):
         """The facts by name: `rapc.runtime.memory.facts.FactStore`."""
 
     @property
-    def asked(self) -> dict[Query, Asked]:
+    def asked(self) -> Meetings:
         """The queries that have met this memory."""
 
     @property
@@ -95,22 +95,19 @@ class Query:
 
     def on(self, ctx: Context) -> Asked:
         """The query as it is asked of one memory, again and again."""
-        asked = ctx.asked.get(self)
-        if asked is None:
-            asked = ctx.asked[self] = Asked(self, ctx)
-        return asked
+        return ctx.asked[self]
 
     def first(self, ctx: Context, env: Bindings) -> dict[str, Value] | None:
         """The new bindings of the first solution, or None."""
-        return (ctx.asked.get(self) or self.on(ctx)).first(env)
+        return ctx.asked[self].first(env)
 
     def holds(self, ctx: Context, env: Bindings) -> bool:
         """Whether there is a solution."""
-        return (ctx.asked.get(self) or self.on(ctx)).holds(env)
+        return ctx.asked[self].holds(env)
 
     def solutions(self, ctx: Context, env: Bindings) -> Iterator[dict[str, Value]]:
         """The new bindings of each solution, in order, found one at a time."""
-        return (ctx.asked.get(self) or self.on(ctx)).solutions(env)
+        return ctx.asked[self].solutions(env)
 
     def extended(self, ctx: Context, values: Sequence[Any]) -> Iterator[list[Any]]:
         """The values of all variables for each solution, given those known so far.
@@ -250,6 +247,20 @@ class Asked:
         )
         each: Ask = choose(_Plans(query, ctx, Ending.EACH), names)
         self.solutions: Callable[[Bindings], Iterator[dict[str, Value]]] = each
+
+
+class Meetings(dict[Query, Asked]):
+    """The queries that have met a memory; another one meets it when it is looked up."""
+
+    __slots__ = ("_ctx",)
+
+    def __init__(self, ctx: Context) -> None:
+        super().__init__()
+        self._ctx = ctx
+
+    def __missing__(self, query: Query) -> Asked:
+        found = self[query] = Asked(query, self._ctx)
+        return found
 
 
 class _Plans(dict[int, Ask]):

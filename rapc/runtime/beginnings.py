@@ -56,10 +56,10 @@ def create(machine: Machine, task: Task) -> None:
     if task.step is not None and task.step.computes:
         fill_inputs(machine, task)
     machine.numbers += 1
-    number = task.number = machine.numbers
+    task.number = number = machine.numbers
     if task.step is None:
         task.family = number
-    machine.tasks[number] = task
+        machine.tops[number] = task
     if machine.recorder.on:
         machine.recorder.emit(
             TaskCreated,

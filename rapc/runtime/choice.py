@@ -31,28 +31,34 @@ def choose(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
 
     Asks a solver in that case.
     """
-    machine.context.task = task
-    repeat = task.plan.repeat_while
-    if repeat is not None and not repeat.holds(machine.context, task.env):
+    context, plan, env = machine.context, task.plan, task.env
+    context.task = task
+    repeat = plan.repeat_while
+    if repeat is not None and not repeat.holds(context, env):
         return None
+    if len(plan.methods) == 1 and machine.is_plain:
+        method = plan.methods[0]
+        query = method.choice
+        found = {} if query is None else context.asked[query].first(env)
+        if found is None:
+            return None
+        return method, found, _key(method, env, found)
     holding = _holding(machine, task)
     if not holding and _ask_solver(machine, task):
         holding = _holding(machine, task)
-    if not holding:
-        return None
-    held = tuple(map(frozen, task.env.values()))
-    if len(holding) == 1:
-        [(method, found)] = holding
-        return method, found, _key(method, held, found)
-    return _choose_among(machine, task, held, holding)
+    if len(holding) > 1:
+        return _choose_among(machine, task, holding)
+    for method, found in holding:
+        return method, found, _key(method, env, found)
+    return None
 
 
 def _choose_among(
-    machine: Machine, task: Task, held: Key, holding: list[_Held]
+    machine: Machine, task: Task, holding: list[_Held]
 ) -> tuple[MethodPlan, Env, Key]:
     """One of several: failed least, then chosen least, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
-    keys = [_key(method, held, found) for method, found in holding]
+    keys = [_key(method, task.env, found) for method, found in holding]
     choices = [(m, f, key) for (m, f), key in zip(holding, keys, strict=True)]
     if len(choices) > 1:
         choices = _least(choices, [task.times_chosen(key) for key in keys])
@@ -61,10 +67,13 @@ def _choose_among(
     return choices[0]
 
 
-def _key(method: MethodPlan, held: Key, found: Env) -> Key:
+def _key(method: MethodPlan, env: Env, found: Env) -> Key:
+    if not (env or found):
+        return method.key
+    held = [frozen(value) for value in env.values()]
     if not found:
-        return (method.index, held)
-    return (method.index, held, *[(n, frozen(value)) for n, value in found.items()])
+        return (method.index, *held)
+    return (method.index, *held, *[(n, frozen(value)) for n, value in found.items()])
 
 
 def _least(choices: Sequence[_Any], counts: Sequence[int]) -> list[_Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from rapc.compiler.query import Asked, Query
+from rapc.compiler.query import Meetings
 from rapc.runtime.events import QueryFaulted
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.memory.memory import EXTERNAL, Memory
@@ -29,7 +29,7 @@ class QueryContext:
         functions: Mapping[str, Callable[..., Any]],
     ) -> None:
         self.facts = memory.facts
-        self.asked: dict[Query, Asked] = {}
+        self.asked = Meetings(self)
         self.functions = functions
         self.view = MemoryView(memory, recorder)
         self.task: Task | None = None

@@ -39,25 +39,26 @@ SIGNAL = "signal"
 
 
 def succeed(machine: Machine, task: Task, found: Env) -> None:
-    """A task's `succeed` holds: hand its outputs up and end it, or fail it."""
-    outputs = _outputs(task, found) if task.plan.outputs else {}
+    """A task's `succeed` holds: hand its outputs up and end it, or fail it.
+
+    It stands on the agenda no longer.
+    """
     step, run = task.step, task.within
+    outputs = _outputs(task, found) if task.plan.outputs else {}
     bound: Env | None = {}
     changes: list[Change] | None = []
-    if step is not None and run is not None:
-        if step.outputs:
-            names = zip(task.plan.outputs, step.outputs, strict=False)
-            arriving = [(to, outputs[name]) for name, to in names if name in outputs]
-            bound = receive(machine, run, arriving)
-        if step.effects and bound is not None:
-            changes = changes_of(machine, run, step, bound)
+    if step is not None and run is not None and step.brings:
+        names = zip(task.plan.outputs, step.outputs, strict=False)
+        arriving = [(to, outputs[name]) for name, to in names if name in outputs]
+        bound = receive(machine, run, arriving)
+        changes = None if bound is None else changes_of(machine, run, step, bound)
     if bound is None or changes is None:
         fail(machine, task, INTERFERENCE)
         return
     _leave(machine, task)
+    machine.succeeded += 1
     if task.given is not None:
         task.given.outcome, task.given.outputs = OKAY, outputs
-    machine.succeeded += 1
     if machine.recorder.on:
         machine.recorder.emit(
             TaskSucceeded,
@@ -67,10 +68,10 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         )
     if step is None or run is None:
         return
-    if bound:
+    if step.brings:
         run.env.update(bound)
-    for change in changes:
-        carry_out(machine, task, change)
+        for change in changes:
+            carry_out(machine, task, change)
     step_ended(machine, run, step, bound)
 
 
@@ -113,9 +114,9 @@ def step_ended(
     run.left -= 1
     if run.ends is not None:
         run.ends[step.position] = machine.recorder.time
-    ended = [step.position]
+    ended = [step]
     if step.until:
-        ended += until(machine, run, step.position, at_end=True)
+        ended += until(machine, run, step, at_end=True)
     if bound and late_recursion(machine, run, bound):
         return
     if run.left:
@@ -124,11 +125,11 @@ def step_ended(
         end_method(machine, run, OKAY)
 
 
-def followers(machine: Machine, run: MethodRun, ended: Iterable[int]) -> None:
+def followers(machine: Machine, run: MethodRun, ended: Iterable[StepPlan]) -> None:
     """Let go what follows steps that have ended, in the order of the text."""
     freed = []
-    for position in ended:
-        for behind in run.plan.steps[position].after:
+    for step in ended:
+        for behind in step.after:
             task = run.steps[behind]
             if task.state is ENDED:
                 continue
@@ -144,14 +145,14 @@ def followers(machine: Machine, run: MethodRun, ended: Iterable[int]) -> None:
 
 
 def until(
-    machine: Machine, run: MethodRun, position: int, *, at_end: bool
-) -> list[int]:
+    machine: Machine, run: MethodRun, step: StepPlan, *, at_end: bool
+) -> list[StepPlan]:
     """A step's start or end ends others by `until`: they leave and count as ended.
 
     Returns which, so that what follows them can be let go.
     """
     ended = []
-    for target, when in run.plan.steps[position].until:
+    for target, when in step.until:
         task = run.steps[target]
         if when != at_end or not task.live:
             continue
@@ -160,7 +161,7 @@ def until(
         if run.ends is not None:
             run.ends[target] = machine.recorder.time
         run.left -= 1
-        ended.append(target)
+        ended.append(run.plan.steps[target])
     return ended
 
 
@@ -186,6 +187,7 @@ def late_recursion(
             fill_inputs(machine, task)
         if task.bound and task.identity is None and repeats_ancestor(machine, task):
             end_method(machine, run, FUTILE_LOOP, "parent-failed")
+            machine.agenda.discard(run.task)
             fail(machine, run.task, FUTILE_LOOP)
             return True
         if task.bound and task in machine.agenda:
@@ -224,8 +226,10 @@ def end_method(
     machine: Machine, run: MethodRun, result: str, cause: str = "sibling-failed"
 ) -> None:
     """A method ends; steps still live leave, and its task comes up again."""
-    task = run.task
-    _stop(machine, task)
+    task, recorder = run.task, machine.recorder
+    task.run = None
+    if task.plan.recursive or machine.solvers:
+        _discount(machine, task)
     if run.left:
         for step in run.steps:
             if step.state is not ENDED:
@@ -233,17 +237,19 @@ def end_method(
     run.steps = ()
     for notation in run.notations:
         machine.memory.forget(notation)
-    if machine.recorder.on:
-        machine.recorder.emit(
+    if recorder.on:
+        recorder.emit(
             MethodEnded, task=task.number, method=run.plan.name, result=result
         )
-    task.end_method(run.plan, result)
-    if result == OKAY and task.plan.outputs:
+    task.last_result = result
+    if result != OKAY or task.history is not None:
+        task.note_result(run.plan, result)
+    if task.plan.outputs and result == OKAY:
         task.remember().success = run.env
     task.state = ELIGIBLE
     if task.wait is not None:
         task.wait.after_method = True
-        machine.monitors.arm(task, machine.recorder.time)
+        machine.monitors.arm(task, recorder.time)
     machine.agenda.add(task)
 
 
@@ -258,6 +264,7 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
             stack.extend(step for step in top.run.steps if step.live)
     for gone in reversed(leaving):
         run = _stop(machine, gone)
+        machine.agenda.discard(gone)
         _leave(machine, gone)
         if run is not None:
             _drop(machine, run)
@@ -274,6 +281,7 @@ def end_by_signal(machine: Machine, task: Task, mode: str) -> None:
             if step.live:
                 remove(machine, step, SIGNAL)
         _drop(machine, run)
+    machine.agenda.discard(task)
     if mode == "succeed":
         succeed(machine, task, {})
     else:
@@ -284,12 +292,16 @@ def _stop(machine: Machine, task: Task) -> MethodRun | None:
     """A task is at work no longer; what it was at."""
     run, task.run = task.run, None
     if run is not None and (task.plan.recursive or machine.solvers):
-        others = machine.under_way[task.identity] - 1
-        if others:
-            machine.under_way[task.identity] = others
-        else:
-            del machine.under_way[task.identity]
+        _discount(machine, task)
     return run
+
+
+def _discount(machine: Machine, task: Task) -> None:
+    others = machine.under_way[task.identity] - 1
+    if others:
+        machine.under_way[task.identity] = others
+    else:
+        del machine.under_way[task.identity]
 
 
 def _drop(machine: Machine, run: MethodRun) -> None:
@@ -304,11 +316,10 @@ def _drop(machine: Machine, run: MethodRun) -> None:
 def _leave(machine: Machine, task: Task) -> None:
     if task.step is None:
         machine.foreground -= task.given is not None and not task.given.background
+        del machine.tops[task.number]
     else:
         for wait in task.step.waits:
             machine.listening.get(wait.signal, {}).pop(task.number, None)
-    machine.agenda.discard(task)
     task.state = ENDED
     if task.wait is not None:
         machine.monitors.forget(task)
-    machine.tasks.pop(task.number, None)

@@ -111,6 +111,7 @@ class Interpreter:
     def watch_contexts(self, listener: ContextListener) -> None:
         """Tell `listener` whenever the context of a method is asked, and the answer."""
         self._machine.context_asked = listener
+        self._machine.is_plain = False
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact on behalf of the user.

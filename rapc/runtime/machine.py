@@ -24,9 +24,9 @@ from rapc.runtime.recorder import Recorder
 from rapc.runtime.renaming import rename
 from rapc.runtime.submission import Submission
 from rapc.runtime.task import Given, Task
-from rapc.runtime.world import Time, World
+from rapc.runtime.world import ResultHandler, Time, World
 from rapc.spell import nearest
-from rapc.terms import number
+from rapc.terms import Atom, number
 
 ContextListener = Callable[[str, str, bool], None]
 """Told of a RAP's method whose context was asked, and whether it held."""
@@ -79,13 +79,14 @@ def read_settings(texts: Mapping[str, str]) -> Settings:
 class Machine:
     """The shared state of one run.
 
-    `tasks` are the live tasks by number; `pending` the tasks whose requests are under
+    `tops` are the live top-level tasks by number; `pending` those with requests under
     way, by ticket (None once the task is gone); `listening` the steps that wait for a
     signal, by the signal's name; `under_way` how many tasks of each identity are at
     work on a method. `given` are the top-level tasks so far and `scheduled` those for
     later, of which `expected` are to keep the run going; `foreground` counts the live
     ones that do, `succeeded` the tasks of all levels that have ended well. `numbers`
-    tasks and `tickets` requests were counted so far, from 1.
+    tasks and `tickets` requests were counted so far, from 1. The choice of a method
+    `is_plain` if no solver may help and `context_asked` is not to be told of it.
     """
 
     def __init__(
@@ -120,7 +121,7 @@ class Machine:
         self.context = QueryContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng)
         self.monitors = Monitors(self.memory, self.context, self.recorder, self.agenda)
-        self.tasks: dict[int, Task] = {}
+        self.tops: dict[int, Task] = {}
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}
         self.under_way: dict[object, int] = {}
@@ -134,7 +135,10 @@ class Machine:
         self.late = False
         self.appointments: list[tuple[Time, int, Callable[[], None]]] = []
         self.context_asked: ContextListener | None = None
+        self.is_plain = not solvers
         self.handlers = world.handlers()
+        self.result_handlers: dict[Atom, ResultHandler] = {}
+        self.result_handlers.update(self.handlers.results)
         self.numbers = 0
         self.tickets = 0
         self._overlay: dict[str, list[MethodPlan]] = {}
@@ -160,9 +164,18 @@ class Machine:
         while due and due[0][0] <= self.recorder.time:
             heapq.heappop(due)[2]()
 
+    def live_tasks(self) -> list[Task]:
+        """All tasks of the run that have not ended, by number."""
+        found = list(self.tops.values())
+        for task in found:
+            if task.run is not None:
+                found.extend(s for s in task.run.steps if s.number and s.live)
+        found.sort(key=lambda task: task.number)
+        return found
+
     def recount(self) -> None:
         """Count anew which identities are at work: items have got other names."""
-        at_work = [task for task in self.tasks.values() if task.run is not None]
+        at_work = [task for task in self.live_tasks() if task.run is not None]
         counted = [task for task in at_work if self.may_recur(task.plan)]
         self.under_way = dict(Counter(task.identity for task in counted))
 

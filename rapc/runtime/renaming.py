@@ -20,8 +20,10 @@ from rapc.terms import Atom
 class Tasks(Protocol):
     """What of a run is needed here: its live tasks, and who waits for what."""
 
-    tasks: dict[int, Task]
     monitors: Monitors
+
+    def live_tasks(self) -> list[Task]:
+        """All tasks that have not ended."""
 
     def recount(self) -> None:
         """Tasks at work are known by other identities than before."""
@@ -30,7 +32,7 @@ class Tasks(Protocol):
 def rename(run: Tasks, lost: str, kept: str) -> None:
     """Every live task holds `kept` wherever it held `lost`."""
     sets: dict[int, SetResource] = {}
-    for task in run.tasks.values():
+    for task in run.live_tasks():
         environments = [task.env]
         if task.history is not None and task.history.success is not None:
             environments.append(task.history.success)

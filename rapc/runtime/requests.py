@@ -13,8 +13,9 @@ from rapc.resources import Counter, SetResource
 from rapc.runtime.endings import INTERFERENCE, end_method
 from rapc.runtime.events import DataReceived, PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
+from rapc.runtime.memory.items import Items
 from rapc.runtime.signals import signal
-from rapc.runtime.task import MethodRun, Task
+from rapc.runtime.task import MethodRun
 from rapc.runtime.world import OKAY, Datum, Finished, Message, Reply, Signal
 from rapc.terms import Atom, Fact, format_list
 
@@ -46,7 +47,9 @@ def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
 def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
     """Send a method's request; an atomic one has ended when this returns."""
     asked = ground(machine, run, plan) if plan.args else plan.bare
-    sent = None if asked is None else _sensed(machine, asked)
+    sent, items = asked, machine.memory.items
+    if asked is not None and (items.known or items.gone):
+        sent = _sensed(items, asked)
     if asked is None or sent is None:
         end_method(machine, run, INTERFERENCE)
         return
@@ -58,22 +61,22 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
             request=format_list(asked),
             sent=format_list(sent),
         )
+    world = machine.world
     machine.tickets += 1
     run.ticket = ticket = machine.tickets
     machine.pending[ticket] = (task, asked)
-    reply = machine.world.perform(ticket, sent)
-    machine.look_at_clock()
+    reply = world.perform(ticket, sent)
+    now = world.now()
+    if now != machine.recorder.time or machine.until is not None:
+        machine.set_clock(now)
     if reply is not None and not machine.late:
         if machine.appointments:
             machine.keep_appointments()
         finish(machine, ticket, reply)
 
 
-def _sensed(machine: Machine, request: Fact) -> Fact | None:
+def _sensed(items: Items, request: Fact) -> Fact | None:
     """A request with sensor names; None if an item has none now."""
-    items = machine.memory.items
-    if not (items.known or items.gone):
-        return request
     parts: list[Atom] = [request[0]]
     for part in request[1:]:
         name = items.sensor_of(part) if isinstance(part, str) else part
@@ -92,15 +95,12 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
     if ticket not in machine.pending:
         raise PortError(f"the world ended a request that is not under way: {ticket}")
     task, asked = machine.pending.pop(ticket)
-    canonical = machine.memory.canonical
-    asked = canonical(asked)
-    handler = machine.handlers.results.get(asked[0])
-    if handler is None and not reply.data:
-        machine.access.settle()
-    else:
+    handler, result = machine.result_handlers.get(asked[0]), reply.result
+    if handler is not None or reply.data or machine.recognizer.unsettled:
+        canonical = machine.memory.canonical
         with machine.access.batch():
             if handler is not None:
-                handler(machine.access, asked, reply.result)
+                handler(machine.access, canonical(asked), result)
             for content in reply.data:
                 _handle(machine, content)
         asked = canonical(asked)
@@ -108,20 +108,14 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
         machine.recorder.emit(
             PrimitiveEnded,
             task=task.number if task is not None else None,
-            request=format_list(asked),
-            result=reply.result,
+            request=format_list(machine.memory.canonical(asked)),
+            result=result,
             data=tuple(format_list(_named(machine, d)) for d in reply.data),
         )
-    if task is not None:
-        _end(machine, task, reply.result)
-
-
-def _end(machine: Machine, task: Task, result: str) -> None:
-    run = task.run
-    assert run is not None
-    if result != OKAY:
-        task.remember().failure = result
-    end_method(machine, run, result)
+    if task is not None and task.run is not None:
+        if result != OKAY:
+            task.remember().failure = result
+        end_method(machine, task.run, result)
 
 
 def _named(machine: Machine, content: Fact) -> Fact:

@@ -42,7 +42,7 @@ class AgendaEntry(msgspec.Struct, frozen=True):
 
 def agenda(machine: Machine) -> tuple[AgendaEntry, ...]:
     """All live tasks by number; a value that the run leaves alone."""
-    return tuple(_entry(machine, machine.tasks[at]) for at in sorted(machine.tasks))
+    return tuple(_entry(machine, task) for task in machine.live_tasks())
 
 
 def _entry(machine: Machine, task: Task) -> AgendaEntry:
@@ -125,7 +125,7 @@ def _result(given: Given) -> TaskResult:
 
 def goals(machine: Machine) -> dict[int, str]:
     """The goals of all live tasks by number, with the inputs that are known."""
-    return {number: task.goal() for number, task in machine.tasks.items()}
+    return {task.number: task.goal() for task in machine.live_tasks()}
 
 
 def waiting(machine: Machine) -> tuple[str, ...]:
@@ -135,7 +135,7 @@ def waiting(machine: Machine) -> tuple[str, ...]:
     """
     return tuple(
         f"{task.goal()} [{task.number}] {_awaited(machine, task)}"
-        for task in machine.tasks.values()
+        for task in machine.live_tasks()
         if task.run is None
         and (not task.waiting or (task.wait is not None and task.wait.held))
     )

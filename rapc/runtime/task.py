@@ -225,14 +225,13 @@ class Task:
             self.remember().results.setdefault(method.node.name)
         self.method = method
 
-    def end_method(self, method: MethodPlan, result: str) -> None:
-        """A method has come to a result."""
-        self.last_result = result
+    def note_result(self, method: MethodPlan, result: str) -> None:
+        """A method has come to a result, which is to be remembered."""
+        history = self.remember()
+        history.results[method.node.name] = result
         if result != OKAY:
-            failures = self.remember().failures
+            failures = history.failures
             failures[method.index] = failures.get(method.index, 0) + 1
-        if self.history is not None:
-            self.history.results[method.node.name] = result
 
     def remember(self) -> History:
         """The history, written from the method tried so far if there is none."""

@@ -13,7 +13,7 @@ from rapc.runtime.beginnings import create_top, when_time_comes
 from rapc.runtime.cycle import run_cycle
 from rapc.runtime.machine import Machine
 from rapc.runtime.requests import take_in
-from rapc.runtime.world import Time
+from rapc.runtime.world import Time, World
 from rapc.terms import number
 
 _QUIET = ""
@@ -35,13 +35,15 @@ class Turns:
         machine, left = self._machine, -1 if most is None else most
         recorder, monitors, agenda = machine.recorder, machine.monitors, machine.agenda
         world, settings = machine.world, machine.settings
-        clock, receive = world.now, world.messages
+        patience, unsettled = settings.idle_cycles, machine.recognizer.unsettled
+        clock, receive, ended = world.now, world.messages, world.ended
+        may_end = getattr(ended, "__func__", None) is not World.ended
         while left != 0 and not machine.over:
             before = clock()
             if before != recorder.time or machine.until is not None:
                 machine.set_clock(before)
             if not machine.late:
-                if machine.appointments or machine.recognizer.unsettled:
+                if machine.appointments or unsettled:
                     machine.keep_appointments()
                     machine.access.settle()
                 messages = receive()
@@ -51,9 +53,15 @@ class Turns:
                     self._create_scheduled()
                 if monitors.dirty or recorder.time >= monitors.next_look:
                     self._wake()
-            reason = self.reason()
-            if reason is not None:
-                return reason
+            if (
+                may_end
+                or machine.late
+                or not machine.foreground
+                or self._idle > patience
+            ):
+                reason = self.reason()
+                if reason is not None:
+                    return reason
             task = agenda.choose()
             if task is None:
                 reason = self._wait() if wait else _QUIET

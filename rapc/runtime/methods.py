@@ -1,0 +1,125 @@
+"""A task tries a method: from the choice to the method's start (semantics 3, 5 to 9).
+
+Which method it is is decided in `rapc.runtime.choice`; how methods end is in
+`rapc.runtime.endings`.
+"""
+
+from __future__ import annotations
+
+from rapc.compiler.plans import MethodPlan
+from rapc.runtime.beginnings import create, let_go, make, read_windows, repeats_ancestor
+from rapc.runtime.choice import choose
+from rapc.runtime.endings import (
+    FUTILE_LOOP,
+    INTERFERENCE,
+    NO_METHOD,
+    end_method,
+    fail,
+)
+from rapc.runtime.events import MethodChosen
+from rapc.runtime.machine import Machine
+from rapc.runtime.memory.checking import FactError
+from rapc.runtime.requests import ground, request
+from rapc.runtime.task import RUNNING, MethodRun, Task
+from rapc.runtime.world import OKAY
+from rapc.terms import format_atom
+
+
+def try_method(machine: Machine, task: Task) -> None:
+    """Steps 5 to 9: choose a method and start it, or fail."""
+    choice = choose(machine, task)
+    if choice is None:
+        fail(machine, task, NO_METHOD)
+        return
+    method, found, key = choice
+    if task.choice is None:
+        task.choice, task.tries = key, 1
+    elif task.times_chosen(key) < machine.settings.futile_limit:
+        task.note_choice(key)
+    else:
+        fail(machine, task, FUTILE_LOOP)
+        return
+    env = task.env
+    if found:
+        env = {**env, **found}
+    elif method.binds:
+        env = env.copy()
+    run = MethodRun(task, method, env, machine.recorder.time)
+    if method.steps and not _spawn(machine, run):
+        fail(machine, task, FUTILE_LOOP)
+        return
+    _start(machine, run)
+
+
+def _spawn(machine: Machine, run: MethodRun) -> bool:
+    """Make the steps' tasks, not yet numbered; False if one repeats an ancestor."""
+    run.steps = tasks = []
+    method = run.plan
+    if not method.raps:
+        names = [step.node.goal.name for step in method.steps]
+        method.raps = tuple([machine.library.known_rap(name) for name in names])
+    for step, rap in zip(method.steps, method.raps, strict=True):
+        task = make(machine, run, step, rap)
+        tasks.append(task)
+        if task.bound and repeats_ancestor(machine, task):
+            return False
+    return True
+
+
+def _start(machine: Machine, run: MethodRun) -> None:
+    """Step 9: the method starts and the task waits for it."""
+    task, method = run.task, run.plan
+    task.run = run
+    if task.plan.recursive or machine.solvers:
+        under_way = machine.under_way
+        under_way[task.identity] = under_way.get(task.identity, 0) + 1
+    task.state = RUNNING
+    if task.wait is not None:
+        task.wait.timer = None
+    if task.method is not method:
+        task.begin_method(method)
+    if machine.recorder.on:
+        machine.recorder.emit(
+            MethodChosen,
+            task=task.number,
+            rap=task.plan.name,
+            method=method.name,
+            bindings={name: format_atom(v) for name, v in run.env.items()},
+        )
+    if method.notations and not _note(machine, run, method):
+        run.steps = ()
+        end_method(machine, run, INTERFERENCE)
+    elif method.request is not None:
+        request(machine, run, method.request)
+    else:
+        _let_steps_go(machine, run)
+
+
+def _let_steps_go(machine: Machine, run: MethodRun) -> None:
+    """The steps' tasks join the run; those that wait for none may go on."""
+    steps = run.steps
+    for step in steps:
+        create(machine, step)
+    for step in steps:
+        if step.wait is not None:
+            read_windows(machine, step)
+        if step.waiting == 0:
+            let_go(machine, step)
+    if not steps:
+        end_method(machine, run, OKAY)
+
+
+def _note(machine: Machine, run: MethodRun, method: MethodPlan) -> bool:
+    """Assert a method's notations; False if one of them cannot be."""
+    for plan in method.notations:
+        fact = ground(machine, run, plan)
+        if fact is None:
+            return False
+        try:
+            notation = machine.memory.note(machine.memory.checked(fact))
+        except FactError as error:
+            machine.context.fault(plan.where, str(error))
+            return False
+        if notation is not None:
+            run.notations = (*run.notations, notation)
+    return True
