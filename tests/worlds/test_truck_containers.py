@@ -194,3 +194,15 @@ def test_memory_loses_what_is_no_longer_in_the_container() -> None:
     one.do("eye-scan tool-box-1", "eye-scan crate-1")
     assert one.where("rock-1") == "tool-box-1"
     assert one.where("crate-1") == "depot"
+
+
+def test_a_picture_shows_what_is_inside_where_the_container_is() -> None:
+    driver = workshop(
+        thing("crate"), thing("tool-box", "crate-1"), thing("gun-tool", "tool-box-1")
+    )
+    driver.do("arm-move arm2 external", "arm-move arm2 crate-1")
+    driver.do("arm-grasp arm2 crate-1")
+    spots = {spot.name: spot for spot in driver.world.picture().spots}
+    kinds = [seen.kind for seen in spots["arm2"].things]
+    assert kinds == ["crate", "tool-box", "gun-tool"]
+    assert spots["depot"].things == ()
