@@ -95,8 +95,11 @@ def encode(library: CompiledLibrary, suites: Iterable[Suite] = ()) -> bytes:
 
     Raises:
         ArtifactError: for a library that could not be read back: one in which errors
-            were silenced that keep it from being run, or with an unspeakable file name.
+            were silenced that keep it from being run, one with a file whose name
+            cannot be printed, or one that was read from a compiled library.
     """
+    if len(library.library.raps) > len(library.library.forms):
+        raise ArtifactError(f"`{library.name}` is a compiled library already")
     units: dict[str, _Unit] = {}
     listed = _units(library.library, units)
     tests = tuple(
@@ -108,11 +111,9 @@ def encode(library: CompiledLibrary, suites: Iterable[Suite] = ()) -> bytes:
         for of, tested in suites
     )
     body = _Body(library.name, listed, tuple(units.values()), tests)
-    try:
-        payload = msgspec.json.encode(body)
-    except UnicodeEncodeError:
-        raise ArtifactError("the name of a file is not UTF-8") from None
-    sealed = seal(payload)
+    with _blaming(library.name):
+        _look_at_names(body)
+    sealed = seal(msgspec.json.encode(body))
     Artifact(sealed, library.name).look_at_all()
     return sealed
 
@@ -166,6 +167,7 @@ class Artifact:
         self._file = file
         with _blaming(file):
             self._body = _decode(_payload(data), _Body)
+            _look_at_names(self._body)
             self.library, _ = self._compiled(self._body.name, self._body.library)
 
     def suites(self) -> Iterator[Suite]:
@@ -251,6 +253,14 @@ class _Raps(Mapping[str, nodes.DefineRap]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._rows
+
+
+def _look_at_names(body: _Body) -> None:
+    """See that the names of files and libraries can be shown on any terminal."""
+    libraries = (body.name, *[suite.name for suite in body.suites])
+    for name in (*libraries, *[unit.file for unit in body.units]):
+        if not name.isprintable():
+            raise _WrongError(f"has a file whose name cannot be printed: {name!a}")
 
 
 def _look_at_all(library: CompiledLibrary) -> None:

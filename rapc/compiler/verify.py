@@ -8,8 +8,10 @@ exist. What is merely unwise is let through.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from functools import cache
+from operator import attrgetter
+from typing import Any
 
 from rapc.compiler.builtin import FUNCTIONS
 from rapc.compiler.vocabulary import Vocabulary
@@ -17,7 +19,7 @@ from rapc.ir import nodes, walk
 from rapc.source import Span
 from rapc.spell import counted
 
-MAX_DEPTH = 250
+MAX_DEPTH = 150
 """How deep nodes may lie in each other; lists in a text lie 100 deep at most."""
 
 MAX_PARTS = 1000
@@ -26,8 +28,7 @@ MAX_PARTS = 1000
 _LARGEST = 10**100
 _FORBIDDEN = frozenset(' ()";')
 _RESOURCES = ("#counter(", "#set(")
-_FREE = ("doc",)
-"""Fields that may hold anything."""
+_LOOKED_AT = frozenset({nodes.Var, nodes.Call, nodes.SetTest, nodes.History})
 
 _TAKES: Mapping[str, int] = {
     "member": 2,
@@ -73,32 +74,40 @@ class Verifier:
 
     def node(self, node: nodes.Node) -> None:
         """Look at words, numbers, nesting and computed terms of anything."""
-        self._visit(node, 0)
+        level: list[Any] = [node]
+        for _ in range(MAX_DEPTH):
+            level = self._below(level)
+            if not level:
+                return
+        raise UnsoundError("something is nested too deeply")
 
-    def _visit(self, value: object, depth: int) -> None:
-        kind = type(value)
-        if kind is Span:
-            if value.file not in self._files:  # type: ignore[attr-defined]  # it is one
-                raise UnsoundError("something stands in no file")
-        elif kind is str:
-            self._words.add(_word(str(value)))
-        elif kind is tuple:
-            for part in value:  # type: ignore[attr-defined]  # it is a tuple
-                self._visit(part, depth)
-        elif kind is int or kind is float:
-            _number(value)  # type: ignore[arg-type]  # it is one of these
-        elif isinstance(value, nodes.Node):
-            if depth > MAX_DEPTH:
-                raise UnsoundError("something is nested too deeply")
-            self._node(value)
-            words = self._words
-            for name in _fields(type(value)):
-                part = getattr(value, name)
-                if part is not None and not (type(part) is str and part in words):
-                    self._visit(part, depth + 1)
+    def _below(self, level: list[Any]) -> list[Any]:
+        """What nodes hold, after a look at it; `level` grows by what is in tuples."""
+        below: list[Any] = []
+        words, files = self._words, self._files
+        for value in level:
+            kind: Any = type(value)
+            if kind is str:
+                if value not in words:
+                    words.add(_word(value))
+            elif kind is Span:
+                if value.file not in files:
+                    raise UnsoundError("something stands in no file")
+            elif kind is tuple:
+                level.extend(value)
+            elif kind is int or kind is float:
+                _number(value)
+            elif kind in _LOOKED_AT:
+                self._own(value)
+                below.extend(_content(kind)(value))
+            elif isinstance(value, nodes.Node):
+                below.extend(_content(kind)(value))
+        return below
 
-    def _node(self, node: nodes.Node) -> None:
-        """What is to be seen to wherever a node stands."""
+    def _own(
+        self, node: nodes.Var | nodes.Call | nodes.SetTest | nodes.History
+    ) -> None:
+        """What is to be seen to wherever such a node stands."""
         if isinstance(node, nodes.Var):
             if node.name[:1] != "?":
                 raise UnsoundError(f"`{node.name}` is no name of a variable")
@@ -203,10 +212,11 @@ def _tags(step: nodes.Step) -> Iterator[str]:
 
 
 @cache
-def _fields(kind: type[nodes.Node]) -> tuple[str, ...]:
-    """The fields of a kind of node in which there is something to look at."""
-    free = ("name",) if kind is nodes.Require else _FREE
-    return tuple(name for name in kind.__struct_fields__ if name not in free)
+def _content(kind: type[nodes.Node]) -> Callable[[Any], Iterable[Any]]:
+    """Takes from a node of a kind all that there is to look at."""
+    if kind is nodes.Require:
+        return lambda node: (node.span,)
+    return attrgetter(*[name for name in kind.__struct_fields__ if name != "doc"])
 
 
 def _word(word: str) -> str:

@@ -176,6 +176,20 @@ def test_what_was_silenced_and_cannot_be_run_is_not_compiled() -> None:
         encode(api.compile_loaded(load_text(text), "go"))
 
 
+def test_a_name_that_cannot_be_printed_is_refused() -> None:
+    loaded = load_text("(define-rap (go) (method (task-net)))", "a\x1b[2Jb.rap")
+    with pytest.raises(ArtifactError, match="a file whose name cannot be printed"):
+        encode(api.compile_loaded(loaded, "go"))
+    odd = seal(PAYLOAD.replace(b'kitchen.rap"', b'kitchen\\u001b.rap"'))
+    with pytest.raises(ArtifactError, match="a file whose name cannot be printed"):
+        Artifact(odd, "odd.rapc")
+
+
+def test_a_compiled_library_is_not_compiled_again() -> None:
+    with pytest.raises(ArtifactError, match="is a compiled library already"):
+        encode(Artifact(GOOD, "file").library)
+
+
 def test_sources_are_wanted_where_something_is_to_be_checked(tmp_path: Path) -> None:
     file = tmp_path / "kitchen.rapc"
     file.write_bytes(GOOD)
