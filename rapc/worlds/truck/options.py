@@ -65,9 +65,9 @@ class Settings(msgspec.Struct, frozen=True, rename="kebab"):
     eye_scan_time: Annotated[Number, _row(_TIME, "for eye-scan")] = 3
     eye_monitor_time: Annotated[Number, _row(_TIME, "for eye-(un)monitor")] = 1
 
-    quarry_interval: Annotated[Number, _row(_TIME, "a quarry's rocks; 0: none")] = 80
-    warehouse_interval: Annotated[Number, _row(_TIME, "a warehouse's boxes")] = 200
-    depot_interval: Annotated[Number, _row(_TIME, "a depot's drums")] = 60
+    quarry_interval: Annotated[Number, _row(_TIME, "a quarry's rocks; 0: none")] = 300
+    warehouse_interval: Annotated[Number, _row(_TIME, "a warehouse's boxes")] = 400
+    depot_interval: Annotated[Number, _row(_TIME, "a depot's drums")] = 120
     factory_interval: Annotated[Number, _row(_TIME, "a factory's taking in")] = 40
     item_limit: Annotated[int, _row("items", "no more are made or put at a place")] = 10
 
