@@ -95,9 +95,12 @@ def experiment(
         raise click.UsageError("--jobs is for this machine, --cluster for others")
     session = _session(name, parts, seeds)
     folder = _folder(out or f"{session.made.name}-results")
-    with _store(folder) as store:
-        faults = _run_missing(session, store, cluster, processes)
-        summaries = list(session.summaries(store))
+    try:
+        with Store(folder / output.RESULTS) as store:
+            faults = _run_missing(session, store, cluster, processes)
+            summaries = list(session.summaries(store))
+    except StoreError as error:
+        fail(str(error))
     _write(session, summaries, folder)
     for summary in summaries:
         if summary.part.name in session.chosen:
@@ -124,13 +127,6 @@ def _folder(name: str) -> Path:
     except OSError as error:
         fail(f"cannot make `{name}`: {(error.strerror or str(error)).lower()}")
     return Path(name)
-
-
-def _store(folder: Path) -> Store:
-    try:
-        return Store(folder / output.RESULTS)
-    except StoreError as error:
-        fail(str(error))
 
 
 def _run_missing(
@@ -160,15 +156,15 @@ def _take_in(
         with bar(name, total, sys.stderr, shown=shown, color=color) as advance:
             for done in work:
                 store.add(done.config, done.results)
-                came += len(done.results)
+                came += sum(result.measures is not None for result in done.results)
                 advance(len(done.results))
                 faults += _tell(session, done)
-    except (KeyboardInterrupt, WorkersLost) as error:
+    except (KeyboardInterrupt, WorkersLost, StoreError) as error:
         why = str(error) or "interrupted"
         told = f"{came} of {total} runs are done, the same command does the others"
         click.echo(f"error: {why}: {told}", err=True)
-        lost = isinstance(error, WorkersLost)
-        raise SystemExit(1 if lost else INTERRUPTED) from None
+        interrupted = isinstance(error, KeyboardInterrupt)
+        raise SystemExit(INTERRUPTED if interrupted else 1) from None
     return faults
 
 
@@ -262,6 +258,8 @@ def _print(summary: Summary) -> None:
     if sys.stdout.isatty():
         width = shutil.get_terminal_size().columns
     for line in output.as_text(summary, width):
-        shown = click.style(visible(line.text), **_STYLES.get(line.kind, {}))
+        shown = visible(line.text)
+        if line.kind in _STYLES:
+            shown = click.style(shown, **_STYLES[line.kind])
         click.echo(shown, color=settings().colored())
     click.echo()

@@ -7,7 +7,8 @@ process that gives out the work is the only one that writes.
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 
@@ -34,6 +35,10 @@ create table result (
 
 _KEEP = "insert or ignore into result values (?,?,?,?,?,?,?,?,?,?,?,?,?)"
 
+_KEEP_CONFIG = "insert or ignore into config values (?, ?)"
+
+_SEEDS = "select seed from result where config = ?"
+
 _CONFIGS = "select hash from config order by hash"
 
 _FIND = """
@@ -51,16 +56,15 @@ class Store:
     """The results in a file, which is made if there is none. To be used with `with`.
 
     Raises:
-        StoreError: for a file that is something else, or cannot be written.
+        StoreError: for a file that is something else, or is damaged, or cannot be
+            written; so do all methods.
     """
 
     def __init__(self, file: Path) -> None:
         self._file = file
-        try:
+        with self._blamed():
             self._base = sqlite3.connect(file, isolation_level=None)
             self._prepare()
-        except sqlite3.Error as error:
-            raise StoreError(f"`{file}` cannot be used: {error}") from error
 
     def _prepare(self) -> None:
         [(format_,)] = self._base.execute("pragma user_version")
@@ -72,6 +76,14 @@ class Store:
         if not tables:
             script = f"begin; {_SCHEMA} pragma user_version = {FORMAT}; commit;"
             self._base.executescript(script)
+
+    @contextmanager
+    def _blamed(self) -> Iterator[None]:
+        """Blame the file for what goes wrong."""
+        try:
+            yield
+        except (sqlite3.Error, msgspec.MsgspecError) as error:
+            raise StoreError(f"`{self._file}` cannot be used: {error}") from error
 
     def __enter__(self) -> Store:
         return self
@@ -86,24 +98,25 @@ class Store:
 
     def configs(self) -> list[str]:
         """The hashes of the configurations of which there are results."""
-        return [digest for (digest,) in self._base.execute(_CONFIGS)]
+        with self._blamed():
+            return [digest for (digest,) in self._base.execute(_CONFIGS)]
 
     def seeds(self, config: str) -> frozenset[int]:
         """The seeds of which there are results, by the hash of a configuration."""
-        rows = self._base.execute("select seed from result where config = ?", (config,))
-        return frozenset(seed for (seed,) in rows)
+        with self._blamed():
+            rows = self._base.execute(_SEEDS, (config,))
+            return frozenset(seed for (seed,) in rows)
 
     def add(self, config: Config, results: Iterable[Result]) -> None:
         """Keep what came of runs; those with a fault are left out."""
         digest = config.digest()
-        self._base.execute("begin")
-        self._base.execute(
-            "insert or ignore into config values (?, ?)", (digest, config.as_json())
-        )
-        for result in results:
-            if result.measures is not None:
-                self._keep(digest, result, result.measures)
-        self._base.execute("commit")
+        with self._blamed():
+            self._base.execute("begin")
+            self._base.execute(_KEEP_CONFIG, (digest, config.as_json()))
+            for result in results:
+                if result.measures is not None:
+                    self._keep(digest, result, result.measures)
+            self._base.execute("commit")
 
     def _keep(self, config: str, result: Result, measures: Measures) -> None:
         row = {
@@ -115,8 +128,9 @@ class Store:
 
     def measures(self, config: str, seeds: range) -> dict[int, Measures]:
         """What is known of a configuration under some seeds, by seed."""
-        rows = self._base.execute(_FIND, (config, seeds.start, seeds.stop))
-        return {seed: _measures(values) for seed, *values in rows}
+        with self._blamed():
+            rows = self._base.execute(_FIND, (config, seeds.start, seeds.stop))
+            return {seed: _measures(values) for seed, *values in rows}
 
 
 def _measures(values: list[object]) -> Measures:

@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 from pathlib import Path
@@ -15,7 +16,7 @@ import pytest
 
 from tests.cli.command import rapc
 
-from .workshop import TRUCK, rows, session, wait_for, watched
+from .workshop import TRUCK, on_a_terminal, rows, session, wait_for, watched
 
 NAPS = """\
 world = "naps:Naps"
@@ -132,6 +133,19 @@ def test_fewer_seeds_and_single_parts(copied: Path) -> None:
     assert "(part `drops`)" in (copied / "out" / "tables.md").read_text()
 
 
+def test_on_a_narrow_terminal_there_is_a_bar_and_nothing_is_too_wide(
+    truck: Path,
+) -> None:
+    args = ("experiment", "truck.toml", "--seeds", "1", "--part", "drops")
+    shown = on_a_terminal(*args, cwd=truck, columns=50)
+    bar, _, tables = shown.partition("The first arm")
+    assert "0/2" in bar
+    assert "\x1b[2m" in tables
+    lines = re.sub(r"\x1b\[[0-9;]*m", "", tables).splitlines()
+    assert max(map(len, lines)) <= 50
+    assert sum(line.startswith("arm1-drops ") for line in lines) > 2
+
+
 def test_a_run_is_repeated_by_hand(finished: Path) -> None:
     lines = (finished / "out" / "commands.txt").read_text().splitlines()
     command = lines[lines.index("# slow 4") + 1].replace("--seed 0", "--seed 3")
@@ -227,6 +241,31 @@ def test_without_matplotlib_there_are_tables(truck: Path) -> None:
         "no plots: install `rapc[viz]` to have them drawn\n",
     )
     assert (truck / "truck-results" / "tables.md").exists()
+
+
+def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
+    args = ("experiment", "truck.toml", "--out", "out", "--jobs", "1")
+    file = copied / "out" / "results.sqlite"
+    base = sqlite3.connect(file)
+    base.execute("delete from result where seed = 4")
+    base.execute(
+        "create trigger full before insert on result "
+        "begin select raise(abort, 'no room'); end"
+    )
+    base.commit()
+    done = rapc(*args, cwd=copied)
+    assert done.returncode == 1
+    assert done.stderr == (
+        "error: `out/results.sqlite` cannot be used: no room: "
+        "0 of 4 runs are done, the same command does the others\n"
+    )
+    base.execute("drop trigger full")
+    base.execute("update result set counts = '3'")
+    base.commit()
+    base.close()
+    done = rapc(*args, cwd=copied)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: `out/results.sqlite` cannot be used: Expec")
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import pty
 import subprocess
+import termios
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rapc.api import compile_library
@@ -14,7 +17,7 @@ from rapc.experiments.definition import Experiment
 from rapc.experiments.measures import Measures
 from rapc.experiments.session import Session
 from rapc.experiments.store import Store
-from tests.cli.command import COMMAND
+from tests.cli.command import COMMAND, HOME
 
 CHECKOUT = Path(__file__).parents[2]
 LIBRARY = CHECKOUT / "examples" / "rock-order.rap"
@@ -95,7 +98,7 @@ def watched(*args: str, cwd: Path) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(
         [COMMAND, *args],
         cwd=cwd,
-        env={"PATH": "", "LANG": "C.UTF-8"},
+        env={"PATH": "", "LANG": "C.UTF-8", **HOME},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -105,6 +108,27 @@ def watched(*args: str, cwd: Path) -> Iterator[subprocess.Popen[str]]:
             yield process
         finally:
             process.kill()
+
+
+def on_a_terminal(*args: str, cwd: Path, columns: int) -> str:
+    """What a `rapc` command shows on a terminal of so many columns."""
+    leader, follower = pty.openpty()
+    termios.tcsetwinsize(follower, (40, columns))
+    with subprocess.Popen(
+        [COMMAND, *args],
+        cwd=cwd,
+        env={"PATH": "", "LANG": "C.UTF-8", "TERM": "xterm", **HOME},
+        stdin=follower,
+        stdout=follower,
+        stderr=follower,
+    ):
+        os.close(follower)
+        shown = b""
+        with suppress(OSError):  # that is how a terminal ends
+            while data := os.read(leader, 65536):
+                shown += data
+    os.close(leader)
+    return shown.decode()
 
 
 def wait_for(process: subprocess.Popen[str], word: str, times: int = 1) -> str:
