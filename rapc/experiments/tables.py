@@ -138,9 +138,9 @@ def _row(cells: Sequence[str]) -> str:
 
 
 _STOPPED = {
-    "until": "Stopped at the time `until`",
-    "stuck": "Stuck: nothing could go on",
-    "runaway": "Called off: the clock stood still",
+    "until": "stopped at the time `until`",
+    "stuck": "stuck, for nothing could go on",
+    "runaway": "called off, for the clock stood still",
 }
 """What is said of runs that were over before their tasks were."""
 
@@ -148,10 +148,19 @@ _STOPPED = {
 def remarks(summary: Summary) -> Iterator[str]:
     """What is to be said below a table: runs to look at, by their seeds, and notes."""
     for row in summary.rows:
-        told = [(f"Disaster: {what}", seeds) for what, seeds in row.disasters.items()]
+        told = [*row.disasters.items()]
         told += [(_STOPPED[reason], seeds) for reason, seeds in row.stopped.items()]
-        where = "" if row.value is None else f"At {show(row.value)}: "
-        for what, seeds in told:
-            word = "seed" if len(seeds) == 1 else "seeds"
-            yield f"{where}{what} ({word} {', '.join(map(str, seeds))})."
+        if told:
+            where = (
+                "Not ended well"
+                if row.value is None
+                else f"Not ended well at {show(row.value)}"
+            )
+            listed = ", ".join(f"{what} ({_seeds(seeds)})" for what, seeds in told)
+            yield f"{where}: {listed}."
     yield from summary.part.notes
+
+
+def _seeds(seeds: Sequence[int]) -> str:
+    word = "seed" if len(seeds) == 1 else "seeds"
+    return f"{word} {', '.join(map(str, seeds))}"

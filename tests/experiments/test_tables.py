@@ -91,8 +91,8 @@ def test_figures_from_elsewhere_stand_below_ours(drops: Summary) -> None:
     assert (ours["from-to"], theirs["from-to"]) == ("150-600", "")
     assert (wild["runs"], wild["time each"], wild["from-to"]) == ("1/4", "-", "-")
     assert list(remarks(drops)) == [
-        "At 0: Disaster: no fuel (seed 3).",
-        "At 40: Stopped at the time `until` (seed 0).",
+        "Not ended well at 0: no fuel (seed 3).",
+        "Not ended well at 40: stopped at the time `until` (seed 0).",
         "A note.",
     ]
 

@@ -123,3 +123,16 @@ def test_what_runs_is_what_was_installed(installed: Installed) -> None:
     code = "import rapc; print(rapc.__file__)"
     done = installed.run("python", "-c", code)
     assert Path(done.stdout.strip()).is_relative_to(installed.folder)
+
+
+def test_installed_alone_it_runs_the_experiments_that_come_with_it(
+    installed: Installed,
+) -> None:
+    batch = ("experiment", "chapter6", "--part", "still", "--seeds", "1")
+    done = installed.run("rapc", *batch)
+    told = "no plots: install `rapc[viz]` to have them drawn\n"
+    assert (done.returncode, done.stderr) == (0, told), done.stdout
+    assert "\nT 6.2 " in done.stdout
+    done = installed.run("rapc", *batch, "--cluster", "tcp://127.0.0.1:1", "--out", "x")
+    told = "error: --cluster needs Dask: install `rapc[cluster]`\n"
+    assert (done.returncode, done.stderr) == (2, told)
