@@ -108,8 +108,7 @@ class Drive:
         self._recorder = Recorder()
         library = _library(recognising)
         words = Vocabulary.of(library)
-        now = self.world.now
-        self._parts = assemble(library, words, self._recorder, now, {})
+        self._parts = assemble(library, words, self._recorder, {})
         for fact in self.world.facts():
             self._parts.access.assert_fact(*fact)
 

@@ -110,7 +110,6 @@ class Machine:
             library.library,
             library.vocabulary,
             self.recorder,
-            self.clock,
             comparators,
             settings.max_layers,
         )
@@ -142,10 +141,6 @@ class Machine:
         self.numbers = 0
         self.tickets = 0
         self._overlay: dict[str, list[MethodPlan]] = {}
-
-    def clock(self) -> Time:
-        """The time now; the world's clock as last looked at."""
-        return self.recorder.time
 
     def look_at_clock(self) -> None:
         """Take the time from the world; for the run it stops at `until`."""

@@ -73,7 +73,7 @@ class _Validator:
         self._handled = handled
         self._solved = solved
         self._offer = offer_of(library)
-        self._memory = Memory(Vocabulary.of(library), Recorder(), lambda: 0)
+        self._memory = Memory(Vocabulary.of(library), Recorder())
 
     def test(self, test: tests.DefineTest) -> Iterator[Problem]:
         """Everything, in the order of the clauses."""

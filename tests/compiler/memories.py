@@ -66,7 +66,7 @@ Change = tuple[str, Any]
 def memories(changes: list[Change]) -> Memories:
     """Both memories after some changes."""
     recorder = Recorder()
-    memory = Memory(VOCABULARY, recorder, lambda: recorder.time)
+    memory = Memory(VOCABULARY, recorder)
     context = QueryContext(memory, recorder, FUNCTIONS)
     context.task = _task()
     mind = Mind(

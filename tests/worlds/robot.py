@@ -31,9 +31,7 @@ class Robot:
         self.world = world
         self.handlers = world.handlers()
         self.recorder = Recorder()
-        self.memory = Memory(
-            Vocabulary.of(library), self.recorder, lambda: self.recorder.time
-        )
+        self.memory = Memory(Vocabulary.of(library), self.recorder)
         self.access = HandlerAccess(self.memory, self.recorder)
         for fact in world.facts():
             self.access.assert_fact(*fact)

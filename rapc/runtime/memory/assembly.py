@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import msgspec
 
@@ -14,7 +14,6 @@ from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS, Recognizer
 from rapc.runtime.memory.recognition.scoring import Comparator, Scores
 from rapc.runtime.recorder import Recorder
-from rapc.runtime.world import Time
 
 
 class Assembled(msgspec.Struct, frozen=True):
@@ -29,7 +28,6 @@ def assemble(
     library: Library,
     vocabulary: Vocabulary,
     recorder: Recorder,
-    clock: Callable[[], Time],
     comparators: Mapping[str, Comparator],
     max_layers: int = MAX_LAYERS,
 ) -> Assembled:
@@ -37,7 +35,7 @@ def assemble(
 
     `comparators` holds every comparator in Python that the library names.
     """
-    memory = Memory(vocabulary, recorder, clock)
+    memory = Memory(vocabulary, recorder)
     exclusions = Exclusions(library.properties.values(), vocabulary, memory.facts)
     if exclusions:
         memory.excluded = exclusions.of

@@ -52,7 +52,6 @@ class MemoryBench:
             library,
             Vocabulary.of(library),
             self._recorder,
-            self._now,
             comparators or {},
             max_layers,
         )
@@ -60,9 +59,6 @@ class MemoryBench:
         self._recognizer = parts.recognizer
         self._access = parts.access
         self.memory: MemoryView = parts.access
-
-    def _now(self) -> Time:
-        return self._recorder.time
 
     @property
     def time(self) -> Time:

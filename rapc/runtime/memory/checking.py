@@ -25,7 +25,9 @@ def full_form(fact: Fact, relations: Mapping[str, Relation]) -> Fact:
     Raises:
         FactError: if the declarations do not allow it.
     """
-    relation = _declared(fact, relations)
+    relation = relations.get(fact[0]) if fact and type(fact[0]) is str else None
+    if relation is None:
+        raise _undeclared(fact)
     size = relation.arity
     for part in fact:
         if type(part) is not str and type(part) is not int:
@@ -45,18 +47,15 @@ def full_form(fact: Fact, relations: Mapping[str, Relation]) -> Fact:
 
 def check_prefix(prefix: Fact, relations: Mapping[str, Relation]) -> None:
     """See that facts may begin so. Raises FactError."""
-    _declared(prefix, relations)
+    if not prefix or type(prefix[0]) is not str or prefix[0] not in relations:
+        raise _undeclared(prefix)
     for part in prefix:
         if type(part) is not str:
             _in_one_form(part)
 
 
-def _declared(fact: Fact, relations: Mapping[str, Relation]) -> Relation:
-    name = fact[0] if fact else ""
-    relation = relations.get(name) if type(name) is str else None
-    if relation is None:
-        raise FactError(f"`{name}` is not declared")
-    return relation
+def _undeclared(fact: Fact) -> FactError:
+    return FactError(f"`{fact[0] if fact else ''}` is not declared")
 
 
 def _in_one_form(part: Atom) -> Atom:

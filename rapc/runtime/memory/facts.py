@@ -152,7 +152,8 @@ class FactStore:
         del table.stamps[fact]
         if table.is_property:
             del table.values[fact[1] if len(fact) == 3 else fact[1:-1]]
-        self._leave(table, fact)
+        if table.spread:
+            self._leave(table, fact)
 
     def _leave(self, table: Table, fact: Fact) -> None:
         for at, buckets in table.spread:

@@ -43,8 +43,7 @@ class Memory:
 
     Args:
         vocabulary: the declarations; nothing undeclared gets in.
-        recorder: is told of each change.
-        clock: the time that new facts are stamped with.
+        recorder: is told of each change; new facts are stamped with its time.
 
     `changed` is called with every fact that came, was refreshed or went; `moved` with
     a word when something else that queries see has changed: `external`,
@@ -56,9 +55,7 @@ class Memory:
     expectation set of a class and a place, None for a distinct class.
     """
 
-    def __init__(
-        self, vocabulary: Vocabulary, recorder: Recorder, clock: Callable[[], Time]
-    ) -> None:
+    def __init__(self, vocabulary: Vocabulary, recorder: Recorder) -> None:
         self.vocabulary = vocabulary
         self.facts = FactStore(vocabulary.relations.get)
         self.items = Items()
@@ -70,7 +67,6 @@ class Memory:
         self.excluded: Callable[[Fact], Sequence[Fact]] | None = None
         self.set_size: Callable[[object, object], int | None] = lambda kind, at: None
         self._recorder = recorder
-        self._clock = clock
         self._notations: dict[Fact, Notation] = {}
 
     # --- changes -------------------------------------------------------------
@@ -135,7 +131,8 @@ class Memory:
         Raises:
             FactError: as `erase`, and as `refuse_by_hand`.
         """
-        self.refuse_by_hand(self.canonical(prefix))
+        if prefix and prefix[0] in _BY_HANDLERS:
+            self.refuse_by_hand(self.canonical(prefix))
         self.erase(prefix, by)
 
     def assert_fact(self, fact: Fact, by: str) -> None:
@@ -157,7 +154,7 @@ class Memory:
         if self.excluded is not None and stamp is None:
             for other in self.excluded(fact):
                 self._remove(other, "memory")
-        replaced = self.facts.add(fact, self._clock() if stamp is None else stamp)
+        replaced = self.facts.add(fact, recorder.time if stamp is None else stamp)
         if replaced is not None:
             if self._notations:
                 self._notations.pop(replaced, None)
