@@ -118,6 +118,7 @@ def steps_of(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
         for annotation in plan.node.annotations:
             _annotate(compiler, plans, at_tag, plan, annotation)
     for plan in plans:
+        plan.after.sort()
         plan.timed = bool(plan.windows or plan.waits or plan.until)
         plan.brings = bool(plan.outputs or plan.effects)
     return plans

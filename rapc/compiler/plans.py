@@ -21,14 +21,18 @@ class MethodPlan:
 
     `name` is what the trace prints, and `index` the place in the order of choice.
     `users` are, for each variable, the positions of the steps whose inputs or windows
-    use it; `raps` are what the steps ask for, once they have been looked up. `binds`
-    says whether steps may add to the method's environment, `dated` whether windows are
-    reckoned from the ends of steps. `key` tells the method from others of its RAP.
+    use it; `raps` are what the `size` steps ask for, once they have been looked up.
+    `conditions` says whether any step has some put on it, `computes` whether inputs are
+    computed, `binds` whether steps may add to the method's environment, `dated` whether
+    windows or `until`s ask how steps have ended. `key` tells the method from others of
+    its RAP.
     """
 
     __slots__ = (
         "binds",
         "choice",
+        "computes",
+        "conditions",
         "dated",
         "index",
         "key",
@@ -37,6 +41,7 @@ class MethodPlan:
         "notations",
         "raps",
         "request",
+        "size",
         "steps",
         "users",
     )
@@ -66,19 +71,25 @@ class MethodPlan:
         self.users = users_of(self.steps)
         self.raps: tuple[RapPlan, ...] = ()
         self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
+        self.size = len(self.steps)
+        self.conditions = any(step.conditions for step in self.steps)
+        self.computes = any(step.computes for step in self.steps)
         windows = [window for step in self.steps for window in step.windows]
         self.dated = any(isinstance(window.reference, int) for window in windows)
+        self.dated |= any(step.until for step in self.steps)
 
 
 class RapPlan:
     """A RAP ready to be instantiated.
 
     `succeed` is None where no clause is given: `(last-result okay)`; `endless` is set
-    where it can never hold. `identity` is that of a task without inputs; only
-    `recursive` RAPs can come up among their own subtasks. `monitored` says whether
-    there is a monitor clause, `ages` whether it asks how old beliefs are,
-    `conditional` whether there are preconditions or constraints, `prepares` whether
-    something is to be made of the inputs; `waits` if it is monitored or prepares.
+    where it can never hold. `identity` is that of a task without inputs, `known` the
+    same if it need not be tested: only `recursive` RAPs can come up among their own
+    subtasks. `only` is the one method if there is one and no `repeat-while`.
+    `monitored` says whether there is a monitor clause, `ages` whether it asks how old
+    beliefs are, `conditional` whether there are preconditions or constraints,
+    `prepares` whether something is to be made of the inputs; `waits` if it is monitored
+    or prepares.
     """
 
     __slots__ = (
@@ -89,12 +100,14 @@ class RapPlan:
         "endless",
         "identity",
         "inputs",
+        "known",
         "methods",
         "monitor_state",
         "monitor_time",
         "monitored",
         "name",
         "node",
+        "only",
         "outputs",
         "preconditions",
         "prepared_from",
@@ -145,10 +158,13 @@ class RapPlan:
         self.prepares = bool(node.resources or node.duration or node.monitor_time)
         self.waits = self.monitored or self.prepares
         self.recursive = node.name in compiler.recursive
+        self.known = None if self.inputs or self.recursive else self.identity
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)
         )
+        single = len(self.methods) == 1 and node.repeat_while is None
+        self.only = self.methods[0] if single else None
 
 
 def _used(node: nodes.DefineRap) -> frozenset[str]:

@@ -49,7 +49,7 @@ class Agenda:
         self.last_family: int | None = None
         self._rng = rng
         self._only: Task | None = None
-        self._tasks: dict[int, Task] = {}
+        self._tasks: dict[int, tuple[Task, _Key]] = {}
         self._groups: dict[_Key, _Group] = {}
         self._keys: list[_Key] = []
 
@@ -73,29 +73,29 @@ class Agenda:
     def _insert(self, task: Task) -> None:
         wait = task.wait
         latest = task.limit if wait is None else task.limit - wait.duration
-        key = task.key = (-task.priority, latest, task.failed)
+        key = (-task.priority, latest, task.failed)
         group = self._groups.get(key)
         if group is None:
             group = self._groups[key] = _Group()
             insort(self._keys, key)
         group.add(task)
-        self._tasks[task.number] = task
+        self._tasks[task.number] = task, key
 
     def discard(self, task: Task) -> None:
         """A task that was eligible no longer is; others are left alone."""
         if task is self._only:
             self._only = None
-        elif self._tasks.pop(task.number, None) is not None:
-            self._take_out(task)
+        elif task.number in self._tasks:
+            self._take_out(task.number)
 
-    def _take_out(self, task: Task) -> None:
-        key = task.key
-        assert key is not None
+    def _take_out(self, number: int) -> Task:
+        task, key = self._tasks.pop(number)
         group = self._groups[key]
         group.discard(task)
         if not group.numbers:
             del self._groups[key]
             del self._keys[bisect_left(self._keys, key)]
+        return task
 
     def choose(self) -> Task | None:
         """Take the next task off the agenda, or None if none is eligible."""
@@ -117,17 +117,14 @@ class Agenda:
         group = self._groups[key]
         numbers = group.numbers
         if len(numbers) == 1:
-            task = self._tasks.pop(numbers[0])
             del self._groups[key]
             del self._keys[0]
-            return task
+            return self._tasks.pop(numbers[0])[0]
         self._drop_above(-int(key[0]))
         if self.stack:
             numbers = group.families.get(self.stack[-1][1], numbers)
         at = self._rng.randrange(len(numbers)) if len(numbers) > 1 else 0
-        task = self._tasks.pop(numbers[at])
-        self._take_out(task)
-        return task
+        return self._take_out(numbers[at])
 
     def _drop_above(self, priority: int) -> None:
         """Pop what has nothing eligible at or above its priority."""

@@ -7,7 +7,6 @@ selected in `rapc.runtime.cycle` (semantics 3 and 4).
 from __future__ import annotations
 
 from rapc.compiler.nets import StepPlan, WindowPlan
-from rapc.compiler.plans import RapPlan
 from rapc.compiler.query import TermValue
 from rapc.parser.printer import format_formula
 from rapc.resources import Counter, SetResource, frozen
@@ -30,10 +29,11 @@ def create_top(machine: Machine, submission: Submission) -> None:
     fix_inputs(task)
     repeats_ancestor(machine, task)
     task.priority = submission.priority
-    task.given = Given(task, submission.background)
-    machine.given.append(task.given)
     machine.foreground += not submission.background
+    given = Given(task, submission.background)
+    machine.given.append(given)
     create(machine, task)
+    machine.tops[task.number] = given
     if submission.deadline is not None:
         task.wait = task.wait or Waiting()
         task.wait.given_deadline = submission.deadline
@@ -41,29 +41,17 @@ def create_top(machine: Machine, submission: Submission) -> None:
     let_go(machine, task)
 
 
-def make(machine: Machine, run: MethodRun, step: StepPlan, plan: RapPlan) -> Task:
-    """The task of a step, not yet numbered; its inputs are read as far as they go."""
-    task = Task(plan, run, step)
-    if plan.inputs:
-        fill_inputs(machine, task)
-    else:
-        task.bound = True
-    return task
-
-
 def create(machine: Machine, task: Task) -> None:
     """A task joins the run, told of with its inputs as they are now."""
     if task.step is not None and task.step.computes:
         fill_inputs(machine, task)
     machine.numbers += 1
-    task.number = number = machine.numbers
-    if task.step is None:
-        task.family = number
-        machine.tops[number] = task
+    task.number = machine.numbers
+    task.family = task.family or task.number
     if machine.recorder.on:
         machine.recorder.emit(
             TaskCreated,
-            task=number,
+            task=task.number,
             goal=task.goal(),
             parent=task.parent.number if task.parent is not None else None,
             family=task.family,
@@ -117,8 +105,7 @@ def _make(
 def fix_inputs(task: Task) -> None:
     """Keep the inputs of a task that are bound, and the resources it has."""
     plan, args = task.plan, task.goal_args
-    task.bound = None not in args
-    if task.bound:
+    if None not in args:
         env = dict(zip(plan.inputs, args, strict=True))
     else:
         given = zip(plan.inputs, args, strict=True)
@@ -249,7 +236,7 @@ def _base(run: MethodRun, window: WindowPlan) -> float | None:
         return run.started
     if window.reference == "absolute":
         return 0
-    return None if run.ends is None else run.ends[int(window.reference)]
+    return None if run.ends is None else run.ends.times[int(window.reference)]
 
 
 def fill_inputs(machine: Machine, task: Task) -> None:

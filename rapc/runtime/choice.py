@@ -36,20 +36,13 @@ def choose(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
     repeat = plan.repeat_while
     if repeat is not None and not repeat.holds(context, env):
         return None
-    if len(plan.methods) == 1 and machine.is_plain:
-        method = plan.methods[0]
-        query = method.choice
-        found = {} if query is None else context.asked[query].first(env)
-        if found is None:
-            return None
-        return method, found, _key(method, env, found)
     holding = _holding(machine, task)
     if not holding and _ask_solver(machine, task):
         holding = _holding(machine, task)
     if len(holding) > 1:
         return _choose_among(machine, task, holding)
     for method, found in holding:
-        return method, found, _key(method, env, found)
+        return method, found, key_of(method, env, found)
     return None
 
 
@@ -58,7 +51,7 @@ def _choose_among(
 ) -> tuple[MethodPlan, Env, Key]:
     """One of several: failed least, then chosen least, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
-    keys = [_key(method, task.env, found) for method, found in holding]
+    keys = [key_of(method, task.env, found) for method, found in holding]
     choices = [(m, f, key) for (m, f), key in zip(holding, keys, strict=True)]
     if len(choices) > 1:
         choices = _least(choices, [task.times_chosen(key) for key in keys])
@@ -67,7 +60,8 @@ def _choose_among(
     return choices[0]
 
 
-def _key(method: MethodPlan, env: Env, found: Env) -> Key:
+def key_of(method: MethodPlan, env: Env, found: Env) -> Key:
+    """The key of a choice, with what the task's environment holds now."""
     if not (env or found):
         return method.key
     held = [frozen(value) for value in env.values()]

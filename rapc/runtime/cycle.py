@@ -27,14 +27,15 @@ from rapc.runtime.world import OKAY
 
 def run_cycle(machine: Machine, task: Task) -> None:
     """Process the task that the agenda has chosen."""
-    recorder, plan = machine.recorder, task.plan
+    recorder, plan, run = machine.recorder, task.plan, task.within
     recorder.cycle += 1
-    if not task.bound:
+    special = task.wait is not None or task.identity is None
+    if special and not task.bound:
         fill_inputs(machine, task)
     if recorder.on:
         _tell_selected(machine, task)
     machine.agenda.last_family = task.family
-    if task.wait is not None or task.identity is None:
+    if special:
         _first_of_all(machine, task)
         if task.state is ENDED:
             return
@@ -46,7 +47,9 @@ def run_cycle(machine: Machine, task: Task) -> None:
         succeed(machine, task, found)
     elif plan.monitored and not _monitors_hold(machine, task):
         machine.monitors.block(task)
-    elif _is_conditional(task) and not _conditions_hold(machine, task):
+    elif (plan.conditional or (run is not None and run.guarded)) and not (
+        _conditions_hold(machine, task)
+    ):
         if task.state is not ENDED:
             fail(machine, task, INTERFERENCE)
     else:
@@ -80,13 +83,6 @@ def _monitors_hold(machine: Machine, task: Task) -> bool:
     return wait is None or (wait.begun and machine.monitors.still_hold(task, wait))
 
 
-def _is_conditional(task: Task) -> bool:
-    """Whether conditions of its own, its step or its ancestors are put on a task."""
-    if task.plan.conditional or task.constrained is not None:
-        return True
-    return task.step is not None and bool(task.step.conditions)
-
-
 def _tell_selected(machine: Machine, task: Task) -> None:
     recorder, last = machine.recorder, machine.agenda.last_family
     if last is not None and last != task.family:
@@ -113,7 +109,7 @@ def _misses_inputs(machine: Machine, task: Task) -> bool:
         machine.context.task = run.task
         bound: list[str] = []
         for carrier, query in step.conditions:
-            if carrier not in run.lapsed:
+            if not run.has_lapsed(carrier):
                 found = query.first(machine.context, run.env) or {}
                 run.env.update(found)
                 bound.extend(found)
@@ -136,7 +132,7 @@ def _conditions_hold(machine: Machine, task: Task) -> bool:
     run, step, context = task.within, task.step, machine.context
     if run is not None and step is not None:
         for carrier, query in step.conditions:
-            if carrier in run.lapsed:
+            if run.has_lapsed(carrier):
                 continue
             context.task = run.task
             found = query.first(context, run.env)

@@ -44,10 +44,22 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     It stands on the agenda no longer.
     """
     step, run = task.step, task.within
-    outputs = _outputs(task, found) if task.plan.outputs else {}
+    if step is None or run is None or step.brings or task.plan.outputs:
+        _succeed_with(machine, task, _outputs(task, found))
+        return
+    _leave(machine, task)
+    machine.succeeded += 1
+    if machine.recorder.on:
+        _tell_success(machine, task, {})
+    step_ended(machine, run, step)
+
+
+def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
+    """A task that is no step, or has outputs or effects, succeeds or fails."""
+    step, run = task.step, task.within
     bound: Env | None = {}
     changes: list[Change] | None = []
-    if step is not None and run is not None and step.brings:
+    if step is not None and run is not None:
         names = zip(task.plan.outputs, step.outputs, strict=False)
         arriving = [(to, outputs[name]) for name, to in names if name in outputs]
         bound = receive(machine, run, arriving)
@@ -55,24 +67,28 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     if bound is None or changes is None:
         fail(machine, task, INTERFERENCE)
         return
+    if step is None:
+        given = machine.tops[task.number]
+        given.outcome, given.outputs = OKAY, outputs
     _leave(machine, task)
     machine.succeeded += 1
-    if task.given is not None:
-        task.given.outcome, task.given.outputs = OKAY, outputs
     if machine.recorder.on:
-        machine.recorder.emit(
-            TaskSucceeded,
-            task=task.number,
-            goal=task.goal(outputs),
-            outputs={name: format_atom(value) for name, value in outputs.items()},
-        )
+        _tell_success(machine, task, outputs)
     if step is None or run is None:
         return
-    if step.brings:
-        run.env.update(bound)
-        for change in changes:
-            carry_out(machine, task, change)
+    run.env.update(bound)
+    for change in changes:
+        carry_out(machine, task, change)
     step_ended(machine, run, step, bound)
+
+
+def _tell_success(machine: Machine, task: Task, outputs: Env) -> None:
+    machine.recorder.emit(
+        TaskSucceeded,
+        task=task.number,
+        goal=task.goal(outputs),
+        outputs={name: format_atom(value) for name, value in outputs.items()},
+    )
 
 
 def _outputs(task: Task, found: Env) -> Env:
@@ -112,12 +128,23 @@ def step_ended(
     `bound` are the variables of its method that its outputs have bound.
     """
     run.left -= 1
-    if run.ends is not None:
-        run.ends[step.position] = machine.recorder.time
+    if run.ends is not None or bound:
+        _step_ended_with(machine, run, step, bound)
+    elif run.left == 0:
+        end_method(machine, run, OKAY)
+    elif step.after:
+        followers(machine, run, (step,))
+
+
+def _step_ended_with(
+    machine: Machine, run: MethodRun, step: StepPlan, bound: Iterable[str]
+) -> None:
+    """As `step_ended`, where the end of a step or its outputs mean something."""
     ended = [step]
-    if step.until:
+    if run.ends is not None:
+        run.ends.times[step.position] = machine.recorder.time
         ended += until(machine, run, step, at_end=True)
-    if bound and late_recursion(machine, run, bound):
+    if late_recursion(machine, run, bound):
         return
     if run.left:
         followers(machine, run, ended)
@@ -157,9 +184,9 @@ def until(
         if when != at_end or not task.live:
             continue
         remove(machine, task, "until")
-        run.lapsed |= {target}
         if run.ends is not None:
-            run.ends[target] = machine.recorder.time
+            run.ends.lapsed.add(target)
+            run.ends.times[target] = machine.recorder.time
         run.left -= 1
         ended.append(run.plan.steps[target])
     return ended
@@ -203,9 +230,9 @@ def fail(machine: Machine, task: Task, reason: str) -> None:
     """A task fails: its method goes with it, its parent comes up again."""
     world_failure = task.world_failure
     result = world_failure or reason
+    if task.step is None:
+        machine.tops[task.number].outcome = result
     _leave(machine, task)
-    if task.given is not None:
-        task.given.outcome = result
     if machine.recorder.on:
         machine.recorder.emit(
             TaskFailed,
@@ -314,12 +341,11 @@ def _drop(machine: Machine, run: MethodRun) -> None:
 
 
 def _leave(machine: Machine, task: Task) -> None:
-    if task.step is None:
-        machine.foreground -= task.given is not None and not task.given.background
-        del machine.tops[task.number]
-    else:
-        for wait in task.step.waits:
-            machine.listening.get(wait.signal, {}).pop(task.number, None)
     task.state = ENDED
+    if task.step is None:
+        machine.foreground -= not machine.tops.pop(task.number).background
     if task.wait is not None:
+        if task.step is not None:
+            for signal in task.step.waits:
+                machine.listening.get(signal.signal, {}).pop(task.number, None)
         machine.monitors.forget(task)

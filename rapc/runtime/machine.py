@@ -120,7 +120,7 @@ class Machine:
         self.context = QueryContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng)
         self.monitors = Monitors(self.memory, self.context, self.recorder, self.agenda)
-        self.tops: dict[int, Task] = {}
+        self.tops: dict[int, Given] = {}
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}
         self.under_way: dict[object, int] = {}
@@ -161,7 +161,7 @@ class Machine:
 
     def live_tasks(self) -> list[Task]:
         """All tasks of the run that have not ended, by number."""
-        found = list(self.tops.values())
+        found = [given.task for given in self.tops.values()]
         for task in found:
             if task.run is not None:
                 found.extend(s for s in task.run.steps if s.number and s.live)

@@ -7,8 +7,14 @@ Which method it is is decided in `rapc.runtime.choice`; how methods end is in
 from __future__ import annotations
 
 from rapc.compiler.plans import MethodPlan
-from rapc.runtime.beginnings import create, let_go, make, read_windows, repeats_ancestor
-from rapc.runtime.choice import choose
+from rapc.runtime.beginnings import (
+    create,
+    fill_inputs,
+    let_go,
+    read_windows,
+    repeats_ancestor,
+)
+from rapc.runtime.choice import Key, choose, key_of
 from rapc.runtime.endings import (
     FUTILE_LOOP,
     INTERFERENCE,
@@ -20,20 +26,20 @@ from rapc.runtime.events import MethodChosen
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.requests import ground, request
-from rapc.runtime.task import RUNNING, MethodRun, Task
+from rapc.runtime.task import RUNNING, Env, MethodRun, Task
 from rapc.runtime.world import OKAY
 from rapc.terms import format_atom
 
 
 def try_method(machine: Machine, task: Task) -> None:
     """Steps 5 to 9: choose a method and start it, or fail."""
-    choice = choose(machine, task)
+    choice = _only(machine, task) if machine.is_plain else choose(machine, task)
     if choice is None:
         fail(machine, task, NO_METHOD)
         return
     method, found, key = choice
     if task.choice is None:
-        task.choice, task.tries = key, 1
+        task.choice = key
     elif task.times_chosen(key) < machine.settings.futile_limit:
         task.note_choice(key)
     else:
@@ -51,6 +57,21 @@ def try_method(machine: Machine, task: Task) -> None:
     _start(machine, run)
 
 
+def _only(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
+    """What `choose` says, sooner where there is but one method to choose."""
+    method, env = task.plan.only, task.env
+    if method is None:
+        return choose(machine, task)
+    if method.choice is None:
+        return method, {}, key_of(method, env, {}) if env else method.key
+    context = machine.context
+    context.task = task
+    found = context.asked[method.choice].first(env)
+    if found is None:
+        return None
+    return method, found, key_of(method, env, found) if env or found else method.key
+
+
 def _spawn(machine: Machine, run: MethodRun) -> bool:
     """Make the steps' tasks, not yet numbered; False if one repeats an ancestor."""
     run.steps = tasks = []
@@ -59,9 +80,12 @@ def _spawn(machine: Machine, run: MethodRun) -> bool:
         names = [step.node.goal.name for step in method.steps]
         method.raps = tuple([machine.library.known_rap(name) for name in names])
     for step, rap in zip(method.steps, method.raps, strict=True):
-        task = make(machine, run, step, rap)
+        task = Task(rap, run, step)
         tasks.append(task)
-        if task.bound and repeats_ancestor(machine, task):
+        if rap.inputs:
+            fill_inputs(machine, task)
+        untested = task.identity is None or machine.solvers
+        if untested and task.bound and repeats_ancestor(machine, task):
             return False
     return True
 
@@ -98,13 +122,18 @@ def _start(machine: Machine, run: MethodRun) -> None:
 def _let_steps_go(machine: Machine, run: MethodRun) -> None:
     """The steps' tasks join the run; those that wait for none may go on."""
     steps = run.steps
-    for step in steps:
-        create(machine, step)
-    for step in steps:
-        if step.wait is not None:
-            read_windows(machine, step)
-        if step.waiting == 0:
-            let_go(machine, step)
+    special = machine.recorder.on or run.plan.computes
+    for task in steps:
+        if special or task.wait is not None:
+            create(machine, task)
+        else:
+            machine.numbers += 1
+            task.number = machine.numbers
+    for task in steps:
+        if task.wait is not None:
+            read_windows(machine, task)
+        if task.waiting == 0:
+            let_go(machine, task)
     if not steps:
         end_method(machine, run, OKAY)
 

@@ -54,12 +54,12 @@ def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
     task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
     task.identity = _in_value(task.identity, lost, kept)
     task.choice = _in_value(task.choice, lost, kept)
-    if task.choices is not None:
+    if task.history is not None:
         counts: dict[tuple[object, ...], int] = {}
-        for key, count in task.choices.items():
+        for key, count in task.history.choices.items():
             renamed = _in_value(key, lost, kept)
             counts[renamed] = counts.get(renamed, 0) + count
-        task.choices = counts
+        task.history.choices = counts
     seen = lost in task.env.values()
     for env in environments:
         for name, value in env.items():

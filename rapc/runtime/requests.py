@@ -15,7 +15,7 @@ from rapc.runtime.events import DataReceived, PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
 from rapc.runtime.signals import signal
-from rapc.runtime.task import MethodRun
+from rapc.runtime.task import MethodRun, Task
 from rapc.runtime.world import OKAY, Datum, Finished, Message, Reply, Signal
 from rapc.terms import Atom, Fact, format_list
 
@@ -64,15 +64,16 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
     world = machine.world
     machine.tickets += 1
     run.ticket = ticket = machine.tickets
-    machine.pending[ticket] = (task, asked)
     reply = world.perform(ticket, sent)
     now = world.now()
     if now != machine.recorder.time or machine.until is not None:
         machine.set_clock(now)
-    if reply is not None and not machine.late:
-        if machine.appointments:
-            machine.keep_appointments()
-        finish(machine, ticket, reply)
+    if reply is None or machine.late:
+        machine.pending[ticket] = (task if task.run is run else None, asked)
+        return
+    if machine.appointments:
+        machine.keep_appointments()
+    _finish(machine, task if task.run is run else None, asked, reply)
 
 
 def _sensed(items: Items, request: Fact) -> Fact | None:
@@ -95,6 +96,10 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
     if ticket not in machine.pending:
         raise PortError(f"the world ended a request that is not under way: {ticket}")
     task, asked = machine.pending.pop(ticket)
+    _finish(machine, task, asked, reply)
+
+
+def _finish(machine: Machine, task: Task | None, asked: Fact, reply: Reply) -> None:
     handler, result = machine.result_handlers.get(asked[0]), reply.result
     if handler is not None or reply.data or machine.recognizer.unsettled:
         canonical = machine.memory.canonical

@@ -92,13 +92,15 @@ class Waiting:
 class History:
     """What the methods of a task have come to: results by name, failures by index.
 
+    `choices` counts what the futile-loop detector has seen, from the second choice on.
     `failure` is the last failure symbol from the world, `success` the environment of
     the last method that ended well, for a task with outputs.
     """
 
-    __slots__ = ("failure", "failures", "results", "success")
+    __slots__ = ("choices", "failure", "failures", "results", "success")
 
     def __init__(self) -> None:
+        self.choices: dict[tuple[object, ...], int] = {}
         self.results: dict[object, str | None] = {}
         self.failures: dict[int, int] = {}
         self.failure: str | None = None
@@ -123,38 +125,31 @@ class Given:
 class Task:
     """One goal under way; it has no number until it joins the run.
 
-    `env` holds inputs and resources, once `bound`; `identity` is set with the last
-    input, and is the RAP with its input values where a recursion test needs them;
-    `constrained` is the nearest ancestor that states constraints; `family` is the
-    number of its top-level task; `limit` the nearest deadline of its own and its
-    ancestors'. `waiting` counts the steps that it still follows. `method` is the one
-    tried last; `choice` with `tries` is the choice that its futile-loop detector has
-    seen last, with the others in `choices`. `wait` and `history` are None for most.
+    `goal_args` are its inputs as far as they are known, `env` holds them and its
+    resources by name. `identity` is set with the last input, and is the RAP with its
+    input values where a recursion test needs them; `family` is the number of its
+    top-level task; `limit` the nearest deadline of its own and its ancestors'.
+    `waiting` counts the steps that it still follows. `method` is the one tried last,
+    `choice` the first that its futile-loop detector has seen. `wait` and `history` are
+    None for most.
     """
 
     __slots__ = (
-        "bound",
         "choice",
-        "choices",
-        "constrained",
         "env",
         "family",
-        "given",
         "goal_args",
         "history",
         "identity",
-        "key",
         "last_result",
         "limit",
         "method",
         "number",
-        "parent",
         "plan",
         "priority",
         "run",
         "state",
         "step",
-        "tries",
         "wait",
         "waiting",
         "within",
@@ -168,39 +163,43 @@ class Task:
         self.step = step
         self.number = 0
         if within is None or step is None:
-            self.parent: Task | None = None
             self.family: int = 0
-            self.constrained: Task | None = None
             self.limit: float = math.inf
             self.priority = 0
             self.waiting = 0
             self.wait = Waiting() if plan.waits else None
         else:
-            self.parent = parent = within.task
+            parent = within.task
             self.family = parent.family
-            self.constrained = parent.constrained
-            if parent.plan.constraints is not None:
-                self.constrained = parent
             self.limit = parent.limit
             self.priority = parent.priority + step.priority
             self.waiting = step.before
-            self.wait = None
-            if plan.waits or step.timed:
-                self.wait = Waiting(step.windows)
+            waits = plan.waits or step.timed
+            self.wait = Waiting(step.windows) if waits else None
         self.goal_args: tuple[Value | None, ...] = ()
         self.env: Env = {}
-        self.bound = False
-        self.identity: tuple[object, ...] | None = None
+        self.identity: tuple[object, ...] | None = plan.known
         self.state = WAITING
-        self.key: tuple[float, float, bool] | None = None
         self.run: MethodRun | None = None
         self.method: MethodPlan | None = None
         self.history: History | None = None
         self.choice: tuple[object, ...] | None = None
-        self.tries = 0
-        self.choices: dict[tuple[object, ...], int] | None = None
         self.last_result: str | None = None
-        self.given: Given | None = None
+
+    @property
+    def parent(self) -> Task | None:
+        """The task whose method it is a step of; None for a top-level task."""
+        return None if self.within is None else self.within.task
+
+    @property
+    def bound(self) -> bool:
+        """Whether all its inputs are known."""
+        return None not in self.goal_args
+
+    @property
+    def constrained(self) -> Task | None:
+        """The nearest ancestor that states constraints."""
+        return None if self.within is None else self.within.constrained
 
     @property
     def live(self) -> bool:
@@ -262,25 +261,25 @@ class Task:
 
     def times_chosen(self, key: tuple[object, ...]) -> int:
         """How often a choice was made since the detector started afresh."""
-        if self.choice == key:
-            return self.tries
-        return 0 if self.choices is None else self.choices.get(key, 0)
+        if self.history is not None and self.history.choices:
+            return self.history.choices.get(key, 0)
+        return 1 if self.choice == key else 0
 
     def note_choice(self, key: tuple[object, ...]) -> None:
-        """A choice is made; only a second, different one needs a table."""
-        if self.choice != key:
-            if self.choice is not None:
-                self.choices = self.choices or {}
-                self.choices[self.choice] = self.tries
-            self.tries = 0 if self.choices is None else self.choices.pop(key, 0)
+        """A choice is made; only from the second on they need a table."""
+        if self.choice is None:
             self.choice = key
-        self.tries += 1
+            return
+        choices = self.remember().choices
+        if not choices:
+            choices[self.choice] = 1
+        choices[key] = choices.get(key, 0) + 1
 
     def forget_choices(self) -> None:
         """The detector starts afresh."""
         self.choice = None
-        self.choices = None
-        self.tries = 0
+        if self.history is not None:
+            self.history.choices.clear()
 
     # --- in words ----------------------------------------------------------------
 
@@ -305,20 +304,35 @@ class Task:
         return f"({' '.join(words)})"
 
 
+class Ends:
+    """How steps of a method have ended, where something depends on it.
+
+    `times` holds when each of them did, None while it has not; `lapsed` are those that
+    an `until` has ended.
+    """
+
+    __slots__ = ("lapsed", "times")
+
+    def __init__(self, steps: int) -> None:
+        self.times: list[Time | None] = [None] * steps
+        self.lapsed: set[int] = set()
+
+
 class MethodRun:
     """A method while it is carried out.
 
     `env` is the method's environment: what the task had, what the choice bound, then
     what `for` formulas and outputs add; it is the task's own where nothing can be
-    added. `left` counts the steps that have not ended. `ends` holds the time at which
-    each step ended, None while it has not, if windows ask for it; `lapsed` the steps
-    that an `until` ended.
+    added. `left` counts the steps that have not ended. `constrained` is the nearest
+    task that states constraints, its own or above it; `guarded` says whether these or
+    others keep steps from being carried out.
     """
 
     __slots__ = (
+        "constrained",
         "ends",
         "env",
-        "lapsed",
+        "guarded",
         "left",
         "notations",
         "plan",
@@ -334,10 +348,17 @@ class MethodRun:
         self.env = env
         self.started = started
         self.steps: list[Task] | tuple[()] = ()
-        self.left = len(plan.steps)
-        self.ends: list[Time | None] | None = None
-        if plan.dated:
-            self.ends = [None] * self.left
-        self.lapsed: frozenset[int] = frozenset()
+        self.left = left = plan.size
+        self.ends = Ends(left) if plan.dated else None
         self.notations: tuple[Notation, ...] = ()
         self.ticket: int | None = None
+        outer = task.within
+        if task.plan.constraints is not None:
+            self.constrained: Task | None = task
+        else:
+            self.constrained = None if outer is None else outer.constrained
+        self.guarded = plan.conditions or self.constrained is not None
+
+    def has_lapsed(self, position: int) -> bool:
+        """Whether a step was ended by an `until`."""
+        return self.ends is not None and position in self.ends.lapsed

@@ -26,6 +26,14 @@ class Turns:
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
         self._idle = 0
+        self._cost = machine.settings.cycle_cost
+        self._patience = machine.settings.idle_cycles
+
+    @property
+    def _may_end(self) -> bool:
+        """Whether the world has something to say about the end of the run."""
+        ended = self._machine.world.ended
+        return getattr(ended, "__func__", None) is not World.ended
 
     def go(self, most: int | None, wait: bool) -> str | None:
         """Turn until the run is over, and say why; or until so `most` cycles are done.
@@ -34,31 +42,27 @@ class Turns:
         """
         machine, left = self._machine, -1 if most is None else most
         recorder, monitors, agenda = machine.recorder, machine.monitors, machine.agenda
-        world, settings = machine.world, machine.settings
-        patience, unsettled = settings.idle_cycles, machine.recognizer.unsettled
-        clock, receive, ended = world.now, world.messages, world.ended
-        may_end = getattr(ended, "__func__", None) is not World.ended
+        dirty, unsettled = monitors.dirty, machine.recognizer.unsettled
+        appointments, scheduled = machine.appointments, machine.scheduled
+        clock, receive, cost = machine.world.now, machine.world.messages, self._cost
+        may_end = self._may_end
         while left != 0 and not machine.over:
-            before = clock()
-            if before != recorder.time or machine.until is not None:
-                machine.set_clock(before)
-            if not machine.late:
-                if machine.appointments or unsettled:
-                    machine.keep_appointments()
-                    machine.access.settle()
-                messages = receive()
-                if messages:
-                    take_in(machine, messages)
-                if machine.scheduled:
-                    self._create_scheduled()
-                if monitors.dirty or recorder.time >= monitors.next_look:
-                    self._wake()
-            if (
-                may_end
-                or machine.late
-                or not machine.foreground
-                or self._idle > patience
-            ):
+            now = clock()
+            if now != recorder.time or machine.until is not None:
+                machine.set_clock(now)
+                if machine.late:
+                    return "until"
+            if appointments or unsettled:
+                machine.keep_appointments()
+                machine.access.settle()
+            messages = receive()
+            if messages:
+                take_in(machine, messages)
+            if scheduled:
+                self._create_scheduled()
+            if dirty or recorder.time >= monitors.next_look:
+                self._wake()
+            if may_end or not machine.foreground or self._idle > self._patience:
                 reason = self.reason()
                 if reason is not None:
                     return reason
@@ -68,12 +72,11 @@ class Turns:
                 if reason is not None:
                     return reason or None
                 continue
-            before = recorder.time
             run_cycle(machine, task)
             left -= 1
-            if settings.cycle_cost:
-                self._spend(settings.cycle_cost)
-            self._idle = self._idle + 1 if recorder.time == before else 0
+            if cost:
+                self._spend(cost)
+            self._idle = self._idle + 1 if recorder.time == now else 0
         return None
 
     def reason(self) -> str | None:
