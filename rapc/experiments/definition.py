@@ -79,8 +79,8 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     `library` is a path, seen from the file of the experiment; `tasks` are written as
     for `rapc run --task`, `until` is the time at which a run is stopped, `counted`
     names the RAPs whose tasks are counted (all that are not in the background if it is
-    empty), `count` RAPs whose successes are, by what they are called; `time-limit` is
-    how many seconds a run may take.
+    empty), `count` RAPs and primitives whose successes are, by what they are called;
+    `time-limit` is how many seconds a run may take.
     """
 
     name: str

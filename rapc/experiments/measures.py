@@ -35,7 +35,8 @@ class Measures(msgspec.Struct, frozen=True):
     `reason` is why it was over, `disaster` what the world says if it ended the run;
     `time` the time units it took; `completed`, `given_up` and `pending` count the
     tasks that are counted; `effector`, `sensor` and `failed` the primitives that
-    ended, those that only look apart; `counts` successes of the RAPs named for it.
+    ended, those that only look apart; `counts` successes of the RAPs and
+    primitives named for it.
     """
 
     reason: str
@@ -55,7 +56,7 @@ class Tally:
 
     Args:
         offer: what the world offers, with its sensors.
-        count: RAPs whose successes are counted, by what they are called.
+        count: RAPs and primitives whose successes are counted, by what they are called.
     """
 
     def __init__(self, offer: Offer, count: Mapping[str, str]) -> None:
@@ -67,19 +68,23 @@ class Tally:
     def __call__(self, event: events.Event) -> None:
         """Take one event into account."""
         if isinstance(event, events.PrimitiveEnded):
-            if _name(event.request) in self._sensors:
+            name = _name(event.request)
+            if name in self._sensors:
                 self.sensor += 1
             else:
                 self.effector += 1
-            self.failed += event.result != OKAY
+            if event.result != OKAY:
+                self.failed += 1
+            elif name in self._successes:
+                self._successes[name] += 1
         elif isinstance(event, events.TaskSucceeded):
-            rap = _name(event.goal)
-            if rap in self._successes:
-                self._successes[rap] += 1
+            name = _name(event.goal)
+            if name in self._successes:
+                self._successes[name] += 1
 
     def counts(self) -> dict[str, int]:
-        """How often each RAP that is counted has succeeded."""
-        return {name: self._successes[rap] for name, rap in self._count.items()}
+        """How often each RAP or primitive that is counted has succeeded."""
+        return {name: self._successes[what] for name, what in self._count.items()}
 
 
 def outcomes(

@@ -125,12 +125,13 @@ def _see_to_names(
         if name not in given:
             message = f"`counted`: no task in the foreground is one of `{name}`"
             raise ExperimentError(message, meant(name, given))
-    for name, rap in experiment.count.items():
+    known = [*library.library.raps, *library.library.primitives]
+    for name, what in experiment.count.items():
         if name in LABELS:
             raise ExperimentError(f"`count`, {name}: a measure is called so already")
-        if rap not in library.library.raps:
-            message = f"`count`, {name}: no RAP is named `{rap}`"
-            raise ExperimentError(message, meant(rap, library.library.raps))
+        if what not in known:
+            message = f"`count`, {name}: no RAP or primitive is named `{what}`"
+            raise ExperimentError(message, meant(what, known))
     measures = [*LABELS, *experiment.count]
     for part in experiment.part:
         for name in part.reference.figures if part.reference else ():

@@ -158,7 +158,7 @@ def test_what_contradicts_itself(text: str, message: str) -> None:
         ),
         (
             changed('"move-thing-to"', '"move-thing-too"'),
-            "`count`, moves: no RAP is named `move-thing-too`",
+            "`count`, moves: no RAP or primitive is named `move-thing-too`",
             "did you mean `move-thing-to`?",
         ),
         (

@@ -33,7 +33,7 @@ tasks = [
   "(fill-order blue 1 factory-2) :priority 2 :at 60",
 ]
 counted = ["fill-order"]
-count = {{ moves = "move-thing-to" }}
+count = {{ moves = "move-thing-to", roads = "truck-move" }}
 
 [set.truck]
 fuel = 1000
