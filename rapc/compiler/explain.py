@@ -1,13 +1,13 @@
 """How the clauses of a RAP are asked of memory, for a person to read.
 
 What is told are the steps that the writers of generated code note as they write it
-(`rapc.compiler.steps`), so it is what is done. How many facts an index holds is for
-memory to say, in a run; here it is said which of them are looked at.
+(`rapc.compiler.steps`), so it is what is done. How many facts are looked at is for a
+memory to say: without one it is told only which they are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import msgspec
 
@@ -79,20 +79,35 @@ def _asking(query: Query, known: Sequence[str]) -> Asking:
 # --- in words ---------------------------------------------------------------------
 
 
-def tell(askings: Sequence[Asking]) -> Iterator[str]:
-    """What `explain` returns as lines of text: a heading and a line for each step."""
+_RUNS = (Way.ALL, Way.INDEX, Way.SMALLEST)
+"""The ways on which several facts may be met."""
+
+Spread = Callable[..., float]
+"""Of a name and places of arguments: how many facts share these, on average."""
+
+
+def tell(askings: Sequence[Asking], spread: Spread | None = None) -> Iterator[str]:
+    """What `explain` returns as lines of text: a heading and a line for each step.
+
+    With the `spread` of a memory (`MemoryView.spread`) they say how many facts are
+    to be expected where facts are run through.
+    """
     for asking in askings:
         given = f" ({' '.join(asking.bound)} bound)" if asking.bound else ""
         yield f"{asking.where}{given}"
         for step in asking.steps:
-            yield f"{'  ' * (step.depth + 1)}{told(step)}"
+            yield f"{'  ' * (step.depth + 1)}{told(step, spread)}"
 
 
-def told(step: Step) -> str:
+def told(step: Step, spread: Spread | None = None) -> str:
     """A step in words: the part of the formula, and what is done for it."""
     if step.way in (Way.EITHER, Way.NEITHER):
         return f"{step.way.value}:"
     parts = [_how(step)]
+    pattern = _pattern(step) if step.way in _RUNS else None
+    if spread is not None and pattern is not None:
+        expected = min(spread(pattern.name, *places) for places in _looks(step))
+        parts[0] += f" (about {expected:,.1f})".replace(".0)", ")")
     if step.default is not None:
         parts.append(f"without one the default `{step.default}`")
     if step.tested:
@@ -119,6 +134,11 @@ def _how(step: Step) -> str:
         return f"run through the facts with {' or '.join(places)}, the fewer"
     words: str = step.way.value
     return words
+
+
+def _looks(step: Step) -> Iterable[tuple[int, ...]]:
+    """The places of arguments by which facts may be found, each by itself."""
+    return [(at,) for at in step.by] or [()]
 
 
 def _pattern(step: Step) -> nodes.Pattern | None:

@@ -205,7 +205,6 @@ def _scan(clause: Clause, scope: Scope, query: _Query) -> None:
         by=places,
         tested=rest,
         binds=_binds(scope, query),
-        most=None,
     )
     fact = clause.emitter.fresh("f")
     scope.loop(f"for {fact} in {_candidates(clause, scope, query, places)}:")

@@ -41,7 +41,7 @@ def solve(
         scope.finish(answer(scope))
         scope.close()
         return
-    clause.note(last, Way.EITHER, most=None)
+    clause.note(last, Way.EITHER)
     clause.emitter.depth += 1
     for branch in last.parts:
         inner = scope.child("either", (*scope.bound, *scope.maybe), scope.ending)
@@ -108,7 +108,7 @@ def _conjuncts(formula: nodes.Formula) -> Iterator[nodes.Formula]:
 
 
 def _or(clause: Clause, scope: Scope, formula: nodes.Or) -> None:
-    clause.note(formula, Way.EITHER, most=None)
+    clause.note(formula, Way.EITHER)
     _through(clause, scope, "either", formula.parts)
 
 
@@ -140,7 +140,7 @@ def _in_either_case(clause: Clause, scope: Scope, formula: nodes.Formula) -> Non
     Writing it here for each case would take two to the number of such variables.
     """
     names = variables(formula)
-    clause.note(formula, Way.LATER, most=None)
+    clause.note(formula, Way.LATER)
     known = scope.bound | scope.maybe
     values = [scope.local(name) if name in known else "UNBOUND" for name in names]
     later = clause.emitter.constant(clause.later(formula))
@@ -256,7 +256,7 @@ def _history(clause: Clause, scope: Scope, formula: nodes.History) -> None:
 def _sensor_name(clause: Clause, scope: Scope, formula: nodes.SensorName) -> None:
     item = known_value(clause, scope, formula.item)
     if item is None:
-        clause.note(formula, Way.ITEMS, most=None)
+        clause.note(formula, Way.ITEMS)
         local = clause.emitter.fresh("t")
         scope.loop(f"for {local} in ctx.accessible_items():")
         match(clause, scope, formula.item, local)

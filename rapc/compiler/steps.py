@@ -36,7 +36,6 @@ class Step(msgspec.Struct, frozen=True):
     arguments that facts are looked up by, from 1; `tested` those of arguments that
     are known and compared; `binds` the variables that have a value after it.
     `default` is what a property has without a fact, None where none may answer.
-    `most` is how many facts are looked at: 1, or None where memory decides.
     """
 
     formula: nodes.Formula
@@ -46,4 +45,11 @@ class Step(msgspec.Struct, frozen=True):
     tested: tuple[int, ...] = ()
     binds: tuple[str, ...] = ()
     default: str | None = None
-    most: int | None = 1
+
+    @property
+    def most(self) -> int | None:
+        """How many facts are looked at: none, one, or None where memory decides."""
+        return _MOST.get(self.way)
+
+
+_MOST = {Way.MEMBER: 1, Way.VALUE: 1, Way.TEST: 0, Way.NEVER: 0}

@@ -7,6 +7,8 @@ import pytest
 from rapc.compiler.explain import explain, tell
 from rapc.compiler.plans import CompiledLibrary
 from rapc.loader import load_text
+from rapc.runtime.interpreter import Interpreter
+from rapc.worlds.scripted import ScriptedWorld
 
 LIBRARY = """\
 (declare-memory-property location (?item ?place) unknown)
@@ -31,6 +33,8 @@ LIBRARY = """\
     (context (or (wet ?x) (road ?x ?y ?) (road ?p ?q ?p)))
     (task-net)))
 """
+
+FUNCTIONS = {"nominal": lambda view, index: 1}
 
 TOLD = """\
 succeed at <text>:9 (?item ?from bound)
@@ -72,6 +76,31 @@ def test_each_clause_is_told_as_it_is_asked() -> None:
     assert loaded.diagnostics == ()
     lines = tell(explain(CompiledLibrary(loaded.library), "fetch"))
     assert "\n".join(lines) + "\n" == TOLD
+
+
+def test_a_memory_says_how_many_facts_are_to_be_expected() -> None:
+    library = CompiledLibrary(load_text(LIBRARY).library)
+    run = Interpreter(
+        library, ScriptedWorld([], declared=library.library), functions=FUNCTIONS
+    )
+    for place in ("barn", "dock", "mill"):
+        run.assert_fact("wet", place)
+        run.assert_fact("road", "yard", place, "paved")
+    run.assert_fact("road", "barn", "mill", "muddy")
+    lines = list(tell(explain(library, "fetch"), run.memory.spread))
+    assert [line.split("; ")[0] for line in lines if "about" in line] == [
+        "  (road ?from depot ?way): run through the facts with ?from as argument 1 or "
+        "depot as argument 2, the fewer (about 1.3)",
+        "  (road ?from ?next ?kind): run through the facts with ?from as argument 1 "
+        "(about 2)",
+        "  (class ?other ? true): run through the facts with true as argument 3 "
+        "(about 0)",
+        "  (road ?next ? ?any): run through the facts with ?next as argument 1 "
+        "(about 2)",
+        "    (wet ?x): run through all facts of `wet` (about 3)",
+        "    (road ?x ?y ?): run through all facts of `road` (about 4)",
+        "    (road ?p ?q ?p): run through all facts of `road` (about 4)",
+    ]
 
 
 def test_a_name_that_is_no_rap_is_refused() -> None:

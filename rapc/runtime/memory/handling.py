@@ -64,6 +64,15 @@ class MemoryView:
         found = self._memory.items.known.get(str(self._memory.items.canonical(item)))
         return None if found is None else found.kind
 
+    def spread(self, name: str, *places: int) -> float:
+        """How many facts of a name share the arguments in some places, on average.
+
+        Places count from 1; without any, how many facts of that name there are.
+        """
+        facts = self._memory.facts.table(name).stamps
+        kinds = {tuple([fact[at : at + 1] for at in places]) for fact in facts}
+        return len(facts) / len(kinds) if kinds else 0
+
     def age(self, *fact: Atom) -> Time | None:
         """Time units since a fact was last asserted, or None."""
         stamp = self._memory.facts.stamp(self._memory.canonical(fact))
