@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import click
 
@@ -120,8 +120,8 @@ def run(
     failing = [_fault(text) for text in faults]
     interpreter, options, world = _build(library, world_name, seed, values, failing)
     _refuse(interpreter, submissions, known)
-    if show and world.picture() is None:
-        fail(f"the world `{world_name}` has no picture of itself to --show")
+    if show:
+        _refuse_unseen(world, world_name)
     with ExitStack() as stack:
         files = (path, *library.library.files)
         report = _listeners(stack, interpreter, files, trace, trace_format)
@@ -153,12 +153,17 @@ def _run(interpreter: Interpreter, until: Time | None, world_name: str) -> None:
     except (PortError, FactError) as error:
         fail(f"the world `{world_name}` does not keep to the port: {error}")
     except Exception as error:
-        place = _place_in(registry.find_world(world_name), error)
-        if place is None:
-            raise
-        show_traceback(error)
-        what = " ".join(f"{type(error).__name__}: {error}".split())
-        fail(f"the world `{world_name}` failed at {place}: {what}")
+        _blame(world_name, error)
+
+
+def _blame(world_name: str, error: Exception) -> NoReturn:
+    """End the command for an error of a world; one of ours is raised again."""
+    place = _place_in(registry.find_world(world_name), error)
+    if place is None:
+        raise error
+    show_traceback(error)
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    fail(f"the world `{world_name}` failed at {place}: {what}")
 
 
 def _place_in(world: type[World], error: Exception) -> str | None:
@@ -269,6 +274,16 @@ def _listeners(
     report = Report()
     interpreter.listen(report)
     return report
+
+
+def _refuse_unseen(world: World, world_name: str) -> None:
+    """Refuse to show a world that has no picture of itself."""
+    try:
+        seen = world.picture() is not None
+    except Exception as error:
+        _blame(world_name, error)
+    if not seen:
+        fail(f"the world `{world_name}` has no picture of itself to --show")
 
 
 def _show(stack: ExitStack, interpreter: Interpreter, world: World) -> None:

@@ -110,6 +110,22 @@ def test_a_world_without_a_picture_is_refused(tmp_path: Path) -> None:
     assert not trace.exists()
 
 
+def test_a_picture_that_fails_is_blamed_on_its_world(tmp_path: Path) -> None:
+    lamps = CHECKOUT / "tests" / "worlds" / "lamps"
+    (tmp_path / "dim.py").write_text(
+        "from lamps import LampWorld\nclass Dim(LampWorld):\n"
+        "    def picture(self):\n        return 1 / 0\n"
+    )
+    done = command(
+        *("run", str(lamps), "--world", "dim:Dim", "--task", "(light-all)", "--show"),
+        cwd=tmp_path,
+        PYTHONPATH=f"{lamps}:{CHECKOUT}",
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    said = "error: the world `dim:Dim` failed at dim.py:4: ZeroDivisionError: "
+    assert done.stderr == f"{said}division by zero\n"
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
 def test_ctrl_c_leaves_the_screen_and_reports() -> None:
     child, terminal = pty.fork()

@@ -28,6 +28,7 @@ def check_world(make: Make, library: Library, requests: Sequence[Fact]) -> None:
     check_requests(make, library, requests)
     check_time(make())
     check_saving(make, requests)
+    check_picture(make, requests)
 
 
 def check_description(world: World) -> None:
@@ -125,3 +126,16 @@ def check_saving(make: Make, requests: Sequence[Fact]) -> None:
         assert world.perform(0, request) == other.perform(0, request)
         assert (world.now(), world.next_time()) == (other.now(), other.next_time())
     assert world.save() == other.save()
+
+
+def check_picture(make: Make, requests: Sequence[Fact]) -> None:
+    """A picture, if there is one, hangs together, and drawing it changes nothing."""
+    world, other = make(), make()
+    for request in requests:
+        picture = world.picture()
+        if picture is None:
+            return
+        names = [spot.name for spot in picture.spots]
+        assert len(set(names)) == len(names)
+        assert {picture.here, *sum(picture.roads, ())} <= set(names)
+        assert world.perform(0, request) == other.perform(0, request)
