@@ -1,4 +1,4 @@
-"""docs/library-truck.md names every RAP of the truck library and counts them rightly."""
+"""docs/library-truck.md names each RAP of the truck library and counts them rightly."""
 
 from __future__ import annotations
 
