@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 from operator import itemgetter
+from textwrap import wrap
 
 from rich.cells import cell_len
 from rich.text import Text
@@ -57,3 +58,11 @@ def fit(text: str, width: int) -> str:
     while text and cell_len(text) > width - 1:
         text = text[:-1]
     return f"{text}…" if width > 0 else ""
+
+
+def folded(text: str, width: int, lines: int) -> list[str]:
+    """A text in at most so many lines, with a mark where it was cut."""
+    parts = wrap(text, width, break_on_hyphens=False) if width > 0 else []
+    if len(parts) <= lines:
+        return parts
+    return [*parts[: lines - 1], fit(" ".join(parts[lines - 1 :]), width)]

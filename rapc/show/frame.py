@@ -15,7 +15,7 @@ from rich.text import Text
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.world import Gauge, Picture, Spot, Time
 from rapc.show.beliefs import Contents, believed_contents, true_contents, words
-from rapc.show.canvas import Canvas, fit
+from rapc.show.canvas import Canvas, fit, folded
 from rapc.terms import format_atom
 
 _ARROWS: Mapping[str, str] = {
@@ -113,8 +113,8 @@ def _map(
     across = max((s.spot.at[0] for s in sights if s.spot.at), default=0)
     down = max((s.spot.at[1] for s in sights if s.spot.at), default=0)
     wide = int(width / (across + 1))
-    high = int((height - _LEAST) / down) if down else height
-    if wide < _LEAST_WIDE or (down and high < _LEAST) or height < _LEAST:
+    high = int(height / (down + 1))
+    if wide < _LEAST_WIDE or high < _LEAST:
         yield from _list(picture, sights, height)
         return
     cells = {
@@ -122,23 +122,27 @@ def _map(
         for s in sights
         if s.spot.at is not None
     }
-    canvas = Canvas(width, round(down * high) + _LEAST)
+    canvas = Canvas(width, round((down + 1) * high))
     for one, other in picture.roads:
         if one in cells and other in cells:
             canvas.line(cells[one], cells[other], _ROAD)
     for sight in sights:
         column, row = cells[sight.spot.name]
         beside = [c for c, r in cells.values() if r == row and c > column]
-        _place(canvas, sight, (column, row), min(beside, default=width), picture)
+        room = min(beside, default=width) - column - 1
+        _place(canvas, sight, picture, (column, row), (room, (high - 1) // 2))
     yield from canvas.lines()
 
 
 def _place(
-    canvas: Canvas, sight: _Sight, at: tuple[int, int], end: int, picture: Picture
+    canvas: Canvas,
+    sight: _Sight,
+    picture: Picture,
+    at: tuple[int, int],
+    size: tuple[int, int],
 ) -> None:
-    """Draw a place from a cell on, up to a column."""
-    column, row = at
-    room = end - column - 1
+    """Draw a place from a cell on, with so much room and so many lines of contents."""
+    (column, row), (room, lines) = at, size
     name, style = sight.spot.name, _PLACE
     if name == picture.here:
         name, style = f"[{_ARROWS.get(picture.heading, '')}{name}]", _HERE
@@ -148,8 +152,10 @@ def _place(
         canvas.write(column + len(name), row, note)
     if not sight.empty:
         belief, style = sight.belief()
-        canvas.write(column + 2, row + 1, fit(words(sight.true), room - 2), _TRUE)
-        canvas.write(column + 2, row + 2, fit(belief, room - 2), style)
+        for text, drawn in ((words(sight.true), _TRUE), (belief, style)):
+            for line in folded(text, room - 2, lines):
+                row += 1
+                canvas.write(column + 2, row, line, drawn)
 
 
 def _list(picture: Picture, sights: Sequence[_Sight], height: int) -> Iterator[Text]:

@@ -13,6 +13,7 @@ from rapc.loader import load_text
 from rapc.runtime.memory.bench import MemoryBench
 from rapc.runtime.world import Gauge, Picture, Spot, Thing
 from rapc.show.beliefs import believed_contents, words
+from rapc.show.canvas import folded
 from rapc.show.frame import Doings, draw_frame
 from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.picture import lay_out
@@ -64,10 +65,10 @@ def test_nothing_is_believed_at_first(memory: MemoryBench) -> None:
         "time 12.5   fuel 5 ≠ unknown   heading southeast ≠ unknown",
         "[↘yard] a troll ────────────────pit",
         "  2 red rock                    │ box",
-        "  ≠ nothing  ·                  │ ≠ nothing",
-        "                   ·            │",
-        "                          ·     │",
+        "  ≠ nothing     ·               │ ≠ nothing",
+        "                        ·       │",
         "                                mill",
+        "",
         "",
         "",
         "hand (outside): blue rock ≠ no… bag",
@@ -103,12 +104,12 @@ def test_truth_and_belief_are_told_apart(memory: MemoryBench) -> None:
         "time 12.5   fuel 5   heading southeast ≠ north",
         "[↘yard] a troll ────────────────pit",
         "  2 red rock                    │ box",
-        "  =          ·                  │ ≠ red rock",
-        "                   ·            │",
-        "                          ·     │",
+        "  =             ·               │ ≠ red rock",
+        "                        ·       │",
         "                                mill",
         "                                  nothing",
         "                                  ≠ box, rock",
+        "",
         "hand (outside): blue rock =     bag",
         "elsewhere: lamp at unknown",
         "task: [1] (fetch red)",
@@ -154,6 +155,21 @@ def test_what_goes_by_two_descriptions_is_counted_once(memory: MemoryBench) -> N
 )
 def test_contents_in_words(contents: dict[tuple[str, str], int], said: str) -> None:
     assert words(Counter(contents)) == said
+
+
+@pytest.mark.parametrize(
+    ("width", "lines", "folds"),
+    [
+        (20, 1, ["gun-tool, blue+2 re…"]),
+        (20, 2, ["gun-tool, blue+2 red", "rock"]),
+        (10, 2, ["gun-tool,", "blue+2 re…"]),
+        (0, 1, []),
+    ],
+)
+def test_what_is_too_long_is_folded_then_cut(
+    width: int, lines: int, folds: list[str]
+) -> None:
+    assert folded("gun-tool, blue+2 red rock", width, lines) == folds
 
 
 def test_a_small_screen_gets_a_list_with_what_is_wrong_first(
