@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 
-from rapc.compiler.query import Query, TermValue
+from rapc.compiler.query import Query
 from rapc.compiler.recursion import recursive
+from rapc.compiler.values import TermValue
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.ir.walk import subterms

@@ -36,6 +36,7 @@ class Emitter:
     """Collects the functions of one compiled query, and what they are handed.
 
     `steps` tells what they do, for a person; `depth` is that of the step to come.
+    `locals` holds the Python locals by variable, in the order in which they came.
     """
 
     def __init__(self) -> None:
@@ -44,7 +45,7 @@ class Emitter:
         self.depth = 0
         self._before: list[str] = []
         self._functions: list[str] = []
-        self._locals: dict[str, str] = {}
+        self.locals: dict[str, str] = {}
         self._made: dict[tuple[object, ...], str] = {}
         self._serial = 0
 
@@ -55,9 +56,9 @@ class Emitter:
 
     def local(self, variable: str) -> str:
         """The Python local that holds a variable, the same in all functions."""
-        if variable not in self._locals:
-            self._locals[variable] = f"v{len(self._locals)}"
-        return self._locals[variable]
+        if variable not in self.locals:
+            self.locals[variable] = f"v{len(self.locals)}"
+        return self.locals[variable]
 
     def constant(self, value: object) -> str:
         """A name under which generated code finds a value."""
@@ -147,6 +148,11 @@ class Scope:
         self._indent = 1
         self._lines: list[str] = []
         self._renamed: dict[str, str] = {}
+
+    @property
+    def known(self) -> list[str]:
+        """The variables that are or may be bound, in the order in which they came."""
+        return [name for name in self.emitter.locals if name in self.bound | self.maybe]
 
     def local(self, variable: str) -> str:
         """The Python local that holds a variable here."""

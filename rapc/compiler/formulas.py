@@ -2,13 +2,14 @@
 
 A formula becomes a function that finds its solutions in the order semantics 2
 promises: `and` is nested loops, left to right; `or` and long conjunctions become
-generators of their own; `not` a function that stops at a first solution. The result
+generators of their own, or, where nothing follows, functions that end as theirs does;
+`not` becomes one that stops at a first solution. The result
 depends on which variables are bound beforehand, so a formula is compiled once for
 each such set that occurs (`rapc.compiler.query`), and one that uses a variable which
 only some branch of an `or` before it binds is written once for either case.
 
 Terms and facts have modules of their own. Generated code is handed a context `ctx`
-(see `rapc.compiler.query.Context`) when a query meets its memory.
+(see `rapc.compiler.context.Context`) when a query meets its memory.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def solve(
     clause.note(last, Way.EITHER)
     clause.emitter.depth += 1
     for branch in last.parts:
-        inner = scope.child("either", (*scope.bound, *scope.maybe), scope.ending)
+        inner = scope.child("either", scope.known, scope.ending)
         solve(clause, inner, branch, answer)
         scope.hand_on(scope.call(inner))
     clause.emitter.depth -= 1

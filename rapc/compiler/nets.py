@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rapc.compiler.clauses import Compiler, variables_of
-from rapc.compiler.query import Query, TermValue
+from rapc.compiler.query import Query
+from rapc.compiler.values import TermValue
 from rapc.ir import nodes
 
 

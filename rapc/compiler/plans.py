@@ -9,7 +9,8 @@ from __future__ import annotations
 from rapc.compiler.clauses import Compiler, RequestPlan, variables_of
 from rapc.compiler.dependencies import Watch, watches
 from rapc.compiler.nets import StepPlan, WindowPlan, steps_of, users_of
-from rapc.compiler.query import Query, TermValue
+from rapc.compiler.query import Query
+from rapc.compiler.values import TermValue
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.ir.walk import subformulas

@@ -1,4 +1,4 @@
-"""Compiled queries and terms: what the interpreter asks in a cycle.
+"""Compiled queries: what the interpreter asks in a cycle.
 
 A `Query` is made once for a clause. It is compiled, lazily, once for each set of
 variables that is bound when it is asked, and meets each memory once (`Query.on`);
@@ -12,65 +12,21 @@ from functools import lru_cache
 from typing import Any, Protocol
 
 from rapc.compiler import builtin, formulas
+from rapc.compiler.context import Bindings, Context
 from rapc.compiler.emitter import Emitter, Ending, Scope, made
 from rapc.compiler.steps import Step
 from rapc.compiler.terms import Clause
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.resources import Value
-from rapc.terms import Fact, Number
-
-Bindings = Mapping[str, Value]
 
 
-class Context(Protocol):
-    """What generated code asks of memory and of the task whose clause it is."""
-
-    @property
-    def facts(self) -> Any:
-        """The facts by name: `rapc.runtime.memory.facts.FactStore`."""
+class Asking(Context, Protocol):
+    """A context that keeps the queries which have met its memory."""
 
     @property
     def asked(self) -> Meetings:
-        """The queries that have met this memory."""
-
-    @property
-    def functions(self) -> Mapping[str, Callable[..., Any]]:
-        """The registered functions."""
-
-    @property
-    def view(self) -> object:
-        """Memory to be read, as functions are given it."""
-
-    def fault(self, where: str, what: str) -> None:
-        """Trace that a clause met an unbound variable or an ill-typed value."""
-
-    def young(self, stamp: Number, limit: Number) -> bool:
-        """Whether a fact with that stamp is younger than `limit` time units."""
-
-    def age(self, stamp: Number) -> Number:
-        """Time units since a stamp."""
-
-    def is_here(self, fact: Fact | None, place: object) -> bool:
-        """Whether `place` is `external` and a location fact says it of an item."""
-
-    def facts_at(self, place: object) -> Iterator[Fact]:
-        """Location facts of a place, `external` among them, oldest first."""
-
-    def method_tried(self, name: object) -> bool:
-        """Whether the task has tried a method of that name."""
-
-    def last_result(self, method: object = None) -> str | None:
-        """The result of the last method, or of the last one so named, or None."""
-
-    def accessible_items(self) -> Sequence[str]:
-        """The items with a sensor name, in the order of introduction."""
-
-    def is_accessible(self, item: object) -> bool:
-        """Whether an item has a sensor name."""
-
-    def count(self, kind: object, place: object) -> Number:
-        """How many items of a class memory holds at a place."""
+        """These queries."""
 
 
 class Query:
@@ -93,23 +49,23 @@ class Query:
         self._vocabulary = vocabulary
         self._plans: dict[tuple[tuple[str, ...], Ending, bool], Plan] = {}
 
-    def on(self, ctx: Context) -> Asked:
+    def on(self, ctx: Asking) -> Asked:
         """The query as it is asked of one memory, again and again."""
         return ctx.asked[self]
 
-    def first(self, ctx: Context, env: Bindings) -> dict[str, Value] | None:
+    def first(self, ctx: Asking, env: Bindings) -> dict[str, Value] | None:
         """The new bindings of the first solution, or None."""
         return ctx.asked[self].first(env)
 
-    def holds(self, ctx: Context, env: Bindings) -> bool:
+    def holds(self, ctx: Asking, env: Bindings) -> bool:
         """Whether there is a solution."""
         return ctx.asked[self].holds(env)
 
-    def solutions(self, ctx: Context, env: Bindings) -> Iterator[dict[str, Value]]:
+    def solutions(self, ctx: Asking, env: Bindings) -> Iterator[dict[str, Value]]:
         """The new bindings of each solution, in order, found one at a time."""
         return ctx.asked[self].solutions(env)
 
-    def extended(self, ctx: Context, values: Sequence[Any]) -> Iterator[list[Any]]:
+    def extended(self, ctx: Asking, values: Sequence[Any]) -> Iterator[list[Any]]:
         """The values of all variables for each solution, given those known so far.
 
         `values` are in the order of `variables`, UNBOUND where one is not known.
@@ -295,88 +251,3 @@ def _chooser(count: int) -> Callable[[_Plans, Sequence[str]], Ask]:
     exec("\n".join(lines), namespace)  # noqa: S102  # made of the count alone
     maker: Callable[[_Plans, Sequence[str]], Ask] = namespace["make"]
     return maker
-
-
-Compute = Callable[[Context, Bindings], Value]
-
-
-class TermValue:
-    """A term ready to be computed in an environment; `name` if it is a variable."""
-
-    __slots__ = ("_compute", "_known", "name", "term", "where")
-
-    def __init__(self, term: nodes.Term, where: str) -> None:
-        self.term = term
-        self.where = where
-        self.name = term.name if isinstance(term, nodes.Var) else None
-        self._known = term.value if isinstance(term, nodes.Const) else None
-        self._compute: Compute | None = None
-
-    def value(self, ctx: Context, env: Bindings) -> Value | None:
-        """The value, or None while a variable is unbound or of the wrong kind."""
-        if self.name is not None:
-            return env.get(self.name)
-        if self._known is not None:
-            return self._known
-        try:
-            return self._computed(ctx, env)
-        except builtin.Fault:
-            return None
-
-    def needed(self, ctx: Context, env: Bindings) -> Value | None:
-        """As `value`, but what is unbound or of the wrong kind is traced."""
-        if self._known is not None:
-            return self._known
-        try:
-            return self._computed(ctx, env)
-        except builtin.Fault as fault:
-            ctx.fault(self.where, str(fault))
-            return None
-
-    def _computed(self, ctx: Context, env: Bindings) -> Value:
-        if self._compute is None:
-            self._compute = _compile_term(self.term)
-        try:
-            return self._compute(ctx, env)
-        except builtin.Fault:
-            raise
-        except Exception as error:  # of a registered function: say who asked it
-            error.add_note(self.where)
-            raise
-
-
-def _compile_term(term: nodes.Term) -> Compute:
-    if isinstance(term, nodes.Const):
-        constant = term.value
-        return lambda ctx, env: constant
-    if isinstance(term, nodes.Var):
-        return _compile_variable(term.name)
-    parts = [_compile_term(arg) for arg in term.args]
-    builtin_function = builtin.FUNCTIONS.get(term.function)
-    name = term.function
-    if builtin_function is not None and len(parts) == 2:
-        return _compile_pair(builtin_function, *parts)
-
-    def compute(ctx: Context, env: Bindings) -> Value:
-        args = [part(ctx, env) for part in parts]
-        if builtin_function is not None:
-            return builtin_function(args)
-        return builtin.as_value(ctx.functions[name](ctx.view, *args))
-
-    return compute
-
-
-def _compile_pair(
-    function: Callable[[Sequence[object]], Number], one: Compute, two: Compute
-) -> Compute:
-    return lambda ctx, env: function((one(ctx, env), two(ctx, env)))
-
-
-def _compile_variable(name: str) -> Compute:
-    def look_up(ctx: Context, env: Bindings) -> Value:
-        value = env.get(name)
-        if value is None:
-            raise builtin.Fault(f"{name} is not bound")
-        return value
-
-    return look_up

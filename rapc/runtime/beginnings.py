@@ -7,7 +7,7 @@ selected in `rapc.runtime.cycle` (semantics 3 and 4).
 from __future__ import annotations
 
 from rapc.compiler.nets import StepPlan, WindowPlan
-from rapc.compiler.query import TermValue
+from rapc.compiler.values import TermValue
 from rapc.parser.printer import format_formula
 from rapc.resources import Counter, SetResource, frozen
 from rapc.runtime.context import QueryContext

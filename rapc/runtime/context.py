@@ -16,7 +16,7 @@ from rapc.terms import Fact, Number, format_atom, number
 
 
 class QueryContext:
-    """The `Context` of `rapc.compiler.query`, one for a run.
+    """What `rapc.compiler.query` asks of a run: there is one for each.
 
     `task` is set before each query to the task whose clause it is. While `horizon`
     is a list, the times at which beliefs that held go stale are added to it.

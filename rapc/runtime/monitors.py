@@ -11,7 +11,7 @@ import heapq
 import math
 
 from rapc.compiler.dependencies import WatchKey
-from rapc.compiler.query import TermValue
+from rapc.compiler.values import TermValue
 from rapc.parser.printer import format_formula
 from rapc.resources import Resource
 from rapc.runtime.agenda import Agenda

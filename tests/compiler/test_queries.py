@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rapc.compiler.query import TermValue
+from rapc.compiler.values import TermValue
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.library import link

@@ -46,6 +46,15 @@ def test_constants_names_and_variables_do_not_tell_shapes_apart() -> None:
         assert made(mine) is made(other)
 
 
+def test_the_order_of_variables_is_that_of_the_text() -> None:
+    text = "(or (and (q {0} {1}) (s {2} {3} {4})) (q {5} {6}))"
+    one, two = (
+        [f"?{letter}" for letter in letters] for letters in ("abcdefg", "zvkxqwj")
+    )
+    first = sources(formula(text.format(*one)), tuple(one))
+    assert first == sources(formula(text.format(*two)), tuple(two))
+
+
 def test_a_shape_that_is_shared_keeps_the_constants_apart() -> None:
     both = memories([("assert", ("q", "a", 1)), ("assert", ("q", "b", 2))])
     first, second = (query(formula(f"(q ?x {n})")) for n in (1, 2))
