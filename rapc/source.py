@@ -65,10 +65,14 @@ class SourceFile:
             at = find("\n", at + 1)
         return tuple(starts)
 
+    def row(self, offset: int) -> int:
+        """The row of an offset, from 1."""
+        return bisect_right(self.line_starts, offset)
+
     def position(self, offset: int) -> Position:
         """The row and column of an offset (clamped to the text)."""
         offset = max(0, min(offset, len(self.text)))
-        row = bisect_right(self.line_starts, offset)
+        row = self.row(offset)
         return Position(row, offset - self.line_starts[row - 1] + 1)
 
     def line(self, row: int) -> str:

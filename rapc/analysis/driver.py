@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
@@ -117,6 +118,7 @@ def enabled_rules(
     return frozenset(chosen.difference(names(ignore)))
 
 
+@cache
 def passes() -> tuple[Analyzer[Any], ...]:
     """The passes of the suite in the order in which they run."""
     return ordered(suite.ANALYZERS)

@@ -7,12 +7,13 @@ them once for all others.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Generic, TypeVar, cast
 
 import msgspec
 
 from rapc.ir import nodes
+from rapc.ir.walk import CHILDREN
 
 N = TypeVar("N", bound=nodes.Node)
 
@@ -23,75 +24,6 @@ class Use(msgspec.Struct, Generic[N], frozen=True, gc=False):
     node: N
     parent: nodes.Node
     owner: nodes.TopForm
-
-
-CHILDREN: Mapping[type, tuple[str, ...]] = {
-    nodes.Var: (),
-    nodes.Call: ("args",),
-    nodes.Truth: (),
-    nodes.Pattern: ("args",),
-    nodes.And: ("parts",),
-    nodes.Or: ("parts",),
-    nodes.Not: ("part",),
-    nodes.Compare: ("left", "right"),
-    nodes.Believe: ("pattern", "age"),
-    nodes.SetTest: ("args",),
-    nodes.History: ("args",),
-    nodes.SensorName: ("item", "value"),
-    nodes.Count: ("kind", "place", "number"),
-    nodes.MonitorTime: ("start", "stop"),
-    nodes.Resource: ("variable", "initial"),
-    nodes.Effect: ("pattern",),
-    nodes.Goal: ("args", "outputs"),
-    nodes.For: ("formula",),
-    nodes.UntilStart: (),
-    nodes.UntilEnd: (),
-    nodes.Window: ("start", "stop"),
-    nodes.WaitFor: ("args",),
-    nodes.ResourceEffect: ("resource", "amount"),
-    nodes.Step: ("goal", "annotations"),
-    nodes.TaskNet: ("steps",),
-    nodes.Primitive: ("request",),
-    nodes.Skills: ("enable", "waits", "disable"),
-    nodes.Method: ("context", "notations", "body"),
-    nodes.DefineRap: (
-        "inputs",
-        "outputs",
-        "duration",
-        "monitor_state",
-        "monitor_time",
-        "repeat_while",
-        "succeed",
-        "preconditions",
-        "constraints",
-        "resources",
-        "effects",
-        "methods",
-    ),
-    nodes.Argument: ("variable",),
-    nodes.Exclusion: ("pattern",),
-    nodes.DeclareProposition: ("args",),
-    nodes.DeclareProperty: ("args", "excludes"),
-    nodes.DeclareFunction: ("args",),
-    nodes.DeclareIndistinctClass: (),
-    nodes.ComparatorRow: (),
-    nodes.DeclareComparator: ("rows",),
-    nodes.DeclarePrimitive: ("args",),
-    nodes.DeclareDatum: ("args",),
-    nodes.DeclareSkill: ("args",),
-    nodes.DeclareEvent: ("args",),
-    nodes.RuleAction: ("pattern",),
-    nodes.Alternative: ("query", "actions"),
-    nodes.Rule: ("alternatives",),
-    nodes.ResultCase: ("result", "rules"),
-    nodes.MemoryRule: ("index", "cases"),
-    nodes.EventRule: ("args", "rules"),
-    nodes.Require: (),
-}
-"""For each type of node, the fields that hold nodes, in the order of the text.
-
-What is not listed (tests of a library) has a checker of its own, or none.
-"""
 
 
 class Occurrences:

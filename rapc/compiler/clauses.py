@@ -56,7 +56,7 @@ class Compiler:
         source = self.library.files.get(span.file)
         if source is None:
             return what
-        return f"{what} at {span.file}:{source.position(span.start).row}"
+        return f"{what} at {span.file}:{source.row(span.start)}"
 
     def query(self, formula: nodes.Formula, what: str, span: Span) -> Query:
         """A formula of the clause `what` as a query."""

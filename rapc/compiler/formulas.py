@@ -21,6 +21,7 @@ from rapc.compiler.emitter import MAX_LOOPS, Ending, Scope
 from rapc.compiler.steps import Way
 from rapc.compiler.terms import Clause, arguments, attempt, known_value, match
 from rapc.ir import nodes
+from rapc.ir.walk import CHILDREN
 from rapc.terms import is_number
 
 
@@ -63,21 +64,21 @@ def write(clause: Clause, scope: Scope, formula: nodes.Formula) -> None:
 
 def variables(formula: nodes.Formula) -> tuple[str, ...]:
     """The named variables a formula could bind or uses, in the order of the text."""
-    return tuple(dict.fromkeys(_variables(formula)))
+    found: dict[str, None] = {}
+    _gather(formula, found)
+    return tuple(found)
 
 
-def _variables(node: object) -> Iterator[str]:
-    stack = [node]
-    while stack:
-        top = stack.pop()
-        if type(top) is nodes.Var:
-            if not top.anonymous:
-                yield top.name
-        elif isinstance(top, tuple):
-            stack.extend(reversed(top))
-        elif isinstance(top, nodes.Node):
-            names = top.__struct_fields__
-            stack.extend(getattr(top, n) for n in reversed(names) if n != "span")
+def _gather(node: nodes.Node, found: dict[str, None]) -> None:
+    """Add the named variables in a node."""
+    if type(node) is nodes.Var:
+        if node.name != "?":
+            found[node.name] = None
+        return
+    for field in CHILDREN[type(node)]:
+        part = getattr(node, field)
+        for child in part if type(part) is tuple else (part,):
+            _gather(child, found)
 
 
 # --- connectives ---------------------------------------------------------------

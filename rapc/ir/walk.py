@@ -6,7 +6,7 @@ here: that depends on declarations and on the order of evaluation (`rapc.analysi
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal
 
 import msgspec
@@ -30,6 +30,76 @@ Clause = Literal[
     "for",
 ]
 """Where a formula of a RAP stands."""
+
+
+CHILDREN: Mapping[type, tuple[str, ...]] = {
+    nodes.Const: (),
+    nodes.Var: (),
+    nodes.Call: ("args",),
+    nodes.Truth: (),
+    nodes.Pattern: ("args",),
+    nodes.And: ("parts",),
+    nodes.Or: ("parts",),
+    nodes.Not: ("part",),
+    nodes.Compare: ("left", "right"),
+    nodes.Believe: ("pattern", "age"),
+    nodes.SetTest: ("args",),
+    nodes.History: ("args",),
+    nodes.SensorName: ("item", "value"),
+    nodes.Count: ("kind", "place", "number"),
+    nodes.MonitorTime: ("start", "stop"),
+    nodes.Resource: ("variable", "initial"),
+    nodes.Effect: ("pattern",),
+    nodes.Goal: ("args", "outputs"),
+    nodes.For: ("formula",),
+    nodes.UntilStart: (),
+    nodes.UntilEnd: (),
+    nodes.Window: ("start", "stop"),
+    nodes.WaitFor: ("args",),
+    nodes.ResourceEffect: ("resource", "amount"),
+    nodes.Step: ("goal", "annotations"),
+    nodes.TaskNet: ("steps",),
+    nodes.Primitive: ("request",),
+    nodes.Skills: ("enable", "waits", "disable"),
+    nodes.Method: ("context", "notations", "body"),
+    nodes.DefineRap: (
+        "inputs",
+        "outputs",
+        "duration",
+        "monitor_state",
+        "monitor_time",
+        "repeat_while",
+        "succeed",
+        "preconditions",
+        "constraints",
+        "resources",
+        "effects",
+        "methods",
+    ),
+    nodes.Argument: ("variable",),
+    nodes.Exclusion: ("pattern",),
+    nodes.DeclareProposition: ("args",),
+    nodes.DeclareProperty: ("args", "excludes"),
+    nodes.DeclareFunction: ("args",),
+    nodes.DeclareIndistinctClass: (),
+    nodes.ComparatorRow: (),
+    nodes.DeclareComparator: ("rows",),
+    nodes.DeclarePrimitive: ("args",),
+    nodes.DeclareDatum: ("args",),
+    nodes.DeclareSkill: ("args",),
+    nodes.DeclareEvent: ("args",),
+    nodes.RuleAction: ("pattern",),
+    nodes.Alternative: ("query", "actions"),
+    nodes.Rule: ("alternatives",),
+    nodes.ResultCase: ("result", "rules"),
+    nodes.MemoryRule: ("index", "cases"),
+    nodes.EventRule: ("args", "rules"),
+    nodes.Require: (),
+}
+"""For each type of node, the fields that hold nodes, in the order of the text.
+
+Those of tests are not listed.
+"""
 
 
 class TermAt(msgspec.Struct, frozen=True):
@@ -85,11 +155,11 @@ def subformulas(formula: nodes.Formula) -> Iterator[nodes.Formula]:
     while stack:
         here = stack.pop()
         yield here
-        if isinstance(here, nodes.And | nodes.Or):
+        if type(here) is nodes.And or type(here) is nodes.Or:
             stack.extend(reversed(here.parts))
-        elif isinstance(here, nodes.Not):
+        elif type(here) is nodes.Not:
             stack.append(here.part)
-        elif isinstance(here, nodes.Believe):
+        elif type(here) is nodes.Believe:
             stack.append(here.pattern)
 
 
@@ -127,7 +197,7 @@ def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
     while stack:
         here = stack.pop()
         yield here
-        if isinstance(here, nodes.Call):
+        if type(here) is nodes.Call:
             stack.extend(reversed(here.args))
 
 

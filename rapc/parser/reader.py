@@ -124,7 +124,8 @@ def _windows(notes: Notes) -> Iterator[tuple[int, list[str]]]:
     text, lexicon = notes.source.text, notes.lexicon
     at = 0
     while at < len(text):
-        block = lexicon.block.search(text, at)
+        mark = text.find("#|", at)
+        block = lexicon.block.search(text, mark) if mark >= 0 else None
         stop = block.start() if block else len(text)
         pieces = lexicon.words.findall(text, at, stop)
         begun = pieces and block and _OPEN_ENDED.get(pieces[-1][0])

@@ -7,7 +7,8 @@ tell: a variable used once is a wildcard. Numbered and lettered names are left a
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import groupby
 
 from rapc.analysis.analyzer import Analyzer, Pass
@@ -66,8 +67,10 @@ def _run(run: Pass) -> None:
         names.pop("?", None)
         unbound = {m.variable.name for m in missing.get(owner, ())}
         once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
-        close = _Close(names) if any(map(_is_long, once)) else None
-        for name in filter(_is_long, once):
+        lengths = Counter(map(len, names))
+        suspects = [n for n in once if _is_long(n) and _may_be_close(n, lengths)]
+        close = _Close(names) if suspects else None
+        for name in suspects:
             other = close.to(name) if close else None
             if other is not None and _is_slip(names[name][0], names[other]):
                 run.report(_finding(names[name][0], names[other][0]))
@@ -113,6 +116,12 @@ def _rests(name: str) -> Iterator[str]:
 def _is_long(name: str) -> bool:
     """Whether a name is long enough for a slip to show, and not absurdly long."""
     return _LEAST <= len(name) <= _MOST
+
+
+def _may_be_close(name: str, lengths: Mapping[int, int]) -> bool:
+    """Whether another name is as long, but for a letter."""
+    here = len(name)
+    return lengths[here] > 1 or here - 1 in lengths or here + 1 in lengths
 
 
 def _is_slip(one: nodes.Var, others: list[nodes.Var]) -> bool:
