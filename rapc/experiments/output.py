@@ -30,7 +30,7 @@ COMMANDS = "commands.txt"
 
 def as_text(summary: Summary, width: int) -> Iterator[Line]:
     """A part for a terminal of so many columns: table, remarks and plot."""
-    yield from _wrapped("title", title(summary), width)
+    yield from _wrapped("title", title(summary.part), width)
     yield from lines(grid(summary), width)
     for remark in remarks(summary):
         yield from _wrapped("text", remark, width)
@@ -48,11 +48,11 @@ def write_tables(
     """Write the tables of parts as Markdown, with plots for those that were drawn."""
     text = [f"## {heading}"]
     for summary in summaries:
-        text += ["", f"### {title(summary)}", "", *markdown(grid(summary))]
+        text += ["", f"### {title(summary.part)}", "", *markdown(grid(summary))]
         for remark in remarks(summary):
             text += ["", remark]
         if summary.part.name in drawn:
-            text += ["", f"![{title(summary)}]({summary.part.name}.svg)"]
+            text += ["", f"![{title(summary.part)}]({summary.part.name}.svg)"]
     file.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 

@@ -6,8 +6,10 @@ results give the same bytes.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 from matplotlib import rc_context
@@ -15,11 +17,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rapc.experiments.summary import Summary
-from rapc.experiments.tables import show
+from rapc.experiments.tables import heading, show
 
 _STYLE: Any = {
     "svg.hashsalt": "rapc",
     "svg.fonttype": "path",
+    "text.parse_math": False,
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.spines.top": False,
@@ -29,6 +32,7 @@ _STYLE: Any = {
 
 _COLORS = ("#1b5e8c", "#c0561a", "#3b7d3b", "#7a4f9a")
 _THEIRS = "#555555"
+_WIDTH = 80
 _MARKERS = "osD^"
 
 
@@ -38,11 +42,11 @@ def draw(drawn: Sequence[Summary], file: Path) -> tuple[Path, Path]:
     Returns the files, `.svg` and `.png`: above the time for each task completed, with
     the range of the runs as bars, below how many tasks were completed.
     """
-    with rc_context(_STYLE):
+    with rc_context(_STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph")  # no font has all characters
         figure = Figure(figsize=(6.4, 5.6), layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-        first = drawn[0].part
-        figure.suptitle(first.title or first.name)
+        figure.suptitle(fill(heading(drawn[0].part), _WIDTH))
         for number, summary in enumerate(drawn):
             _series(above, summary, number, "time-each")
             _series(below, summary, number, "completed")

@@ -7,25 +7,14 @@ before the first run.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
 
 from rapc.compiler.plans import CompiledLibrary
-from rapc.experiments.config import (
-    Config,
-    code_of,
-    plain_options,
-    world_options,
-)
-from rapc.experiments.definition import (
-    Experiment,
-    ExperimentError,
-    Part,
-    Value,
-    meant,
-)
+from rapc.experiments.config import Config, code_of, plain_options, world_options
+from rapc.experiments.definition import Experiment, ExperimentError, Part, Value, meant
 from rapc.experiments.measures import LABELS
 from rapc.experiments.run import counted
 from rapc.parser.parse import TextError
@@ -56,11 +45,6 @@ class Point(msgspec.Struct, frozen=True):
     texts: Mapping[str, str]
 
 
-def library_path(experiment: Experiment, file: Path) -> Path:
-    """Where the library of an experiment lies, seen from its file."""
-    return file.parent / experiment.library
-
-
 def points(
     experiment: Experiment,
     library: CompiledLibrary,
@@ -77,7 +61,8 @@ def points(
     """
     world = _world(experiment)
     tasks = _tasks(experiment)
-    _see_to_names(experiment, library, tasks)
+    for problem in _unknown(experiment, library, tasks):
+        raise problem
     found = []
     for part in parts:
         for value in part.values or (None,):
@@ -116,30 +101,31 @@ def _tasks(experiment: Experiment) -> list[Submission]:
     return tasks
 
 
-def _see_to_names(
+def _unknown(
     experiment: Experiment, library: CompiledLibrary, tasks: Sequence[Submission]
-) -> None:
-    """Refuse RAPs to be counted, and measures with figures, that there are not."""
+) -> Iterator[ExperimentError]:
+    """What is to be counted, or has figures, and is not there."""
     given = [str(task.goal[0]) for task in tasks if not task.background]
     for name in experiment.counted:
         if name not in given:
             message = f"`counted`: no task in the foreground is one of `{name}`"
-            raise ExperimentError(message, meant(name, given))
+            yield ExperimentError(message, meant(name, given))
+    if not counted(tasks, experiment.counted):
+        message = "all tasks are in the background: there is none to count"
+        yield ExperimentError(message)
     known = [*library.library.raps, *library.library.primitives]
     for name, what in experiment.count.items():
         if name in LABELS:
-            raise ExperimentError(f"`count`, {name}: a measure is called so already")
+            yield ExperimentError(f"`count`, {name}: a measure is called so already")
         if what not in known:
             message = f"`count`, {name}: no RAP or primitive is named `{what}`"
-            raise ExperimentError(message, meant(what, known))
+            yield ExperimentError(message, meant(what, known))
     measures = [*LABELS, *experiment.count]
     for part in experiment.part:
         for name in part.reference.figures if part.reference else ():
             if name not in measures:
                 message = f"part `{part.name}`: there is no measure `{name}`"
-                raise ExperimentError(message, meant(name, measures))
-    if not counted(tasks, experiment.counted):
-        raise ExperimentError("all tasks are in the background: there is none to count")
+                yield ExperimentError(message, meant(name, measures))
 
 
 def _texts(
@@ -226,7 +212,7 @@ def _try(
         raise ExperimentError(first, "; ".join(more) or None) from refused
 
 
-def unit(world: World | type[World], vary: str) -> str:
+def unit(world: type[World], vary: str) -> str:
     """The unit of what is varied; empty if it has none."""
     owner, _, name = vary.partition(".")
     units = {option.name: option.unit for option in world.options()}

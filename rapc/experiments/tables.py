@@ -11,7 +11,7 @@ from typing import Literal
 
 import msgspec
 
-from rapc.experiments.definition import Value
+from rapc.experiments.definition import Part, Value
 from rapc.experiments.measures import LABELS
 from rapc.experiments.summary import Row, Spread, Summary
 from rapc.terms import format_atom
@@ -36,10 +36,14 @@ class Grid(msgspec.Struct, frozen=True):
 _GAP = 2
 
 
-def title(summary: Summary) -> str:
-    """The title of a part: what it is called, and by which name it is asked for."""
-    part = summary.part
-    return f"{part.title} (part `{part.name}`)" if part.title else f"Part `{part.name}`"
+def heading(part: Part) -> str:
+    """What a part is called, in one line."""
+    return " ".join(part.title.split()) or f"Part {part.name}"
+
+
+def title(part: Part) -> str:
+    """What a part is called, and by which name it is asked for."""
+    return f"{heading(part)} (part `{part.name}`)" if part.title else heading(part)
 
 
 def show(value: Value | None) -> str:

@@ -139,6 +139,13 @@ def test_plots_are_the_same_bytes_each_time(drops: Summary, tmp_path: Path) -> N
     assert "dc:date" not in svg
 
 
+def test_a_plot_of_nothing_with_an_odd_title(tmp_path: Path) -> None:
+    part = msgspec.structs.replace(PART, title="$\\nothing_ \n " + "\u4eba" * 200)
+    svg, png = plots.draw([summary([], [], part=part)], tmp_path / "nothing")
+    assert svg.read_text().startswith("<?xml")
+    assert png.read_bytes().startswith(b"\x89PNG")
+
+
 def test_values_that_are_no_numbers_stand_side_by_side(tmp_path: Path) -> None:
     part = Part("way", vary="truck.lasting-names", values=(False, True))
     points = session().points[:2]
