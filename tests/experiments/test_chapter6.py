@@ -21,11 +21,13 @@ def chapter6() -> Session:
 def test_points_are_those_of_the_thesis_and_shared_where_they_are_alike() -> None:
     session = chapter6()
     at = {(point.part, point.value): point.digest for point in session.points}
-    assert [part.name for part in session.made.part] == ["still", "one", "two", "three"]
-    assert len(at) == 1 + 5 + 11 + 11
+    parts = ["still", "one", "two", "three", "limit"]
+    assert [part.name for part in session.made.part] == parts
+    assert len(at) == 1 + 5 + 11 + 11 + 3
     assert at["still", None] == at["two", 0]
     assert at["one", 15] == at["two", 40]
-    assert len(set(at.values())) == len(at) - 2
+    assert at["limit", 2] == at["two", 60]
+    assert len(set(at.values())) == len(at) - 3
     stops = {p.texts.get("truck.shuffle-until") for p in session.points}
     assert stops == {None, "3960"}
 
