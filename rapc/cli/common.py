@@ -1,4 +1,7 @@
-"""What the commands share that work on libraries: reading, checking, printing findings.
+"""What the commands share that work on libraries: reading, and printing findings.
+
+Compiling is in `rapc.cli.checked`, for those that need it. What prints findings is
+imported when there are some: `rapc check` of a sound library has no use for it.
 
 Exit statuses of all commands: 0 for well, 1 for found or failed, 2 for what could not
 be tried. Findings and results go to standard output, everything else to standard error.
@@ -14,12 +17,8 @@ from contextlib import contextmanager
 
 import click
 
-from rapc import render
 from rapc.analysis.driver import Report
-from rapc.api import CheckError, compile_loaded, read_artifact
 from rapc.cli.options import USAGE, common_options, fail, say, settings
-from rapc.compiler.artifact import ArtifactError
-from rapc.compiler.plans import CompiledLibrary
 from rapc.files import LoadError
 from rapc.loader import Loaded, load
 
@@ -27,7 +26,6 @@ __all__ = (
     "USAGE",
     "common_options",
     "fail",
-    "load_checked",
     "print_findings",
     "read_paths",
     "say",
@@ -68,6 +66,10 @@ def read_paths(paths: Iterable[str]) -> Loaded:
 
 def print_findings(report: Report, output_format: str) -> None:
     """Print a report's findings on standard output: `full`, `concise` or `json`."""
+    if not report.findings and output_format != "json":
+        return
+    from rapc import render  # noqa: PLC0415  # brings rich along
+
     if output_format == "json":
         click.echo(render.json_text(report))
     elif output_format == "concise":
@@ -79,23 +81,3 @@ def print_findings(report: Report, output_format: str) -> None:
             width = shutil.get_terminal_size().columns
         lines = render.full(report, width)
         render.write(lines, sys.stdout, color=settings().colored())
-
-
-def load_checked(path: str) -> CompiledLibrary:
-    """Load, check and compile a library for a command that runs it, or read a compiled.
-
-    A finding of severity error is printed and ends the command with status 2; others
-    do not stop it.
-    """
-    try:
-        with undisturbed():
-            artifact = read_artifact(path)
-            if artifact is None:
-                return compile_loaded(read_paths([path]), path)
-            say(f"read {path}")
-            return artifact.library
-    except (ArtifactError, LoadError) as error:
-        fail(str(error))
-    except CheckError as error:
-        print_findings(error.report, "full")
-        raise SystemExit(USAGE) from None

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import click
 
+from rapc.cli.checked import load_checked
 from rapc.cli.common import (
     USAGE,
     common_options,
     fail,
-    load_checked,
     print_findings,
     say,
     undisturbed,

@@ -11,7 +11,8 @@ from typing import Any
 
 import click
 
-from rapc.cli.common import PIPED_WIDTH, common_options, fail, load_checked, settings
+from rapc.cli.checked import load_checked
+from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.options import say
 from rapc.experiments import definition, output
 from rapc.experiments.batch import Done, Workers, WorkersLost, jobs, run_batch

@@ -12,7 +12,8 @@ from typing import Any, NoReturn
 
 import click
 
-from rapc.cli.common import common_options, fail, load_checked, settings
+from rapc.cli.checked import load_checked
+from rapc.cli.common import common_options, fail, settings
 from rapc.cli.options import show_traceback
 from rapc.compiler.artifact import ArtifactError
 from rapc.compiler.plans import CompiledLibrary

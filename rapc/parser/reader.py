@@ -1,8 +1,9 @@
 """Text to data, for good files fast and for bad ones with findings.
 
-The terminals come from `rap.lark`; lists are built here with a stack of our own, so
-no text can exhaust Python's. A file whose parentheses, strings or comments do not
-close is read again by `rapc.parser.recovery`. What the data mean is not asked here.
+The terminals are those of `rap.lark`, by way of `rapc.parser.terminals`; lists are
+built here with a stack of our own, so no text can exhaust Python's. A file whose
+parentheses, strings or comments do not close is read again by `rapc.parser.recovery`.
+What the data mean is not asked here.
 """
 
 from __future__ import annotations
@@ -12,8 +13,6 @@ from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
-
-from lark import Lark
 
 from rapc.parser.data import Datum, List, Reading, String
 from rapc.parser.lexicon import (
@@ -27,6 +26,7 @@ from rapc.parser.lexicon import (
 )
 from rapc.parser.recovery import recover
 from rapc.parser.rejoin import rejoin
+from rapc.parser.terminals import TERMINALS
 from rapc.source import SourceFile
 
 _OPEN_ENDED = {'"': "string", ";": "comment"}
@@ -38,8 +38,7 @@ _FORM_LINE = re.compile(r"^\((?:define|declare)-", re.I | re.M)
 @cache
 def lexicon() -> Lexicon:
     """The terminals of `rap.lark`, compiled once."""
-    grammar = Lark.open("rap.lark", rel_to=__file__, parser=None, lexer="basic")
-    return Lexicon({t.name: t.pattern.to_regexp() for t in grammar.terminals})
+    return Lexicon(TERMINALS)
 
 
 def read(source: SourceFile) -> Reading:

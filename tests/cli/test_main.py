@@ -6,6 +6,7 @@ import errno
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,9 @@ from rapc.cli import main
 
 from .command import COMMAND, rapc
 
-HEAVY = ("lark", "networkx", "rich", "rapc.parser", "rapc.analysis", "rapc.runtime")
+FOREIGN = ("lark", "networkx", "rich", "prompt_toolkit", "pebble", "matplotlib")
+RUNNING = ("api", "compiler", "experiments", "repl", "runtime", "testing", "worlds")
+CHECKING = ("analysis", "ir", "loader", "parser", "render")
 
 
 def test_help_lists_the_commands_with_examples() -> None:
@@ -33,16 +36,43 @@ def test_each_command_has_help_with_examples(command: str) -> None:
     assert f"Examples:\n    rapc {command}" in done.stdout
 
 
-def test_help_imports_nothing_heavy() -> None:
-    code = (
-        "import sys; from rapc.cli.main import main\n"
-        "try: main(['--help'])\n"
-        f"finally: print([m for m in {HEAVY} if m in sys.modules], file=sys.stderr)"
-    )
+def _imported(code: str, *args: str) -> set[str]:
+    """The modules that a process has when it ends, after running some code."""
+    tell = "import atexit, sys; atexit.register(lambda: print(*sys.modules))"
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        [sys.executable, "-c", f"{tell}\n{code}", *args],
+        capture_output=True,
+        text=True,
+        check=True,
     )
-    assert done.stderr == "[]\n"
+    return set(done.stdout.splitlines()[-1].split())
+
+
+def _of_rapc(rooms: Sequence[str]) -> set[str]:
+    return {f"rapc.{room}" for room in rooms}
+
+
+@pytest.mark.parametrize("option", ["--help", "--version"])
+def test_help_imports_nothing_heavy(option: str) -> None:
+    found = _imported("from rapc.cli.main import main; main()", option)
+    assert "rapc.cli.main" in found
+    assert found.isdisjoint((*FOREIGN, "msgspec", *_of_rapc((*CHECKING, *RUNNING))))
+
+
+def test_checking_a_sound_file_imports_nothing_that_runs_or_prints(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "wait.rap"
+    file.write_text("(define-rap (wait))\n")
+    found = _imported("from rapc.cli.main import main; main()", "check", str(file))
+    assert "rapc.analysis.driver" in found
+    assert found.isdisjoint((*FOREIGN, *_of_rapc((*RUNNING, "render"))))
+
+
+def test_importing_rapc_imports_nothing_else_of_it() -> None:
+    found = _imported("import rapc")
+    assert {name for name in found if name.startswith("rapc.")} <= {"rapc.version"}
+    assert found.isdisjoint((*FOREIGN, "click", "msgspec"))
 
 
 def test_version_is_told() -> None:
@@ -160,6 +190,7 @@ def test_full_disk_is_no_fault_of_rapc(
 ) -> None:
     monkeypatch.setattr("rapc.cli.main._drop_output", lambda: None)
     monkeypatch.setattr("rapc.render.write", _full)
+    (tmp_path / "odd.rap").write_text("(define-rup (a))")
     with pytest.raises(SystemExit) as ended:
         main.main(["check", str(tmp_path)])
     assert ended.value.code == 2

@@ -7,6 +7,7 @@ begins a line within another.
 
 from __future__ import annotations
 
+import random
 import re
 from functools import cache
 from pathlib import Path
@@ -20,11 +21,12 @@ from lark.exceptions import UnexpectedInput
 
 from rapc.parser import reader, recovery
 from rapc.parser.lexicon import Notes
+from rapc.parser.terminals import TERMINALS
 from rapc.source import SourceFile
 from tests.parser.reading import FILE, Plain, plain, reading
+from tests.parser.terminals import GRAMMAR, terminals
 
 CHECKOUT = Path(__file__).parents[2]
-GRAMMAR = CHECKOUT / "rapc" / "parser" / "rap.lark"
 PROGRAMS = sorted(
     path
     for folder in ("stdlib", "examples", "tests")
@@ -66,6 +68,24 @@ WORDS = [
     "\u00a0",
 ]
 LINES = ["(define-rap", "\n(define-rap", "\n(require", "\ndeclare-x"]
+ROUGH = [*MARKS, *WORDS, *LINES, "[", "`", "|#|", "((", "))", "\ufeff", "\u00e9"]
+SOUND = [
+    "a",
+    "B-2",
+    "?x",
+    "?",
+    ":kw",
+    "12",
+    "-3.5",
+    "+0.0",
+    "=",
+    "#1",
+    "gr\u00fcn",
+    '"a #| ; b"',
+    '""',
+    '"two\nlines"',
+]
+GAPS = [" ", "\n ", "\t", " ; a #| b\n", " #| c |# ", " #| d #| e |# ; |#", "\r\n\f"]
 FORM_IN_LIST = re.compile(r"\n\((?:define|declare)-")
 FORM_IN_STRING = re.compile(r'"[^"]*\n\((?:define|declare)-')
 PIECES = st.one_of(st.sampled_from([*MARKS, *WORDS, *LINES]), st.text(max_size=3))
@@ -138,6 +158,34 @@ def test_there_are_programs() -> None:
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda p: str(p.relative_to(CHECKOUT)))
 def test_files_of_the_repository(path: Path) -> None:
     check(path.read_text(encoding="utf-8"))
+
+
+def test_terminals_are_those_of_the_grammar() -> None:
+    """`python -m tests.parser.terminals` writes them anew."""
+    assert terminals() == TERMINALS
+
+
+@pytest.mark.parametrize("batch", range(10))
+def test_ten_thousand_made_texts(batch: int) -> None:
+    """Half of them are sound, so their data and places are held against lark's."""
+    rng = random.Random(f"texts:{batch}")
+    for _ in range(500):
+        sound = _sound(rng, 5)
+        assert reading(sound).diagnostics == ()
+        check(sound)
+        check("".join(rng.choice(ROUGH) for _ in range(rng.randrange(40))))
+
+
+def _sound(rng: random.Random, depth: int) -> str:
+    """Data in a row, with space and comments wherever they may stand."""
+    made = []
+    for _ in range(rng.randrange(2, 7)):
+        if depth and rng.random() < 0.4:
+            made.append(f"({_sound(rng, depth - 1)})")
+        else:
+            made.append(rng.choice(SOUND))
+        made.append(rng.choice(GAPS))
+    return "".join(made)
 
 
 @settings(max_examples=1000)

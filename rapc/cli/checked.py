@@ -1,0 +1,29 @@
+"""A library for the commands that run one: read, checked and compiled."""
+
+from __future__ import annotations
+
+from rapc.api import CheckError, compile_loaded, read_artifact
+from rapc.cli.common import USAGE, fail, print_findings, read_paths, say, undisturbed
+from rapc.compiler.artifact import ArtifactError
+from rapc.compiler.plans import CompiledLibrary
+from rapc.files import LoadError
+
+
+def load_checked(path: str) -> CompiledLibrary:
+    """Load, check and compile a library for a command that runs it, or read a compiled.
+
+    A finding of severity error is printed and ends the command with status 2; others
+    do not stop it.
+    """
+    try:
+        with undisturbed():
+            artifact = read_artifact(path)
+            if artifact is None:
+                return compile_loaded(read_paths([path]), path)
+            say(f"read {path}")
+            return artifact.library
+    except (ArtifactError, LoadError) as error:
+        fail(str(error))
+    except CheckError as error:
+        print_findings(error.report, "full")
+        raise SystemExit(USAGE) from None
