@@ -21,6 +21,10 @@ Plain = bool | int | float | str
 """The value of an option; that of one of kind `text` is the text itself."""
 
 
+_CODE = (".py", ".lark")
+"""The endings of files that decide what a package does."""
+
+
 class Config(msgspec.Struct, frozen=True):
     """What is run, and what is counted of it.
 
@@ -79,7 +83,7 @@ def plain_options(
 
 
 def code_of(world: type[World]) -> str:
-    """A digest of the Python code that decides what a run comes to.
+    """A digest of the code that decides what a run comes to.
 
     That is all of rapc, and the package of the world if that is another one.
     """
@@ -100,4 +104,6 @@ def _files(package: str) -> Iterable[Path]:
     if home is None:
         return ()
     file = Path(home)
-    return sorted(file.parent.rglob("*.py")) if file.name == "__init__.py" else (file,)
+    if file.name != "__init__.py":
+        return (file,)
+    return sorted(f for f in file.parent.rglob("*") if f.suffix in _CODE)

@@ -117,7 +117,7 @@ def counted(tasks: Sequence[Submission], raps: Sequence[str]) -> list[Submission
     ]
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def _compiled(
     name: str, sources: tuple[tuple[str, str], ...], thread: int
 ) -> CompiledLibrary:
