@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from bench.common import Figure, compiled, seconds
 from rapc import loader
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.machine import Settings
+from rapc.runtime.settings import Settings
 from rapc.runtime.submission import Submission
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld

@@ -263,7 +263,7 @@ class Rapc(Peer):
 
 @peer
 class RapcTraced(Rapc):
-    """The same, and every event of the run is recorded as a line of JSON."""
+    """The same, and every event of the run is kept, complete and in order."""
 
     name = "rapc-traced"
     note = "everything real, the trace recorded"
@@ -274,8 +274,7 @@ class RapcTraced(Rapc):
         return w in ("W3", "W4")
 
     def record(self) -> None:
-        self.trace = tempfile.TemporaryFile("w", encoding="utf-8")  # noqa: SIM115
-        self.run.listen(rapc.JsonTrace(self.trace))
+        self.recording = self.run.record()
 
 
 @peer

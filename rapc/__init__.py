@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rapc.api import load as load
     from rapc.runtime import events as events
     from rapc.runtime.interpreter import Interpreter as Interpreter
-    from rapc.runtime.machine import Settings as Settings
+    from rapc.runtime.settings import Settings as Settings
     from rapc.runtime.submission import Submission as Submission
     from rapc.runtime.submission import read_submission as task
     from rapc.runtime.trace import JsonTrace as JsonTrace
@@ -48,7 +48,7 @@ __all__ = (
 _HOMES = {
     "Interpreter": ("rapc.runtime.interpreter", "Interpreter"),
     "JsonTrace": ("rapc.runtime.trace", "JsonTrace"),
-    "Settings": ("rapc.runtime.machine", "Settings"),
+    "Settings": ("rapc.runtime.settings", "Settings"),
     "Submission": ("rapc.runtime.submission", "Submission"),
     "TextTrace": ("rapc.runtime.trace", "TextTrace"),
     "World": ("rapc.runtime.world", "World"),

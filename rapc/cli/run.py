@@ -19,11 +19,11 @@ from rapc.compiler.artifact import ArtifactError
 from rapc.compiler.plans import CompiledLibrary
 from rapc.parser.parse import TextError, parse_fact
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.machine import SettingError, Settings, read_settings
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.refusals import Refused
 from rapc.runtime.report import Report
 from rapc.runtime.requests import PortError
+from rapc.runtime.settings import SettingError, Settings, read_settings
 from rapc.runtime.submission import Submission, read_submission
 from rapc.runtime.trace import JsonTrace, TextTrace
 from rapc.runtime.world import Time, World

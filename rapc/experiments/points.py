@@ -19,8 +19,8 @@ from rapc.experiments.measures import LABELS
 from rapc.experiments.run import counted
 from rapc.parser.parse import TextError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.machine import SettingError, read_settings
 from rapc.runtime.refusals import Refused
+from rapc.runtime.settings import SettingError, read_settings
 from rapc.runtime.submission import Submission, read_submission
 from rapc.runtime.world import World
 from rapc.terms import format_atom

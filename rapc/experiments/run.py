@@ -20,7 +20,7 @@ from rapc.experiments.measures import Measures, Tally, outcomes
 from rapc.library import link
 from rapc.parser.parse import parse
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.machine import Settings
+from rapc.runtime.settings import Settings
 from rapc.runtime.submission import Submission, read_submission
 from rapc.source import SourceFile
 from rapc.worlds import registry

@@ -29,7 +29,10 @@ def run_cycle(machine: Machine, task: Task) -> None:
     """Process the task that the agenda has chosen."""
     recorder, plan, run = machine.recorder, task.plan, task.within
     recorder.cycle += 1
-    special = task.wait is not None or task.identity is None
+    wait = task.wait
+    special = task.identity is None or (
+        wait is not None and (wait.spoilt or not wait.begun)
+    )
     if special and not task.bound:
         fill_inputs(machine, task)
     if recorder.on:

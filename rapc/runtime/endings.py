@@ -26,9 +26,8 @@ from rapc.runtime.events import (
     TaskSucceeded,
 )
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import ELIGIBLE, ENDED, Env, MethodRun, Task
+from rapc.runtime.task import ELIGIBLE, ENDED, Env, MethodRun, Task, in_words
 from rapc.runtime.world import OKAY
-from rapc.terms import format_atom
 
 INTERFERENCE = "interference"
 NO_METHOD = "no-method"
@@ -87,7 +86,7 @@ def _tell_success(machine: Machine, task: Task, outputs: Env) -> None:
         TaskSucceeded,
         task=task.number,
         goal=task.goal(outputs),
-        outputs={name: format_atom(value) for name, value in outputs.items()},
+        outputs=in_words(outputs),
     )
 
 

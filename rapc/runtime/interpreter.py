@@ -18,11 +18,13 @@ from rapc.runtime import standing
 from rapc.runtime.beginnings import create_top
 from rapc.runtime.endings import remove
 from rapc.runtime.events import RunEnded, TaskResult
-from rapc.runtime.machine import ContextListener, Machine, Settings
+from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.question import Question
 from rapc.runtime.recorder import Listener
+from rapc.runtime.recording import Recording
 from rapc.runtime.refusals import Refused, refusals, refuse_extension, refuse_tasks
+from rapc.runtime.settings import Settings
 from rapc.runtime.signals import signal
 from rapc.runtime.standing import AgendaEntry
 from rapc.runtime.submission import Submission
@@ -107,6 +109,10 @@ class Interpreter:
     def listen(self, listener: Listener) -> None:
         """Call `listener` with every event from now on."""
         self._machine.recorder.listen(listener)
+
+    def record(self) -> Recording:
+        """Keep every event from now on, to be read later."""
+        return Recording(self._machine.recorder)
 
     def watch_contexts(self, listener: ContextListener) -> None:
         """Tell `listener` whenever the context of a method is asked, and the answer."""

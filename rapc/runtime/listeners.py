@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from rapc.compiler.dependencies import ANYTHING, WatchKey
 from rapc.resources import Counter, SetResource
-from rapc.runtime.task import Task
+from rapc.runtime.task import RUNNING, Task
 from rapc.terms import Atom, Fact
 
 _Found = dict[int, Task]
@@ -89,7 +89,8 @@ class Listeners:
 
 
 def _join(there: Task | _Found, found: _Found) -> None:
+    """One at work on a method is not tested now, and after its method anyway."""
     if isinstance(there, dict):
         found.update(there)
-    else:
+    elif there.state is not RUNNING:
         found[there.number] = there

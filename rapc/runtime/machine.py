@@ -11,9 +11,7 @@ import random
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Annotated, Any
-
-import msgspec
+from typing import Any
 
 from rapc.compiler.plans import CompiledLibrary, MethodPlan, RapPlan
 from rapc.runtime.agenda import Agenda
@@ -22,58 +20,14 @@ from rapc.runtime.memory.assembly import assemble
 from rapc.runtime.monitors import Monitors
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.renaming import rename
+from rapc.runtime.settings import Settings
 from rapc.runtime.submission import Submission
 from rapc.runtime.task import Given, Task
 from rapc.runtime.world import ResultHandler, Time, World
-from rapc.spell import nearest
-from rapc.terms import Atom, number
+from rapc.terms import Atom
 
 ContextListener = Callable[[str, str, bool], None]
 """Told of a RAP's method whose context was asked, and whether it held."""
-
-_Count = Annotated[int, msgspec.Meta(ge=1)]
-_Cost = Annotated[int, msgspec.Meta(ge=0)] | Annotated[float, msgspec.Meta(ge=0)]
-
-
-class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Settings of the interpreter (`--set rapc.NAME=value`).
-
-    `futile_limit`: how often one choice is allowed (T 3.2.5). `idle_cycles`: cycles
-    without the clock moving after which a run is called off. `cycle_cost`: time
-    units that a cycle takes (T 7.2.1). `max_layers`: how many layers an expectation
-    set keeps (semantics 7).
-    """
-
-    futile_limit: _Count = 2
-    idle_cycles: _Count = 100_000
-    cycle_cost: _Cost = 0
-    max_layers: _Count = 8
-
-
-class SettingError(ValueError):
-    """A setting that does not exist or takes another value; one line of text."""
-
-
-def read_settings(texts: Mapping[str, str]) -> Settings:
-    """Settings from text, by the names of the command line (`futile-limit`).
-
-    Raises:
-        SettingError: for an unknown name, or a value that the setting does not take.
-    """
-    names = {n.replace("_", "-"): n for n in Settings.__struct_fields__}
-    values: dict[str, object] = {}
-    for name, text in texts.items():
-        if name not in names:
-            near = nearest(name, names)
-            hint = f"; did you mean `{near}`?" if near else ""
-            raise SettingError(f"there is no setting `rapc.{name}`{hint}")
-        try:
-            values[names[name]] = number(float(text))
-            msgspec.convert({names[name]: values[names[name]]}, Settings)
-        except ValueError:
-            takes = "0 or more" if name == "cycle-cost" else "a whole number, 1 or more"
-            raise SettingError(f"`rapc.{name}` takes {takes}, not `{text}`") from None
-    return msgspec.convert(values, Settings)
 
 
 class Machine:

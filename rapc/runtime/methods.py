@@ -26,9 +26,8 @@ from rapc.runtime.events import MethodChosen
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.requests import ground, request
-from rapc.runtime.task import RUNNING, Env, MethodRun, Task
+from rapc.runtime.task import RUNNING, Env, MethodRun, Task, in_words
 from rapc.runtime.world import OKAY
-from rapc.terms import format_atom
 
 
 def try_method(machine: Machine, task: Task) -> None:
@@ -108,7 +107,7 @@ def _start(machine: Machine, run: MethodRun) -> None:
             task=task.number,
             rap=task.plan.name,
             method=method.name,
-            bindings={name: format_atom(v) for name, v in run.env.items()},
+            bindings=in_words(run.env),
         )
     if method.notations and not _note(machine, run, method):
         run.steps = ()

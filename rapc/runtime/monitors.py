@@ -20,7 +20,16 @@ from rapc.runtime.events import DeadlineMissed, TaskBlocked, TaskWoken
 from rapc.runtime.listeners import Listeners
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.recorder import Recorder
-from rapc.runtime.task import BLOCKED, ELIGIBLE, UNTESTED, WAITING, Env, Task, Waiting
+from rapc.runtime.task import (
+    BLOCKED,
+    ELIGIBLE,
+    UNTESTED,
+    WAITING,
+    Env,
+    Task,
+    Waiting,
+    in_words,
+)
 from rapc.runtime.world import Time
 from rapc.terms import Fact, Number, format_atom, number
 
@@ -108,6 +117,7 @@ class Monitors:
         wait = task.wait
         if wait is None or wait.keys is None:
             return
+        wait.formula = None
         self._ignore(task, wait)
         self._listen(task, wait)
         self.dirty[task.number] = task
@@ -207,7 +217,8 @@ class Monitors:
         if self._aging and self._recorder.time != self._tested_at:
             self.dirty.update(self._aging)
         self._tested_at = self._recorder.time
-        self._look_for_missed()
+        if self._deadlines:
+            self._look_for_missed()
         if self._missed:
             self._settle_with_missed()
         elif len(self.dirty) == 1:
@@ -231,10 +242,12 @@ class Monitors:
 
     def _look_ahead(self) -> None:
         """Find out when something falls due by time next."""
-        self.next_look = _NOW if self._aging or self._missed else _NEVER
-        for heap in (self._timers, self._deadlines):
-            if heap:
-                self.next_look = min(self.next_look, heap[0][0])
+        look = _NOW if self._aging or self._missed else _NEVER
+        if self._timers:
+            look = min(look, self._timers[0][0])
+        if self._deadlines:
+            look = min(look, self._deadlines[0][0])
+        self.next_look = look
 
     def _look_for_missed(self) -> None:
         deadlines = self._deadlines
@@ -327,8 +340,12 @@ class Monitors:
         ready_at = 0 if wait is None else wait.ready_at
         if plan is None or self._recorder.time < ready_at:
             return f"time {format_atom(ready_at)}"
-        bindings = {name: format_atom(value) for name, value in task.env.items()}
-        return format_formula(plan.formula, bindings)
+        if wait is None or wait.formula is None:
+            text = format_formula(plan.formula, in_words(task.env))
+            if wait is not None and not task.has_resources():
+                wait.formula = text
+            return text
+        return wait.formula
 
 
 def _awaited(entry: tuple[Time, int, Task]) -> bool:

@@ -7,21 +7,29 @@ from typing import Any
 
 from rapc.runtime.events import Event
 from rapc.runtime.world import Time
+from rapc.terms import format_list
 
 Listener = Callable[[Event], None]
+
+Told = tuple[type[Event], int, Time, dict[str, Any]]
+"""An event before it is made: its kind, cycle, time and other keys."""
+
+_FACTS = ("fact", "request", "sent")
 
 
 class Recorder:
     """Numbers events and hands them on; makes nothing while nobody listens.
 
-    Callers test `on` first, so that a silent run allocates nothing for tracing.
+    Callers test `on` first, so that a silent run allocates nothing for tracing. On
+    the `tape`, if there is one, an event is kept as it is told, to be made later.
     """
 
     def __init__(self) -> None:
         self.on = False
         self.time: Time = 0
         self.cycle = 0
-        self._serial = 0
+        self.serial = 0
+        self.tape: list[Told] | None = None
         self._listeners: tuple[Listener, ...] = ()
 
     def listen(self, listener: Listener) -> None:
@@ -29,9 +37,33 @@ class Recorder:
         self._listeners = (*self._listeners, listener)
         self.on = True
 
-    def emit(self, kind: type[Event], /, **keys: Any) -> None:
-        """Make an event of a kind and hand it to all listeners."""
-        event = kind(n=self._serial, cycle=self.cycle, time=self.time, **keys)
-        self._serial += 1
-        for listener in self._listeners:
-            listener(event)
+    def keep(self) -> list[Told]:
+        """The tape to which all is added that is told from now on."""
+        if self.tape is None:
+            self.tape = []
+        self.on = True
+        return self.tape
+
+    def emit(self, what: type[Event], /, **keys: Any) -> None:
+        """Tell of an event of a kind to all that want to know.
+
+        Facts and requests may be given as they are; an event has them in words.
+        """
+        tape = self.tape
+        if tape is not None:
+            tape.append((what, self.cycle, self.time, keys))
+        if self._listeners:
+            event = made((what, self.cycle, self.time, keys), self.serial)
+            for listener in self._listeners:
+                listener(event)
+        self.serial += 1
+
+
+def made(told: Told, serial: int) -> Event:
+    """An event with its serial number, from what was told of it."""
+    what, cycle, time, keys = told
+    for name in _FACTS:
+        fact = keys.get(name)
+        if type(fact) is tuple:
+            keys = {**keys, name: format_list(fact)}
+    return what(n=serial, cycle=cycle, time=time, **keys)

@@ -58,8 +58,8 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
         machine.recorder.emit(
             PrimitiveRequested,
             task=task.number,
-            request=format_list(asked),
-            sent=format_list(sent),
+            request=asked,
+            sent=sent,
         )
     world = machine.world
     machine.tickets += 1
@@ -113,9 +113,9 @@ def _finish(machine: Machine, task: Task | None, asked: Fact, reply: Reply) -> N
         machine.recorder.emit(
             PrimitiveEnded,
             task=task.number if task is not None else None,
-            request=format_list(machine.memory.canonical(asked)),
+            request=machine.memory.canonical(asked),
             result=result,
-            data=tuple(format_list(_named(machine, d)) for d in reply.data),
+            data=tuple([format_list(_named(machine, d)) for d in reply.data]),
         )
     if task is not None and task.run is not None:
         if result != OKAY:

@@ -16,13 +16,22 @@ from rapc.compiler.dependencies import WatchKey
 from rapc.compiler.nets import StepPlan, WindowPlan
 from rapc.compiler.plans import MethodPlan, RapPlan
 from rapc.parser.printer import format_term
-from rapc.resources import Value
+from rapc.resources import Counter, SetResource, Value
 from rapc.runtime.memory.memory import Notation
 from rapc.runtime.world import OKAY, Time
 from rapc.terms import format_atom
 
 Env = dict[str, Value]
 """Variables and what they are bound to."""
+
+
+def in_words(env: Env) -> dict[str, str]:
+    """Variables and what they are bound to, as RAP text."""
+    if not env:
+        return {}
+    return {name: format_atom(value) for name, value in env.items()}
+
+
 WAITING: Final = "waiting"
 UNTESTED: Final = "untested"
 ELIGIBLE: Final = "eligible"
@@ -32,6 +41,9 @@ ENDED: Final = "ended"
 """Where a task stands between its cycles."""
 
 
+_RESOURCES = (Counter, SetResource)
+
+
 class Waiting:
     """What a task may have to wait for besides its turn, and what its inputs make.
 
@@ -39,11 +51,12 @@ class Waiting:
     yet known; `held` is set while it waits for a signal. `ready_at` is when its
     monitored time comes, counted from when it was `made` at first; `keys` are the
     changes it listens to, None before it does. `timer` is the time it waits for now,
-    `blocked_on` what the trace says of it. The deadlines are those given by windows or
-    a host, by `monitor-time`, and the one last told of as missed. `begun` is set once
-    it was selected with its monitors holding, `after_method` while it is to come up
-    whatever its monitors say. `prepared` says that resources and times are made of
-    its inputs, `spoilt` that they could not be.
+    `blocked_on` what the trace says of it, `formula` its monitor's in words, if that
+    stays as it is. The deadlines are those given by windows or a host, by
+    `monitor-time`, and the one last told of as missed. `begun` is set once it was
+    selected with its monitors holding, `after_method` while it is to come up whatever
+    its monitors say. `prepared` says that resources and times are made of its inputs,
+    `spoilt` that they could not be.
     """
 
     __slots__ = (
@@ -51,6 +64,7 @@ class Waiting:
         "begun",
         "blocked_on",
         "duration",
+        "formula",
         "given_deadline",
         "held",
         "keys",
@@ -74,6 +88,7 @@ class Waiting:
         self.keys: tuple[WatchKey, ...] | None = None
         self.timer: Time | None = None
         self.blocked_on = ""
+        self.formula: str | None = None
         self.given_deadline: float = math.inf
         self.monitor_deadline: float = math.inf
         self.missed: float | None = None
@@ -131,7 +146,7 @@ class Task:
     top-level task; `limit` the nearest deadline of its own and its ancestors'.
     `waiting` counts the steps that it still follows. `method` is the one tried last,
     `choice` the first that its futile-loop detector has seen. `wait` and `history` are
-    None for most.
+    None for most; `text` is the goal in words, if it has been told and stays as it is.
     """
 
     __slots__ = (
@@ -150,6 +165,7 @@ class Task:
         "run",
         "state",
         "step",
+        "text",
         "wait",
         "waiting",
         "within",
@@ -185,6 +201,7 @@ class Task:
         self.history: History | None = None
         self.choice: tuple[object, ...] | None = None
         self.last_result: str | None = None
+        self.text: str | None = None
 
     @property
     def parent(self) -> Task | None:
@@ -285,6 +302,11 @@ class Task:
 
     def goal(self, outputs: Mapping[str, Value] | None = None) -> str:
         """The goal as the trace prints it: inputs by value, and outputs if known."""
+        if self.text is None or self.plan.outputs:
+            return self._goal(outputs)
+        return self.text
+
+    def _goal(self, outputs: Mapping[str, Value] | None) -> str:
         words = [self.plan.name]
         terms = self.step.node.goal.args if self.step is not None else ()
         for at, name in enumerate(self.plan.inputs):
@@ -301,7 +323,14 @@ class Task:
             for name in self.plan.outputs:
                 known = None if outputs is None else outputs.get(name)
                 words.append(name if known is None else format_atom(known))
-        return f"({' '.join(words)})"
+        text = f"({' '.join(words)})"
+        if self.bound and not self.has_resources():
+            self.text = text
+        return text
+
+    def has_resources(self) -> bool:
+        """Whether it has sets or counters, or was given some."""
+        return any(isinstance(value, _RESOURCES) for value in self.env.values())
 
 
 class Ends:

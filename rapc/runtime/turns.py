@@ -100,11 +100,12 @@ class Turns:
 
     def _wake(self) -> None:
         """Start what has waited for this time, and test what has changed."""
-        machine = self._machine
-        for task in machine.monitors.due():
-            if task.wait is None or not task.wait.held:
-                when_time_comes(machine, task)
-        machine.monitors.settle()
+        machine, monitors = self._machine, self._machine.monitors
+        if machine.recorder.time >= monitors.next_look:
+            for task in monitors.due():
+                if task.wait is None or not task.wait.held:
+                    when_time_comes(machine, task)
+        monitors.settle()
 
     def _spend(self, cost: Time) -> None:
         """Let a cycle take its time."""

@@ -11,7 +11,7 @@ import click
 import pytest
 
 from rapc.cli.main import COMMANDS, cli
-from rapc.runtime.machine import Settings
+from rapc.runtime.settings import Settings
 
 CHECKOUT = Path(__file__).parents[2]
 PAGE = (CHECKOUT / "docs" / "cli.md").read_text(encoding="utf-8")

@@ -14,7 +14,7 @@ from rapc.library import Library, link
 from rapc.parser.parse import parse, parse_fact
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.machine import Settings
+from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
 from rapc.runtime.world import HandlerMemory, Time
 from rapc.source import SourceFile

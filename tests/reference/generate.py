@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import random
 
-from rapc.runtime.machine import Settings
+from rapc.runtime.settings import Settings
 from tests.reference.case import Case
 from tests.reference.nets import Sketch
 from tests.reference.raps import rap

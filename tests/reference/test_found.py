@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from rapc.runtime.machine import Settings
+from rapc.runtime.settings import Settings
 from rapc.worlds.script import At, Row
 from tests.reference.case import Case, print_form
 from tests.reference.compare import compare, report

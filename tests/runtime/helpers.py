@@ -11,7 +11,7 @@ from rapc.library import link
 from rapc.parser.parse import parse, parse_pattern
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.machine import Settings
+from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
 from rapc.runtime.world import Time
 from rapc.source import SourceFile

@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 
-from rapc.runtime.machine import Settings
+from rapc.runtime.settings import Settings
 
 from .helpers import Play, at, play, row
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from rapc.runtime import events
-from rapc.runtime.machine import Settings
 from rapc.runtime.refusals import Refused
+from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
 from rapc.runtime.trace import JsonTrace
 
@@ -252,6 +252,20 @@ def test_a_silent_run_does_the_same_as_one_that_is_watched() -> None:
     one, other = ran.interpreter.results(), silent.interpreter.results()
     assert [(r.outcome, r.goal) for r in one] == [(r.outcome, r.goal) for r in other]
     assert silent.interpreter._machine.recorder.cycle == ran.events[-1].cycle
+
+
+def test_a_recording_gives_the_events_that_a_listener_gets() -> None:
+    text = "(define-rap (top ?z) (resources (counter ?c)) (method (task-net"
+    text += " (a (use ?z) (counter-add ?c 2) (for b)) (b (use (value ?c))))))"
+    ran = Play(USE + text, "(top a)")
+    ran.interpreter.step()
+    recording = ran.interpreter.record()
+    heard: list[events.Event] = []
+    ran.interpreter.listen(heard.append)
+    ran.run()
+    assert len(recording) == len(heard) > 10
+    assert list(recording) == heard
+    assert list(recording) == ran.events[-len(heard) :]
 
 
 def test_numbers_of_tasks_follow_the_order_of_creation() -> None:

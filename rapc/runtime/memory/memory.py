@@ -161,10 +161,10 @@ class Memory:
             if self.mentions is not None:
                 self.mentions.went(replaced)
             if recorder.on:
-                recorder.emit(FactErased, fact=format_list(replaced), by=by)
+                recorder.emit(FactErased, fact=replaced, by=by)
             self.changed(replaced)
         if recorder.on:
-            recorder.emit(FactAsserted, fact=format_list(fact), by=by)
+            recorder.emit(FactAsserted, fact=fact, by=by)
         self.changed(fact)
         if self.mentions is not None:
             self.mentions.came(fact)
@@ -188,7 +188,7 @@ class Memory:
             self._notations.pop(fact, None)
         self.facts.remove(fact)
         if self._recorder.on:
-            self._recorder.emit(FactErased, fact=format_list(fact), by=by)
+            self._recorder.emit(FactErased, fact=fact, by=by)
         self.changed(fact)
         if self.mentions is not None:
             self.mentions.went(fact)
