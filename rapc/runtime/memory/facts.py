@@ -46,8 +46,8 @@ class Table:
 
     def __init__(self, relation: Relation | None) -> None:
         self.is_property = relation is not None and relation.is_property
-        known = relation is not None and relation.arity is not None
-        self.length = relation.arity + 1 if known else None  # type: ignore[union-attr, operator]
+        arity = None if relation is None else relation.arity
+        self.length = None if arity is None else arity + 1
         self.stamps: dict[Fact, Time] = {}
         self.values: dict[Any, Fact] = {}
         self.spread: tuple[tuple[int, dict[Atom, Bucket]], ...] = ()
