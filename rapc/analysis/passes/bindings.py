@@ -49,10 +49,8 @@ class Bindings(msgspec.Struct, frozen=True):
 def _run(run: Pass) -> Bindings:
     nets = run.result(TASK_NETS)
     missing = {}
-    anonymous: list[nodes.Var] = []
-    ages: list[nodes.Believe] = []
+    walk = _Walk(Walker(run.library.functions, Findings()), nets)
     for form in run.library.forms:
-        walk = _Walk(Walker(run.library.functions, Findings()), nets)
         if type(form) is nodes.DefineRap:
             _rap(walk, form)
         elif type(form) is nodes.MemoryRule:
@@ -63,9 +61,9 @@ def _run(run: Pass) -> Bindings:
             continue
         if walk.missing:
             missing[id(form)] = tuple(walk.missing)
-        anonymous.extend(walk.walker.findings.anonymous)
-        ages.extend(walk.ages)
-    return Bindings(missing, tuple(anonymous), tuple(ages))
+            walk.missing.clear()
+    anonymous = walk.walker.findings.anonymous
+    return Bindings(missing, tuple(anonymous), tuple(walk.ages))
 
 
 BINDINGS = Analyzer(
@@ -77,13 +75,16 @@ BINDINGS = Analyzer(
 
 
 class _Walk:
-    """The walk through one RAP or rule: who is asked, and what was noted so far."""
+    """The walk through the RAPs and rules: who is asked, and what was noted so far.
+
+    `missing` is what the form at hand lacks, `ages` those that monitors bind.
+    """
 
     def __init__(self, walker: Walker, nets: Nets) -> None:
         self.walker = walker
         self.nets = nets
         self.missing: list[Missing] = []
-        self.ages: tuple[nodes.Believe, ...] = ()
+        self.ages: list[nodes.Believe] = []
 
     def note(
         self, clause: str, method: nodes.Method | None = None, step: int | None = None
@@ -114,9 +115,10 @@ def _rap(walk: _Walk, rap: nodes.DefineRap) -> None:
         walker.values((rap.monitor_time.start, rap.monitor_time.stop), base)
         walk.note("monitor-time")
     if rap.monitor_state is not None:
+        walker.findings.ages.clear()
         walker.formula(rap.monitor_state, Bound(base))
         walk.note("monitor-state")
-    walk.ages = tuple(walker.findings.ages)
+        walk.ages.extend(walker.findings.ages)
     for clause, formula in (
         ("succeed", rap.succeed),
         ("preconditions", rap.preconditions),

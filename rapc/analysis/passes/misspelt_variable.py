@@ -67,8 +67,9 @@ def _run(run: Pass) -> None:
         names.pop("?", None)
         unbound = {m.variable.name for m in missing.get(owner, ())}
         once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
-        lengths = Counter(map(len, names))
-        suspects = [n for n in once if _is_long(n) and _may_be_close(n, lengths)]
+        suspects = [n for n in once if _is_long(n)]
+        lengths = Counter(map(len, names)) if suspects else {}
+        suspects = [n for n in suspects if _may_be_close(n, lengths)]
         close = _Close(names) if suspects else None
         for name in suspects:
             other = close.to(name) if close else None

@@ -49,7 +49,7 @@ def _is_index(datum: Datum) -> bool:
         return isinstance(datum, Symbol | List)
     if name in RAP_CLAUSES or name in METHOD_CLAUSES:
         return False
-    plain = not any(isinstance(item, List) for item in datum.items)
+    plain = all(type(item) is not List for item in datum.items)
     return plain or nearest(name, RAP_CLAUSES) is None
 
 
@@ -117,11 +117,10 @@ def _rap(
     formulas = {
         key: lone_formula(ctx, one[key]) for key in _FORMULA_CLAUSES if key in one
     }
-    methods = [
-        method(ctx, row, position)
-        for position, row in enumerate(found.get("method", ()), start=1)
-    ]
-    _check_method_names(ctx, methods, found.get("method", ()))
+    rows = found.get("method", ())
+    methods = [method(ctx, row, at) for at, row in enumerate(rows, start=1)]
+    if len(rows) > 1:
+        _check_method_names(ctx, methods, rows)
     return nodes.DefineRap(
         name=name.name,
         inputs=inputs,
