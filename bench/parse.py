@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bench.common import Figure, seconds
+from bench.common import Figure, compiled, seconds
 from rapc import loader
 from rapc.analysis import driver
+from rapc.compiler.plans import CompiledLibrary
 from rapc.parser.parse import parse
 from rapc.parser.reader import read
 from rapc.source import SourceFile
@@ -44,8 +45,16 @@ def library(size: int) -> str:
     return DECLARATIONS + "".join(definitions)
 
 
+def _compiled(text: str) -> CompiledLibrary:
+    """All that a task needs of each RAP; queries become code when they are asked."""
+    made = compiled(loader.load_text(text))
+    for name in made.library.raps:
+        made.rap(name)
+    return made
+
+
 def figures(quick: bool = False) -> Iterator[Figure]:
-    """Read, read to IR, link, check: each with all that comes before it."""
+    """Read, read to IR, link, check, compile: each with all that comes before it."""
     size = 100 if quick else 5000
     text = library(size)
     source = SourceFile("generated.rap", text)
@@ -62,6 +71,7 @@ def figures(quick: bool = False) -> Iterator[Figure]:
             "text to checked library",
             lambda: driver.check_library(loader.load_text(text)),
         ),
+        ("text to compiled library", lambda: _compiled(text)),
     )
     for what, work in stages:
         rate = size / seconds(work, rounds=3)
