@@ -116,6 +116,7 @@ def test_the_first_messages_are_the_trucks_own_gauges() -> None:
         Datum(("heading", "north")),
         Datum(("speed", "medium")),
         Datum(("fuel-level", 20)),
+        Datum(("clock", 0)),
     )
     assert world.messages() == ()
     assert world.next_time() is None
