@@ -129,8 +129,9 @@ def _rap(walk: _Walk, rap: nodes.DefineRap) -> None:
             walk.note(clause)
     if rap.effects:
         _effects(walk, rap, base)
-    looped = Bound(base)
+    looped = base
     if rap.repeat_while is not None:
+        looped = Bound(base)
         walker.formula(rap.repeat_while, looped)
         walk.note("repeat-while")
     for method in rap.methods:

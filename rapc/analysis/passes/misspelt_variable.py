@@ -7,11 +7,10 @@ tell: a variable used once is a wildcard. Numbered and lettered names are left a
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import groupby
+from collections.abc import Iterable, Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.occurrences import Use
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.diagnostics import Diagnostic, Label, Rule, Severity
@@ -57,19 +56,13 @@ _TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
 
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
-    variables = run.result(OCCURRENCES).of(nodes.Var)
-    for owner, uses in groupby(variables, key=lambda use: id(use.owner)):
-        names: dict[str, list[nodes.Var]] = {}
-        for use in uses:
-            names.setdefault(use.node.name, []).append(use.node)
-        if type(use.owner) is not nodes.DefineRap:
+    for owner, names in _by_form(run.result(OCCURRENCES).of(nodes.Var)):
+        if type(owner) is not nodes.DefineRap:
             continue
         names.pop("?", None)
-        unbound = {m.variable.name for m in missing.get(owner, ())}
+        unbound = {m.variable.name for m in missing.get(id(owner), ())}
         once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
-        suspects = [n for n in once if _is_long(n)]
-        lengths = Counter(map(len, names)) if suspects else {}
-        suspects = [n for n in suspects if _may_be_close(n, lengths)]
+        suspects = _suspects(once, names)
         close = _Close(names) if suspects else None
         for name in suspects:
             other = close.to(name) if close else None
@@ -84,6 +77,26 @@ ANALYZER = Analyzer(
     needs=(OCCURRENCES, BINDINGS),
     rules=(MISSPELT,),
 )
+
+
+def _by_form(
+    uses: Iterable[Use[nodes.Var]],
+) -> Iterator[tuple[nodes.TopForm, dict[str, list[nodes.Var]]]]:
+    """Each form that has variables, with these by their names."""
+    owner: nodes.TopForm | None = None
+    names: dict[str, list[nodes.Var]] = {}
+    for use in uses:
+        if use.owner is not owner:
+            if owner is not None:
+                yield owner, names
+            owner, names = use.owner, {}
+        variable = use.node
+        if variable.name in names:
+            names[variable.name].append(variable)
+        else:
+            names[variable.name] = [variable]
+    if owner is not None:
+        yield owner, names
 
 
 class _Close:
@@ -119,10 +132,21 @@ def _is_long(name: str) -> bool:
     return _LEAST <= len(name) <= _MOST
 
 
-def _may_be_close(name: str, lengths: Mapping[int, int]) -> bool:
-    """Whether another name is as long, but for a letter."""
-    here = len(name)
-    return lengths[here] > 1 or here - 1 in lengths or here + 1 in lengths
+def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
+    """The names used once that may be a slip for another: one about as long."""
+    lengths: dict[int, int] = {}
+    for name in names:
+        lengths[len(name)] = lengths.get(len(name), 0) + 1
+    return [
+        name
+        for name in once
+        if _is_long(name)
+        and (
+            lengths[len(name)] > 1
+            or len(name) - 1 in lengths
+            or len(name) + 1 in lengths
+        )
+    ]
 
 
 def _is_slip(one: nodes.Var, others: list[nodes.Var]) -> bool:
