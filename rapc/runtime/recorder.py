@@ -44,16 +44,16 @@ class Recorder:
         self.on = True
         return self.tape
 
-    def emit(self, what: type[Event], /, **keys: Any) -> None:
+    def emit(self, event_class: type[Event], /, **keys: Any) -> None:
         """Tell of an event of a kind to all that want to know.
 
         Facts and requests may be given as they are; an event has them in words.
         """
         tape = self.tape
         if tape is not None:
-            tape.append((what, self.cycle, self.time, keys))
+            tape.append((event_class, self.cycle, self.time, keys))
         if self._listeners:
-            event = made((what, self.cycle, self.time, keys), self.serial)
+            event = made((event_class, self.cycle, self.time, keys), self.serial)
             for listener in self._listeners:
                 listener(event)
         self.serial += 1
