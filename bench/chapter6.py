@@ -21,7 +21,7 @@ from rapc.experiments.run import measure
 from rapc.experiments.session import Session
 
 
-class _Run(msgspec.Struct, frozen=True):
+class Run(msgspec.Struct, frozen=True):
     """What a run took, in seconds, and what came of it."""
 
     wall: float
@@ -29,13 +29,15 @@ class _Run(msgspec.Struct, frozen=True):
     measures: Measures
 
 
-def _run(config: Config, seed: int) -> _Run:
+def run(config: Config, seed: int) -> Run:
+    """One run; the first in a process reads the library too."""
     wall, cpu = time.perf_counter(), time.process_time()
     measures = measure(config, seed)
-    return _Run(time.perf_counter() - wall, time.process_time() - cpu, measures)
+    return Run(time.perf_counter() - wall, time.process_time() - cpu, measures)
 
 
-def _session() -> Session:
+def session() -> Session:
+    """The experiment that comes with rapc, ready to be run."""
     file = definition.find("chapter6")
     made = definition.read(file)
     path = file.parent / made.library
@@ -44,23 +46,23 @@ def _session() -> Session:
 
 def figures(quick: bool = False) -> Iterator[Figure]:
     """Medians over seeds in the still world; and the sum of one run at each point."""
-    session = _session()
-    configs = {point.digest: point.config for point in session.points}
-    still = session.points[0].config
-    _run(still, 0)
-    runs = [_run(still, seed) for seed in range(1 if quick else 20)]
+    chapter = session()
+    configs = {point.digest: point.config for point in chapter.points}
+    still = chapter.points[0].config
+    run(still, 0)
+    runs = [run(still, seed) for seed in range(1 if quick else 20)]
     size = f"{len(runs)} seeds, median"
     rows = {
-        "wall time": (statistics.median(run.wall for run in runs), "s"),
-        "CPU time": (statistics.median(run.cpu for run in runs), "s"),
+        "wall time": (statistics.median(one.wall for one in runs), "s"),
+        "CPU time": (statistics.median(one.cpu for one in runs), "s"),
         "simulated time": (
-            statistics.median(run.measures.time for run in runs),
+            statistics.median(one.measures.time for one in runs),
             "time units",
         ),
     }
     for what, (value, unit) in rows.items():
         yield Figure("chapter6", f"{what} of a still run", size, value, unit)
     points = list(configs.values())[: 2 if quick else None]
-    spent = sum(_run(config, 0).cpu for config in points)
+    spent = sum(run(config, 0).cpu for config in points)
     size = f"{len(points)} points, seed 0"
     yield Figure("chapter6", "CPU time of a run at each point", size, spent, "s")

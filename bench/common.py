@@ -64,9 +64,9 @@ def table(figures: Iterable[Figure]) -> Iterator[str]:
     yield "| bench | what | size | figure | unit |"
     yield "|---|---|---|---:|---|"
     for f in figures:
-        yield f"| {f.bench} | {f.what} | {f.size} | {_short(f.value)} | {f.unit} |"
+        yield f"| {f.bench} | {f.what} | {f.size} | {short(f.value)} | {f.unit} |"
 
 
-def _short(value: float) -> str:
+def short(value: float) -> str:
     """Three figures that count, without a power of ten."""
     return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"

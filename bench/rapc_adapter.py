@@ -1,4 +1,8 @@
-"""rapc in benchmarks beside its peers, through what `import rapc` offers to anyone.
+"""rapc in benchmarks beside its peers, through what it offers to anyone.
+
+That is what `import rapc` has, and for the world's side the port that every world is
+written against, `rapc.runtime.world`. Only the reader by itself, which no program that
+runs RAPs calls, is taken from inside, for w1.
 
 The script that measures the peers runs this file with its `Peer` and `peer` as
 globals, and asks it for five workloads: a library read (w1), a memory queried (w2),
@@ -21,8 +25,6 @@ from pathlib import Path
 from typing import Any
 
 import rapc
-from rapc.api import compile_loaded
-from rapc.loader import load_text
 from rapc.parser.parse import parse
 from rapc.parser.reader import read
 from rapc.runtime.world import Handlers, Message, Offer, Option, Reply, Time, World
@@ -315,9 +317,10 @@ class RapcIr(Peer):
 class RapcLoad(Peer):
     """Reading, checking and compiling together.
 
-    The definitions ask for two RAPs and a fact of their own each: these are declared,
-    but not counted. All that a task needs of a definition is compiled, but for the
-    queries, each of which becomes code when it is first asked.
+    The text is written to a file, for that is what is compiled. The definitions ask for
+    two RAPs and a fact of their own each: these are declared, but not counted. All that
+    a task needs of a definition is compiled, but for the queries, each of which becomes
+    code when it is first asked.
     """
 
     name = "rapc-load"
@@ -330,6 +333,6 @@ class RapcLoad(Peer):
         return WORDS + "".join(DEFINITION.format(i=i, k=i % 10) for i in range(n))
 
     def w1(self, text: str) -> int:
-        library = compile_loaded(load_text(text), "library")
+        library = _compiled(text)
         names = (name for name in library.library.raps if name.startswith("pickup-"))
         return sum(1 for name in names if library.rap(name) is not None)

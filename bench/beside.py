@@ -1,0 +1,167 @@
+"""rapc beside its peers: one run, the targets judged, a table and a chart.
+
+    python -m bench.beside --peers PEERS.PY     measure, judge, write
+    python -m bench.beside                      write again what was measured last
+
+PEERS.PY is a script that measures other systems and `bench/rapc_adapter.py` on five
+workloads; it is not part of rapc. It is run by the Python that runs this, which has to
+have the peers installed, and matplotlib. A file `baseline.json` beside it has figures
+of peers that are not installed. What the script cannot see is measured by `bench.costs`
+right after it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import msgspec
+
+from bench.results import YARDSTICK, Results, from_script, noise
+from bench.run import machine
+from bench.targets import table
+
+CHECKOUT = Path(__file__).parents[1]
+PAGE = CHECKOUT / "docs" / "performance.md"
+FIGURES = CHECKOUT / "docs" / "figures"
+BEGIN, END = "<!-- beside: begin -->\n", "<!-- beside: end -->\n"
+
+PEERS = {
+    "W1": "hand,hand+pos,rapc,rapc-ir,rapc-load,clips",
+    "W2": "hand,rapc,swipl,sqlite3",
+    "W3": "hand,rapc,rapc-traced,py_trees,agentspeak,clips,swipl",
+    "W4": "hand,hand+agenda,rapc,rapc-traced,rapc-inputs,py_trees,agentspeak,clips",
+}
+"""Who is measured at what; W5 is seen in W3."""
+
+ELSEWHERE = {
+    "W1": ("jason", YARDSTICK),
+    "W3": ("jason", "bt.cpp", YARDSTICK),
+    "W4": ("jason", "bt.cpp", YARDSTICK),
+}
+"""Whose figures from elsewhere are shown, and what they are scaled by."""
+
+SLOWNESS = (
+    "The yardstick of W3 took {:.2g} times as long as in the figures from elsewhere."
+)
+
+WIDTH = 90
+"""How long a line of the page is."""
+
+TIMEOUT = 75
+"""Seconds for one measurement; what takes longer has no figure."""
+
+
+def main() -> None:
+    """Read the command line, measure if asked to, and write."""
+    parser = argparse.ArgumentParser(description="rapc beside its peers.")
+    parser.add_argument("--peers", type=Path, help="the script that measures peers")
+    parser.add_argument("--quick", action="store_true", help="small sizes, to try it")
+    parser.add_argument(
+        "--out", type=Path, help="folder for figures and table instead of docs/"
+    )
+    args = parser.parse_args()
+    if args.quick and args.out is None:
+        parser.error("--quick wants --out: its figures are not for docs/")
+    folder: Path = args.out or FIGURES
+    folder.mkdir(parents=True, exist_ok=True)
+    kept = folder / "beside.json"
+    if args.peers is None:
+        results = msgspec.json.decode(kept.read_bytes(), type=Results)
+    else:
+        results = measured(args.peers.resolve(), args.quick)
+        written = msgspec.json.format(msgspec.json.encode(results), indent=1)
+        kept.write_bytes(written + b"\n")
+    section = told(results)
+    print(section)
+    if args.out is None:
+        page = PAGE.read_text(encoding="utf-8")
+        PAGE.write_text(with_section(page, section), encoding="utf-8")
+    from bench.chart import draw  # noqa: PLC0415  # not before children are measured
+
+    draw(results, folder / "beside")
+
+
+def measured(script: Path, quick: bool) -> Results:
+    """Run the peers' script for each workload, then measure what it cannot."""
+    parts = [_peers(script, workload, quick) for workload in PEERS]
+    baseline = script.with_name("baseline.json")
+    elsewhere = json.loads(baseline.read_bytes()) if baseline.exists() else {}
+    from bench.costs import costs  # noqa: PLC0415  # as above
+
+    versions = {
+        name: peer["version"] for told in parts for name, peer in told["peers"].items()
+    }
+    return Results(
+        datetime.now(UTC).date().isoformat(),
+        machine(),
+        dict(sorted(versions.items())),
+        noise(parts),
+        tuple(one for told in parts for one in from_script(told)),
+        tuple(
+            one
+            for one in from_script({"results": elsewhere.get("results", ())})
+            if one.figures and one.peer in ELSEWHERE.get(one.workload, ())
+        ),
+        costs(quick),
+    )
+
+
+def _peers(script: Path, workload: str, quick: bool) -> Mapping[str, Any]:
+    """What the script tells of one workload; its own output is shown meanwhile."""
+    paths = [str(CHECKOUT), os.environ.get("PYTHONPATH", "")]
+    environment = {
+        **os.environ,
+        "RAPC_ADAPTER": str(CHECKOUT / "bench" / "rapc_adapter.py"),
+        "PYTHONPATH": os.pathsep.join(filter(None, paths)),
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "told.json")
+        command = [sys.executable, str(script), "--workloads", workload]
+        command += ["--peers", PEERS[workload], "--json", str(file)]
+        command += ["--quick"] if quick else ["--timeout", str(TIMEOUT)]
+        subprocess.run(command, env=environment, cwd=folder, check=True)
+        told: Mapping[str, Any] = json.loads(file.read_bytes())
+    return told
+
+
+def told(results: Results) -> str:
+    """What the page says of a measurement: where and when, and the targets."""
+    slowness = results.slowness("W3", 1000, "fire")
+    names = ", ".join(
+        f"{name} {version}"
+        for name, version in results.versions.items()
+        if not name.startswith(("rapc", YARDSTICK))
+    )
+    where = [
+        f"Taken on {results.day} with {results.machine}, beside {names}.",
+        f"Samples of one figure lie {results.noise:.0%} apart (median of all).",
+        *([] if slowness is None else [SLOWNESS.format(slowness)]),
+    ]
+    return "\n".join([fill(" ".join(where), WIDTH), "", *table(results), ""])
+
+
+def with_section(page: str, section: str) -> str:
+    """The page with what is between the markers replaced.
+
+    Raises:
+        ValueError: for a page without them.
+    """
+    before, begin, rest = page.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not (begin and end):
+        raise ValueError("the page has no markers to write between")
+    return f"{before}{BEGIN}\n{section}\n{END}{after}"
+
+
+if __name__ == "__main__":
+    main()

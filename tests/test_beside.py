@@ -1,0 +1,177 @@
+"""rapc beside its peers: what is made of the figures, without the peers themselves."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from bench.beside import BEGIN, END, FIGURES, PAGE, told, with_section
+from bench.child import take
+from bench.results import Measured, Results, from_script, noise
+from bench.targets import DEPTHS, MONITORS, TARGETS, table
+
+CHECKOUT = Path(__file__).parents[1]
+
+SCRIPT = """\
+{"peers": {"rapc": {"version": "1"}},
+ "results": [
+  {"workload": "W3", "peer": "rapc", "params": {"n": 10},
+   "figures": {"fire": {"median": 4e-6, "min": 3e-6, "max": 5e-6, "spread": 0.5},
+               "setup_s": 0.1, "rss_kb": 9, "bytes_per_monitor": 900}},
+  {"workload": "W4", "peer": "rapc", "params": {"b": 3, "d": 8},
+   "figures": {"task": {"median": 2e-6, "spread": 0.1}, "tasks_per_s": 5e5}},
+  {"workload": "W3", "peer": "agentspeak", "params": {"n": 100000},
+   "figures": {"error": "timeout after 75 s"}}]}
+"""
+
+
+def _fire(peer: str, micros: dict[int, float]) -> list[Measured]:
+    return [
+        Measured("W3", peer, size, {"fire": value * 1e-6})
+        for size, value in micros.items()
+    ]
+
+
+def _tasks(peer: str, rate: float) -> list[Measured]:
+    return [Measured("W4", peer, depth, {"tasks_per_s": rate}) for depth in DEPTHS]
+
+
+RESULTS = Results(
+    day="2026-11-21",
+    machine="a machine",
+    versions={"hand": "3.11", "py_trees": "2.6", "rapc": "0.1"},
+    noise=0.123,
+    measured=(
+        *_fire("hand", dict.fromkeys(MONITORS, 2.0)),
+        *_fire("rapc", dict.fromkeys(MONITORS, 4.0) | {100: 6.0}),
+        *_fire("rapc-traced", dict.fromkeys(MONITORS, 8.0) | {1000: 10.0}),
+        *_fire("py_trees", {100_000: 120_000.0}),
+        *_tasks("rapc", 300_000.0),
+        *_tasks("py_trees", 125_000.0),
+    ),
+    elsewhere=(
+        *_fire("hand", dict.fromkeys(MONITORS, 1.0)),
+        *_fire("bt.cpp", {1000: 1.5, 10_000: 800.0, 100_000: 20_000.0}),
+        Measured("W3", "jason", 10_000, {"bytes_per_monitor": 4000.0}),
+    ),
+    costs={"help.wall": 0.11, "help.cpu": 0.1, "truck.peak": 81.0},
+)
+
+
+def _row(area: str, what: str) -> str:
+    [row] = [row for row in table(RESULTS) if row.startswith(f"| {area} | {what} |")]
+    return row
+
+
+def test_the_script_s_medians_are_kept_and_failures_have_none() -> None:
+    found = list(from_script(msgspec.json.decode(SCRIPT)))
+    assert found == [
+        Measured("W3", "rapc", 10, {"fire": 4e-6, "bytes_per_monitor": 900}),
+        Measured("W4", "rapc", 8, {"tasks_per_s": 5e5}),
+        Measured("W3", "agentspeak", 100_000, {}),
+    ]
+    assert noise([msgspec.json.decode(SCRIPT)]) == pytest.approx(0.3)
+
+
+def test_figures_from_elsewhere_are_scaled_by_the_yardstick_but_for_memory() -> None:
+    assert RESULTS.at("W3", "bt.cpp", 1000, "fire") == pytest.approx(3e-6)
+    assert RESULTS.at("W3", "jason", 10_000, "bytes_per_monitor") == 4000
+    assert RESULTS.at("W3", "jason", 10_000, "fire") is None
+    assert RESULTS.is_from_elsewhere("bt.cpp")
+    assert not RESULTS.is_from_elsewhere("hand")
+
+
+@pytest.mark.parametrize(
+    ("area", "what", "cells"),
+    [
+        ("W3", "one firing", "6 us | at 100 | at most 5 us | **no**"),
+        (
+            "W3",
+            "one firing, `py_trees` over ours",
+            "30,000 x | at 100,000: 120,000 us / 4 us | at least 20,000 x | yes",
+        ),
+        (
+            "W3",
+            "one firing, `bt.cpp` over ours",
+            "0.75 x | at 1,000: 3 us / 4 us | at least 1 x | **no**",
+        ),
+        ("W3", "one firing, `jason` over ours", "not measured |  | at least 1 x | "),
+        ("W4", "tasks a second", "300,000 /s | at 6 | at least 300,000 /s | yes"),
+        (
+            "W4",
+            "tasks, rate over `py_trees`",
+            "2.4 x | at 6: 300,000/s / 125,000/s | at least 2.5 x | **no**",
+        ),
+        (
+            "W5",
+            "a dormant task, of 10,000",
+            "not measured |  | at most 1,200 bytes | ",
+        ),
+        (
+            "trace",
+            "firings a second, traced over not",
+            "0.4 x | at 1,000: 4 us / 10 us | at least 0.5 x | **no**",
+        ),
+        (
+            "start",
+            "`rapc --help`",
+            "0.11 s | 0.1 s of processor | at most 0.12 s | yes",
+        ),
+        ("truck", "peak memory of it", "81 MB |  | at most 80 MB | **no**"),
+    ],
+)
+def test_targets_are_judged_at_the_worst_size(area: str, what: str, cells: str) -> None:
+    assert _row(area, what) == f"| {area} | {what} | {cells} |"
+
+
+def test_every_target_has_a_row_of_its_own() -> None:
+    rows = list(table(RESULTS))[2:]
+    assert len(rows) == len(TARGETS)
+    assert len({tuple(row.split(" | ")[:2]) for row in rows}) == len(rows)
+
+
+def test_a_section_goes_between_the_markers() -> None:
+    page = f"before\n{BEGIN}old\n{END}after\n"
+    once = with_section(page, "new\n")
+    assert once == f"before\n{BEGIN}\nnew\n\n{END}after\n"
+    assert with_section(once, "new\n") == once
+    with pytest.raises(ValueError, match="no markers"):
+        with_section(f"{END}{BEGIN}", "new")
+
+
+def test_the_page_shows_what_was_measured_last() -> None:
+    kept = FIGURES / "beside.json"
+    results = msgspec.json.decode(kept.read_bytes(), type=Results)
+    page = PAGE.read_text(encoding="utf-8")
+    assert with_section(page, told(results)) == page
+    shown = re.findall(r"!\[.*\]\((.*)\)", page)
+    assert [(PAGE.parent / file).resolve() for file in shown] == [
+        (FIGURES / "beside.svg").resolve()
+    ]
+
+
+def test_table_and_chart_are_made_again_of_saved_figures(tmp_path: Path) -> None:
+    (tmp_path / "beside.json").write_bytes(msgspec.json.encode(RESULTS))
+    command = [sys.executable, "-m", "bench.beside", "--out", str(tmp_path)]
+    done = subprocess.run(
+        command, cwd=CHECKOUT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == told(RESULTS) + "\n"
+    assert (tmp_path / "beside.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "beside.svg").read_text(encoding="utf-8").endswith("</svg>\n")
+
+
+def test_a_command_s_costs_are_its_own() -> None:
+    spent = [sys.executable, "-c", "x = bytearray(50_000_000); print(len(x) * 'y')"]
+    taken = take(spent, {})
+    assert taken["cpu"] > 0
+    assert taken["wall"] > 0
+    assert 50 < taken["peak"] < 200
+    with pytest.raises(subprocess.CalledProcessError):
+        take([sys.executable, "-c", "raise SystemExit(3)"], {})
