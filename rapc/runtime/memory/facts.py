@@ -17,19 +17,8 @@ from rapc.terms import Atom, Fact
 NEVER: Time = float("-inf")
 """The stamp of what was never asserted: older than any (semantics 7, moving)."""
 
-Key = tuple[Atom, ...]
-"""`(name,)` for all facts of a name, `(name, position, value)` for an argument."""
-
 Bucket = dict[Fact, None]
 """The facts that have one value in one place, oldest assertion first."""
-
-
-def keys_of(fact: Fact) -> list[Key]:
-    """The keys of all that a fact has in common with others: name, each argument."""
-    name = fact[0]
-    keys: list[Key] = [(name,)]
-    keys.extend((name, at, fact[at]) for at in range(1, len(fact)))
-    return keys
 
 
 class Table:
