@@ -7,7 +7,7 @@ PEERS.PY is a script that measures other systems and `bench/rapc_adapter.py` on 
 workloads; it is not part of rapc. It is run by the Python that runs this, which has to
 have the peers installed, and matplotlib. A file `baseline.json` beside it has figures
 of peers that are not installed. What the script cannot see is measured by `bench.costs`
-right after it.
+right before it.
 """
 
 from __future__ import annotations
@@ -20,12 +20,15 @@ import sys
 import tempfile
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from importlib.util import find_spec
 from pathlib import Path
 from textwrap import fill
 from typing import Any
 
 import msgspec
 
+from bench.chart import draw
+from bench.costs import costs
 from bench.results import YARDSTICK, Results, from_script, noise
 from bench.run import machine
 from bench.targets import table
@@ -38,8 +41,9 @@ BEGIN, END = "<!-- beside: begin -->\n", "<!-- beside: end -->\n"
 PEERS = {
     "W1": "hand,hand+pos,rapc,rapc-ir,rapc-load,clips",
     "W2": "hand,rapc,swipl,sqlite3",
-    "W3": "hand,rapc,rapc-traced,py_trees,agentspeak,clips,swipl",
-    "W4": "hand,hand+agenda,rapc,rapc-traced,rapc-inputs,py_trees,agentspeak,clips",
+    "W3": "hand,rapc,rapc-traced,rapc-written,py_trees,agentspeak,clips,swipl",
+    "W4": "hand,hand+agenda,rapc,rapc-traced,rapc-written,rapc-inputs,py_trees,"
+    "agentspeak,clips",
 }
 """Who is measured at what; W5 is seen in W3."""
 
@@ -86,24 +90,22 @@ def main() -> None:
     if args.out is None:
         page = PAGE.read_text(encoding="utf-8")
         PAGE.write_text(with_section(page, section), encoding="utf-8")
-    from bench.chart import draw  # noqa: PLC0415  # not before children are measured
-
     draw(results, folder / "beside")
 
 
 def measured(script: Path, quick: bool) -> Results:
-    """Run the peers' script for each workload, then measure what it cannot."""
+    """Measure what the peers' script cannot, then run it for each workload."""
+    found = costs(quick)
     parts = [_peers(script, workload, quick) for workload in PEERS]
     baseline = script.with_name("baseline.json")
     elsewhere = json.loads(baseline.read_bytes()) if baseline.exists() else {}
-    from bench.costs import costs  # noqa: PLC0415  # as above
 
     versions = {
         name: peer["version"] for told in parts for name, peer in told["peers"].items()
     }
     return Results(
         datetime.now(UTC).date().isoformat(),
-        machine(),
+        f"{machine()}, rapc {_made()}",
         dict(sorted(versions.items())),
         noise(parts),
         tuple(one for told in parts for one in from_script(told)),
@@ -112,8 +114,15 @@ def measured(script: Path, quick: bool) -> Results:
             for one in from_script({"results": elsewhere.get("results", ())})
             if one.figures and one.peer in ELSEWHERE.get(one.workload, ())
         ),
-        costs(quick),
+        found,
     )
+
+
+def _made() -> str:
+    """Whether the modules of a cycle have been compiled."""
+    crank = find_spec("rapc.runtime.turns")
+    assert crank is not None
+    return "in pure Python" if (crank.origin or "").endswith(".py") else "compiled"
 
 
 def _peers(script: Path, workload: str, quick: bool) -> Mapping[str, Any]:

@@ -268,7 +268,7 @@ class RapcTraced(Rapc):
     """The same, and every event of the run is kept, complete and in order."""
 
     name = "rapc-traced"
-    note = "everything real, the trace recorded"
+    note = "everything real, all events kept"
 
     w1 = w2_first = property()
 
@@ -277,6 +277,18 @@ class RapcTraced(Rapc):
 
     def record(self) -> None:
         self.recording = self.run.record()
+
+
+@peer
+class RapcWritten(RapcTraced):
+    """The same, and every event is made and written to a file as a line of JSON."""
+
+    name = "rapc-written"
+    note = "everything real, the trace written"
+
+    def record(self) -> None:
+        self.trace = tempfile.TemporaryFile("w", encoding="utf-8")  # noqa: SIM115
+        self.run.listen(rapc.JsonTrace(self.trace))
 
 
 @peer

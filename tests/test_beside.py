@@ -114,7 +114,7 @@ def test_figures_from_elsewhere_are_scaled_by_the_yardstick_but_for_memory() -> 
         ),
         (
             "trace",
-            "firings a second, traced over not",
+            "firings a second, events kept over not",
             "0.4 x | at 1,000: 4 us / 10 us | at least 0.5 x | **no**",
         ),
         (
