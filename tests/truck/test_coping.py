@@ -53,7 +53,7 @@ def test_small_bay_makes_several_trips(seed: int) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_waits_for_rocks_that_are_still_to_be_made(seed: int) -> None:
     empty = map_with(("fuel-drum", "depot", 1, None))
-    run = Run(order("blue"), seed=seed, options={"map": empty})
+    run = Run(order("blue"), seed=seed, options={**PLENTY, "map": empty})
     assert run.outcomes == ["succeeded"]
     assert run.interpreter.now > 250
     run.assert_honest()
@@ -138,8 +138,8 @@ def test_a_truck_taken_away_comes_back(at: int) -> None:
 def test_urgent_orders_go_first_and_none_is_lost(seed: int) -> None:
     run = Run(
         order("red", priority=2),
-        order("red", factory="factory-2", at=200, priority=3),
-        order("yellow", at=260, priority=4),
+        order("red", factory="factory-2", at=40, priority=3),
+        order("yellow", at=80, priority=4),
         seed=seed,
         options=PLENTY,
     )
