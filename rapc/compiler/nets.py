@@ -19,7 +19,8 @@ class StepPlan:
     `before` counts the steps that must have ended first, `after` are the positions of
     those that wait for this one, each once; `conditions`
     the `for` formulas that point at this step, each with the position of the step
-    that carries it; both in the order of the text. `timed` says whether more than
+    that carries it; both in the order of the text. `next` is the one that waits for
+    this step, if it is the only one. `timed` says whether more than
     order decides when it runs, or its start ends others; `brings` whether its success
     brings outputs or effects.
     """
@@ -32,6 +33,7 @@ class StepPlan:
         "computes",
         "conditions",
         "effects",
+        "next",
         "node",
         "outputs",
         "position",
@@ -59,6 +61,7 @@ class StepPlan:
         self.waits: list[WaitPlan] = []
         self.timed = False
         self.brings = False
+        self.next: int | None = None
 
 
 class ReceiverPlan:
@@ -120,6 +123,7 @@ def steps_of(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
             _annotate(compiler, plans, at_tag, plan, annotation)
     for plan in plans:
         plan.after.sort()
+        plan.next = plan.after[0] if len(plan.after) == 1 else None
         plan.timed = bool(plan.windows or plan.waits or plan.until)
         plan.brings = bool(plan.outputs or plan.effects)
     return plans

@@ -26,7 +26,7 @@ from rapc.runtime.events import (
     TaskSucceeded,
 )
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import ELIGIBLE, ENDED, Env, MethodRun, Task, in_words
+from rapc.runtime.task import ELIGIBLE, ENDED, WAITING, Env, MethodRun, Task, in_words
 from rapc.runtime.world import OKAY
 
 INTERFERENCE = "interference"
@@ -46,7 +46,10 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     if step is None or run is None or step.brings or task.plan.outputs:
         _succeed_with(machine, task, _outputs(task, found))
         return
-    _leave(machine, task)
+    if task.wait is None:
+        task.state = ENDED
+    else:
+        _leave(machine, task)
     machine.succeeded += 1
     if machine.recorder.on:
         _tell_success(machine, task, {})
@@ -131,6 +134,13 @@ def step_ended(
         _step_ended_with(machine, run, step, bound)
     elif run.left == 0:
         end_method(machine, run, OKAY)
+    elif step.next is not None:
+        task = run.steps[step.next]
+        if task.waiting == 1 and task.wait is None and task.state is WAITING:
+            task.waiting = 0
+            let_go(machine, task)
+        else:
+            followers(machine, run, (step,))
     elif step.after:
         followers(machine, run, (step,))
 

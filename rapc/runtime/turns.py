@@ -45,10 +45,11 @@ class Turns:
         dirty, unsettled = monitors.dirty, machine.recognizer.unsettled
         appointments, scheduled = machine.appointments, machine.scheduled
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
-        may_end = self._may_end
+        may_end, limited = self._may_end, machine.until is not None
+        idle, patience = self._idle, self._patience
         while left != 0 and not machine.over:
             now = clock()
-            if now != recorder.time or machine.until is not None:
+            if limited or now != recorder.time:
                 machine.set_clock(now)
                 if machine.late:
                     return "until"
@@ -62,21 +63,25 @@ class Turns:
                 self._create_scheduled()
             if dirty or recorder.time >= monitors.next_look:
                 self._wake()
-            if may_end or not machine.foreground or self._idle > self._patience:
+            if may_end or idle > patience or not machine.foreground:
+                self._idle = idle
                 reason = self.reason()
                 if reason is not None:
                     return reason
             task = agenda.choose()
             if task is None:
+                self._idle = idle
                 reason = self._wait() if wait else _QUIET
                 if reason is not None:
                     return reason or None
+                idle = self._idle
                 continue
             run_cycle(machine, task)
             left -= 1
             if cost:
                 self._spend(cost)
-            self._idle = self._idle + 1 if recorder.time == now else 0
+            idle = idle + 1 if recorder.time == now else 0
+        self._idle = idle
         return None
 
     def reason(self) -> str | None:
