@@ -29,6 +29,7 @@ import msgspec
 
 from bench.chart import draw
 from bench.costs import costs
+from bench.profiles import text
 from bench.results import YARDSTICK, Results, from_script, noise
 from bench.run import machine
 from bench.targets import table
@@ -36,7 +37,7 @@ from bench.targets import table
 CHECKOUT = Path(__file__).parents[1]
 PAGE = CHECKOUT / "docs" / "performance.md"
 FIGURES = CHECKOUT / "docs" / "figures"
-BEGIN, END = "<!-- beside: begin -->\n", "<!-- beside: end -->\n"
+MARKERS = "<!-- {}: begin -->\n", "<!-- {}: end -->\n"
 
 PEERS = {
     "W1": "hand,hand+pos,rapc,rapc-ir,rapc-load,clips",
@@ -83,13 +84,12 @@ def main() -> None:
         results = msgspec.json.decode(kept.read_bytes(), type=Results)
     else:
         results = measured(args.peers.resolve(), args.quick)
-        written = msgspec.json.format(msgspec.json.encode(results), indent=1)
-        kept.write_bytes(written + b"\n")
-    section = told(results)
-    print(section)
+        told_all = msgspec.json.format(msgspec.json.encode(results), indent=1)
+        kept.write_bytes(told_all + b"\n")
+    print(told(results))
     if args.out is None:
-        page = PAGE.read_text(encoding="utf-8")
-        PAGE.write_text(with_section(page, section), encoding="utf-8")
+        page = written(PAGE.read_text(encoding="utf-8"), results)
+        PAGE.write_text(page, encoding="utf-8")
     draw(results, folder / "beside")
 
 
@@ -115,6 +115,7 @@ def measured(script: Path, quick: bool) -> Results:
             if one.figures and one.peer in ELSEWHERE.get(one.workload, ())
         ),
         found,
+        text(quick),
     )
 
 
@@ -159,17 +160,28 @@ def told(results: Results) -> str:
     return "\n".join([fill(" ".join(where), WIDTH), "", *table(results), ""])
 
 
-def with_section(page: str, section: str) -> str:
-    """The page with what is between the markers replaced.
+def written(page: str, results: Results) -> str:
+    """The page with targets and profiles as these results have them.
+
+    Raises:
+        ValueError: for a page without the markers to write between.
+    """
+    page = with_section(page, "beside", told(results))
+    return with_section(page, "profiles", f"```text\n{results.profiles}\n```\n")
+
+
+def with_section(page: str, name: str, section: str) -> str:
+    """The page with what is between the markers of this name replaced.
 
     Raises:
         ValueError: for a page without them.
     """
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise ValueError("the page has no markers to write between")
-    return f"{before}{BEGIN}\n{section}\n{END}{after}"
+    begin, end = (marker.format(name) for marker in MARKERS)
+    before, begun, rest = page.partition(begin)
+    _, ended, after = rest.partition(end)
+    if not (begun and ended):
+        raise ValueError(f"the page has no markers for {name}")
+    return f"{before}{begin}\n{section}\n{end}{after}"
 
 
 if __name__ == "__main__":

@@ -41,8 +41,8 @@ class Results(msgspec.Struct, frozen=True):
     """Everything that was found.
 
     `elsewhere` are measurements from another time on a machine of the same kind;
-    `costs` is what `bench.costs.costs` returns. `noise` is the median over all figures
-    of the distance between a figure's extremes, as a share of it.
+    `costs` and `profiles` are from `bench.costs` and `bench.profiles`. `noise` is the
+    median over all figures of the distance between a figure's extremes, as a share.
     """
 
     day: str
@@ -52,6 +52,7 @@ class Results(msgspec.Struct, frozen=True):
     measured: tuple[Measured, ...]
     elsewhere: tuple[Measured, ...]
     costs: dict[str, float]
+    profiles: str
 
     def sizes(self, workload: str, peer: str, figure: str) -> list[int]:
         """The sizes at which a peer has this figure, ascending."""

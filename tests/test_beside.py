@@ -10,8 +10,9 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from bench.beside import BEGIN, END, FIGURES, PAGE, told, with_section
+from bench.beside import FIGURES, PAGE, told, with_section, written
 from bench.child import take
+from bench.profiles import LINES, text
 from bench.results import Measured, Results, from_script, noise
 from bench.targets import DEPTHS, MONITORS, TARGETS, table
 
@@ -60,6 +61,7 @@ RESULTS = Results(
         Measured("W3", "jason", 10_000, {"bytes_per_monitor": 4000.0}),
     ),
     costs={"help.wall": 0.11, "help.cpu": 0.1, "truck.peak": 81.0},
+    profiles="W3: all of it",
 )
 
 
@@ -135,20 +137,22 @@ def test_every_target_has_a_row_of_its_own() -> None:
     assert len({tuple(row.split(" | ")[:2]) for row in rows}) == len(rows)
 
 
-def test_a_section_goes_between_the_markers() -> None:
-    page = f"before\n{BEGIN}old\n{END}after\n"
-    once = with_section(page, "new\n")
-    assert once == f"before\n{BEGIN}\nnew\n\n{END}after\n"
-    assert with_section(once, "new\n") == once
-    with pytest.raises(ValueError, match="no markers"):
-        with_section(f"{END}{BEGIN}", "new")
+def test_a_section_goes_between_its_markers() -> None:
+    begin, end = "<!-- x: begin -->\n", "<!-- x: end -->\n"
+    page = f"before\n{begin}old\n{end}after\n"
+    once = with_section(page, "x", "new\n")
+    assert once == f"before\n{begin}\nnew\n\n{end}after\n"
+    assert with_section(once, "x", "new\n") == once
+    for none in (end + begin, page.replace(end, "")):
+        with pytest.raises(ValueError, match="no markers for x"):
+            with_section(none, "x", "new")
 
 
 def test_the_page_shows_what_was_measured_last() -> None:
     kept = FIGURES / "beside.json"
     results = msgspec.json.decode(kept.read_bytes(), type=Results)
     page = PAGE.read_text(encoding="utf-8")
-    assert with_section(page, told(results)) == page
+    assert written(page, results) == page
     shown = re.findall(r"!\[.*\]\((.*)\)", page)
     assert [(PAGE.parent / file).resolve() for file in shown] == [
         (FIGURES / "beside.svg").resolve()
@@ -165,6 +169,16 @@ def test_table_and_chart_are_made_again_of_saved_figures(tmp_path: Path) -> None
     assert done.stdout == told(RESULTS) + "\n"
     assert (tmp_path / "beside.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "beside.svg").read_text(encoding="utf-8").endswith("</svg>\n")
+
+
+def test_profiles_are_of_the_whole_way_of_a_firing_and_a_task() -> None:
+    shares = [float(share) for share in re.findall(r"^ *([\d.]+)% ", text(True), re.M)]
+    assert len(shares) == 2 * LINES
+    for part in (shares[:LINES], shares[LINES:]):
+        assert part == sorted(part, reverse=True)
+        assert 30 < sum(part) <= 100
+    for name in ("Turns.go", "run_cycle", "try_method"):
+        assert name in text(True)
 
 
 def test_a_command_s_costs_are_its_own() -> None:
