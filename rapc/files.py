@@ -6,6 +6,7 @@ The only reader of files below the front ends. What cannot be read, or is no tex
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import sys
@@ -140,9 +141,11 @@ def read_compiled(path: str | Path) -> bytes | None:
 def _opened(path: Path) -> BinaryIO:
     """A plain file, opened; a device may never end, and a pipe never begin."""
     status = path.stat()
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if not stat.S_ISREG(status.st_mode):
         raise LoadError(
-            f"`{path}` is neither a file nor a folder; standard input is `-`"
+            f"`{path}` is neither a file nor a folder; RAP on standard input is `-`"
         )
     _measure(str(path), status.st_size)
     return path.open("rb")

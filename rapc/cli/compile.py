@@ -57,15 +57,15 @@ def compile(path: str, output: str | None, explained: tuple[str, ...]) -> None:
     """
     if output is None and not explained:
         raise click.UsageError("-o FILE or --explain RAP is missing")
+    if output == "-":
+        raise click.UsageError("-o takes a file: standard output is /dev/stdout")
     if output is not None and read_compiled(path) is not None:
         fail(f"`{path}` is a compiled library already")
     library = load_checked(path)
     for name in explained:
         _explain(library, name)
     if output is not None:
-        if any(_same_file(output, name) for name in library.library.files):
-            fail(f"-o: `{output}` is a file of the library")
-        data = _encoded(library, path)
+        data = _encoded(library, path, output)
         _write(output, data)
         say(f"wrote {output}: {len(data)} bytes")
 
@@ -79,10 +79,15 @@ def _explain(library: CompiledLibrary, name: str) -> None:
         click.echo(line)
 
 
-def _encoded(library: CompiledLibrary, path: str) -> bytes:
+def _encoded(library: CompiledLibrary, path: str, output: str) -> bytes:
+    """The library with its tests, none of which lies where it is to be written."""
     try:
         with undisturbed():
-            return encode(library, _suites(path))
+            suites = list(_suites(path))
+            for used in (library, *(used for _, used in suites)):
+                if any(_same_file(output, name) for name in used.library.files):
+                    fail(f"-o: `{output}` is a file of the library")
+            return encode(library, suites)
     except (ArtifactError, LoadError) as error:
         fail(str(error))
 
@@ -104,13 +109,14 @@ def _suites(path: str) -> Iterator[Suite]:
 def _write(file: str, data: bytes) -> None:
     """Write a file whole or not at all; what is no plain file is written to."""
     target = os.path.realpath(file)
-    part = f"{target}.part"
+    part = f"{target}.{os.getpid()}.part"
     try:
         if os.path.exists(file) and not os.path.isfile(file):
             Path(file).write_bytes(data)
             return
         try:
-            Path(part).write_bytes(data)
+            with Path(part).open("xb") as stream:
+                stream.write(data)
             os.replace(part, target)
         finally:
             Path(part).unlink(missing_ok=True)

@@ -13,7 +13,7 @@ import click
 
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
-from rapc.cli.options import say
+from rapc.cli.options import Count, say
 from rapc.experiments import definition, output
 from rapc.experiments.batch import Done, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.definition import ExperimentError
@@ -41,6 +41,8 @@ _STYLES: Mapping[str, Mapping[str, Any]] = {
     "theirs": {"dim": True},
 }
 
+_MOST_PROCESSES = 1000
+
 _MOST_FAULTS = 10
 """How many runs without a result are told of."""
 
@@ -54,14 +56,14 @@ _MOST_FAULTS = 10
 )
 @click.option(
     "--seeds",
-    type=click.IntRange(min=1),
+    type=Count(definition.MOST_SEEDS),
     metavar="N",
     help="Runs for each point, from seed 0; as the file says if not given.",
 )
 @click.option(
     "--jobs",
     "processes",
-    type=click.IntRange(min=1),
+    type=Count(_MOST_PROCESSES),
     metavar="N",
     help="Processes at work; as many as there are cores if not given.",
 )
@@ -102,10 +104,10 @@ def experiment(
             summaries = list(session.summaries(store))
     except StoreError as error:
         fail(str(error))
-    _write(session, summaries, folder)
     for summary in summaries:
         if summary.part.name in session.chosen:
             _print(summary)
+    _write(session, summaries, folder)
     if not settings().quiet:
         click.echo(f"Results, tables and plots are in `{folder}`.")
     _tell_faults(faults)
@@ -186,6 +188,8 @@ def _workers(
             fail("--cluster needs Dask: install `rapc[cluster]`")
         try:
             found = dask.ClusterWorkers(cluster, total)
+            if not found.threads:
+                click.echo(f"`{cluster}` has no workers yet: waiting", err=True)
         except WorkersLost as error:
             fail(str(error))
     with found as workers:

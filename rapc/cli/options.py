@@ -20,6 +20,15 @@ USAGE = 2
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+class Count(click.IntRange):
+    """A whole number from 1 to some limit that nobody means to pass."""
+
+    name = "whole number"
+
+    def __init__(self, most: int) -> None:
+        super().__init__(1, most)
+
+
 @dataclass
 class Settings:
     """What the options common to all commands say; lives in click's root context."""

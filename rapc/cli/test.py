@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from rapc.cli.common import USAGE, common_options, fail, print_findings, settings
+from rapc.cli.options import Count
 from rapc.compiler.artifact import ArtifactError
 from rapc.files import LoadError
 from rapc.parser.parse import TextError
@@ -43,6 +44,8 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 _LEAST_WIDTH = 20
 
+_MOST_SEEDS = 100_000
+
 
 @click.command(
     epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
@@ -51,7 +54,7 @@ _LEAST_WIDTH = 20
 @click.option("--seed", type=int, default=0, show_default=True, help="First seed.")
 @click.option(
     "--seeds",
-    type=click.IntRange(min=1),
+    type=Count(_MOST_SEEDS),
     default=1,
     metavar="N",
     help="Run each test under so many seeds: it must hold for all.",

@@ -8,7 +8,7 @@ from concurrent.futures import Future
 from types import TracebackType
 
 from distributed import Client
-from distributed.comm.addressing import get_address_host_port
+from distributed.comm.addressing import get_address_host_port, parse_address
 
 from rapc.experiments.batch import WorkersLost
 from rapc.experiments.run import Job, Result, run_job
@@ -37,7 +37,14 @@ class ClusterWorkers:
         self._address = address
         self._runs = runs
         try:
-            _knock(address)
+            host, port = get_address_host_port(address)
+        except ValueError as error:
+            written = (
+                "is no address of a Dask scheduler: those are like tcp://host:8786"
+            )
+            raise WorkersLost(f"`{address}` {written}") from error
+        try:
+            _knock(host, port, speaks=parse_address(address)[0] == "tcp")
             self._client = Client(address, timeout=_PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
             raise self._lost() from error
@@ -56,13 +63,17 @@ class ClusterWorkers:
         self._client.close()
 
     @property
-    def room(self) -> int:
-        """A few jobs for each thread there is now: workers may come and go."""
+    def threads(self) -> int:
+        """How many threads the workers have now: workers may come and go."""
         try:
-            threads: int = sum(self._client.nthreads().values())
+            return sum(self._client.nthreads().values())
         except OSError as error:
             raise self._lost() from error
-        return 4 * max(1, threads)
+
+    @property
+    def room(self) -> int:
+        """A few jobs for each thread."""
+        return 4 * max(1, self.threads)
 
     @property
     def chunk(self) -> int:
@@ -78,7 +89,12 @@ class ClusterWorkers:
         return WorkersLost(f"no Dask scheduler answers at `{self._address}`")
 
 
-def _knock(address: str) -> None:
-    """See that somebody is there: a client that cannot connect is noisy about it."""
-    host, port = get_address_host_port(address, strict=True)
-    socket.create_connection((host, port), timeout=_PATIENCE).close()
+def _knock(host: str, port: int, *, speaks: bool) -> None:
+    """See that a scheduler is there, which speaks first where nothing is encrypted.
+
+    A client that cannot connect is noisy about it, and one that has got hold of another
+    server, such as the dashboard, would wait for ever. Raises OSError.
+    """
+    with socket.create_connection((host, port), timeout=_PATIENCE) as line:
+        if speaks and not line.recv(1):
+            raise ConnectionError("it has hung up")

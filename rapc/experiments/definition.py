@@ -15,9 +15,13 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
+from rapc.files import LoadError, read_text
 from rapc.spell import nearest
 
 SUFFIX = ".toml"
+
+MOST_SEEDS = 100_000
+"""How many runs a point may get."""
 
 Value = bool | int | float | str
 """A value of an option or setting as TOML has it."""
@@ -84,13 +88,13 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """
 
     name: str
-    library: str
+    library: Annotated[str, Meta(min_length=1)]
     world: str
     tasks: Annotated[tuple[str, ...], Meta(min_length=1)]
     until: _Time
     part: Annotated[tuple[Part, ...], Meta(min_length=1)]
     title: str = ""
-    seeds: Annotated[int, Meta(ge=1, le=10**6)] = 30
+    seeds: Annotated[int, Meta(ge=1, le=MOST_SEEDS)] = 30
     time_limit: _Time = msgspec.field(name="time-limit", default=120)
     counted: tuple[str, ...] = ()
     count: Mapping[_Name, str] = {}
@@ -147,12 +151,9 @@ def read(file: Path) -> Experiment:
         ExperimentError: for a file that cannot be read or is no experiment.
     """
     try:
-        text = file.read_text(encoding="utf-8")
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise ExperimentError(f"cannot read `{file}`: {reason}") from error
-    except ValueError as error:
-        raise ExperimentError(f"cannot read `{file}`: it is no UTF-8 text") from error
+        text = read_text(file)
+    except LoadError as error:
+        raise ExperimentError(str(error)) from error
     try:
         return decode(text, file.name.removesuffix(SUFFIX))
     except ExperimentError as error:
@@ -227,6 +228,8 @@ def _in_words(message: str) -> str:
     """
     what, _, path = message.partition(" - at ")
     what = what.partition(" matching regex")[0] + _NAMES * ("regex" in what)
+    what = re.sub(r"Object missing required field (.*)", r"the key \1 is missing", what)
+    what = what.replace("`str` of length >= 1", "some text")
     what = re.sub(r"`([^`]*)`", lambda m: _WORDS.get(m[1], f"`{m[1]}`"), what)
     path = path.strip("`").removeprefix("$").replace("[...]", "").removeprefix(".")
     path = re.sub(r"\[(\d+)\]", lambda m: f" {int(m[1]) + 1}", path).replace(".", ", ")
@@ -238,6 +241,8 @@ def _lower(text: str) -> str:
 
 
 def _contradictions(experiment: Experiment) -> Iterator[str]:
+    if experiment.library == "-":
+        yield "`library`: standard input is there only once, a file is wanted"
     names = [part.name for part in experiment.part]
     for part in experiment.part:
         told = f"part `{part.name}`"

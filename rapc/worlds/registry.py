@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
+from rapc.files import LoadError, named, read_text
 from rapc.runtime.world import Option, World
 from rapc.spell import nearest
 from rapc.terms import Atom, Text, number
@@ -168,12 +169,9 @@ def _value(world: type[World], option: Option, text: str) -> Atom | bool:
 
 def _file(path: str) -> str:
     try:
-        return Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise WorldError(f"`{path}` cannot be read: {reason}") from error
-    except ValueError as error:
-        raise WorldError(f"`{path}` cannot be read: {error}") from error
+        return read_text(named(path))
+    except LoadError as error:
+        raise WorldError(str(error)) from error
 
 
 def build_world(

@@ -143,8 +143,41 @@ def test_what_is_no_file_is_not_read(command: str, tmp_path: Path) -> None:
         done = rapc(command, path, *more, cwd=tmp_path)
         assert (done.returncode, done.stdout) == (2, "")
         assert done.stderr.startswith("error: `")
-        said = "is neither a file nor a folder; standard input is `-`\n"
+        said = "is neither a file nor a folder; RAP on standard input is `-`\n"
         assert done.stderr.endswith(said)
+
+
+def test_experiments_and_options_are_not_read_from_there_either(
+    tmp_path: Path,
+) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    (tmp_path / "folder.toml").mkdir()
+    (tmp_path / "go.rap").write_text("(define-rap (go) (method (task-net)))")
+    run = ("run", "go.rap", "--world", "truck", "--task", "(go)")
+    no_file = "`{}` is neither a file nor a folder; RAP on standard input is `-`"
+    for args, path, said in (
+        (("experiment", "pipe.toml"), "pipe.toml", no_file),
+        (("experiment", "folder.toml"), "folder.toml", "cannot read `{}`: is a dir"),
+        ((*run, "--set", "truck.map=@pipe.toml"), "pipe.toml", no_file),
+        ((*run, "--set", "truck.map=@/dev/zero"), "/dev/zero", no_file),
+        ((*run, "--set", "truck.map=@"), "", "`{}` does not exist"),
+    ):
+        done = rapc(*args, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr.startswith(f"error: {said.format(path)}")
+        assert done.stderr.count("\n") == 1
+
+
+def test_counts_beyond_measure_are_refused(tmp_path: Path) -> None:
+    for args, said in (
+        (("experiment", "chapter6", "--seeds", "9" * 20), "1<=x<=100000"),
+        (("experiment", "chapter6", "--jobs", "9" * 20), "1<=x<=1000"),
+        (("experiment", "chapter6", "--seeds", "1.5"), "not a valid whole number"),
+        (("test", ".", "--seeds", "9" * 20), "1<=x<=100000"),
+    ):
+        done = rapc(*args, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert said in done.stderr
 
 
 def test_a_file_beyond_measure_is_not_read(tmp_path: Path) -> None:

@@ -139,6 +139,10 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
             ("compile", "go.test.rap", "--explain", "goo"),
             "there is no RAP `goo`; did you mean `go`?",
         ),
+        (
+            ("compile", "go.test.rap", "-o", "-"),
+            "-o takes a file: standard output is /dev/stdout",
+        ),
         (("check", "go.rapc"), "`go.rapc` is a compiled library: sources are wanted"),
         (
             ("test", "cut"),
@@ -160,6 +164,23 @@ def test_slips_are_refused_in_one_line(
     assert said in done.stderr
     assert (faulty / "go.rapc").read_bytes() == data
     assert (faulty / "go.test.rap").read_text() == FAULTY
+
+
+def test_no_file_that_is_there_is_lost(tmp_path: Path) -> None:
+    """Neither a test beside the library nor one that could be taken for a part."""
+    tests = "(define-test it-goes (task (go)) (expect (succeeds (go))))"
+    texts = {
+        "go.rap": "(define-rap (go) (method (task-net)))",
+        "go.test.rap": f'(require "go")\n{tests}',
+        "go.rapc.part": "kept",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    assert rapc("compile", ".", "-o", "go.rapc", cwd=tmp_path).returncode == 0
+    done = rapc("compile", ".", "-o", "go.test.rap", cwd=tmp_path)
+    assert done.stderr == "error: -o: `go.test.rap` is a file of the library\n"
+    assert sorted(os.listdir(tmp_path)) == sorted([*texts, "go.rapc"])
+    assert {name: (tmp_path / name).read_text() for name in texts} == texts
 
 
 def test_what_is_no_plain_file_is_written_to() -> None:

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import re
+import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
+
+from rapc.experiments import cluster
+from rapc.experiments.batch import WorkersLost
+from rapc.experiments.cluster import ClusterWorkers
 from rapc.experiments.run import Job, run_job
 
 from .workshop import TRUCK, rows, session, wait_for, watched
@@ -56,3 +64,32 @@ def test_a_worker_killed_in_the_middle_changes_nothing(tmp_path: Path) -> None:
     kept = {(digest, seed): found for digest, seed, found in rows(tmp_path / "out")}
     assert len(kept) == 20
     assert kept == undisturbed
+
+
+@pytest.mark.parametrize("address", ["nobody", "10.0.0.5", "http://127.0.0.1:8787", ""])
+def test_what_is_no_address_is_told(address: str) -> None:
+    said = f"^`{re.escape(address)}` is no address of a Dask scheduler"
+    with pytest.raises(WorkersLost, match=said):
+        ClusterWorkers(address, 1)
+
+
+def test_a_server_of_another_kind_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "_PATIENCE", 0.1)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        place = f"127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(
+            WorkersLost, match=f"^no Dask scheduler answers at `{place}`"
+        ):
+            ClusterWorkers(place, 1)
+
+
+def test_a_scheduler_without_workers_is_told(tmp_path: Path) -> None:
+    (tmp_path / "truck.toml").write_text(TRUCK)
+    with dask(tmp_path, "scheduler", "--host", "127.0.0.1", "--port", "0") as scheduler:
+        address = wait_for(scheduler, "Scheduler at:").split()[-1]
+        place = address.removeprefix("tcp://")
+        args = ("experiment", "truck.toml", "--cluster", place, "--out", "out")
+        with watched(*args, cwd=tmp_path) as process:
+            wait_for(process, f"`{place}` has no workers yet: waiting")
+            process.send_signal(signal.SIGINT)
+            assert process.wait() == 130

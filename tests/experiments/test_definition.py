@@ -9,7 +9,7 @@ import pytest
 from rapc.experiments import definition
 from rapc.experiments.definition import ExperimentError, decode
 
-from .workshop import TRUCK, session
+from .workshop import LIBRARY, TRUCK, session
 
 
 def refusal(text: str) -> tuple[str, str | None]:
@@ -60,7 +60,9 @@ def test_keys_and_toml(text: str, message: str, help_: str | None) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (changed('world = "truck"\n', ""), "object missing required field `world`"),
+        (changed('world = "truck"\n', ""), "the key `world` is missing"),
+        (changed('name = "slow"\n', ""), "`part 2`: the key `name` is missing"),
+        (changed(f'"{LIBRARY}"', '""'), "`library`: expected some text"),
         (changed("= 4000", "= -1"), "`until`: expected a whole number >= 1"),
         (
             changed("= 4000", "= inf"),
@@ -93,6 +95,10 @@ def test_kinds_of_values(text: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        (
+            changed(f'"{LIBRARY}"', '"-"'),
+            "`library`: standard input is there only once, a file is wanted",
+        ),
         (changed('"slow"', '"drops"'), "there is more than one part `drops`"),
         (
             changed("values = [2, 4]", ""),
@@ -223,6 +229,6 @@ def test_files_are_found_by_name(tmp_path: Path) -> None:
     file.write_bytes(b"\xff")
     with pytest.raises(ExperimentError) as caught:
         definition.read(file)
-    assert caught.value.message == f"cannot read `{file}`: it is no UTF-8 text"
+    assert caught.value.message == f"`{file}` is not UTF-8: byte 0xff in line 1"
     file.write_text(TRUCK)
     assert definition.read(file).name == "my"

@@ -1,1 +1,0 @@
-"""The interactive debugger's place in the house; nothing lives here yet."""
