@@ -27,6 +27,7 @@ from rapc.files import (
     read_standard_input,
     read_text,
 )
+from rapc.garbage import undisturbed
 from rapc.ir import nodes
 from rapc.library import Library
 from rapc.parser.parse import Comment, Parsed, parse
@@ -75,6 +76,7 @@ class Loaded(msgspec.Struct, frozen=True):
         return self.library.files
 
 
+@undisturbed()
 def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
     """Read files and folders, all they require, and link them into one library.
 
@@ -96,6 +98,7 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
     return reading.finish()
 
 
+@undisturbed()
 def load_for_test(source: SourceFile, requires: Iterable[nodes.Require]) -> Loaded:
     """Link what a test runs: its file, and what that and the test itself require.
 
@@ -128,6 +131,7 @@ def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
                 yield SourceFile(str(file), read_text(file))
 
 
+@undisturbed()
 def load_text(text: str, name: str = "<text>") -> Loaded:
     """Link one text as if it were a file in the working folder; see `load`."""
     reading = _Reading(tests=False)

@@ -21,6 +21,7 @@ from rapc import loader
 from rapc.analysis import suite, suppressions
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.garbage import undisturbed
 from rapc.ir import nodes
 from rapc.library import Library
 from rapc.loader import Loaded
@@ -78,6 +79,7 @@ def check(*paths: str | Path) -> Report:
     return check_library(loader.load(paths))
 
 
+@undisturbed()
 def check_library(loaded: Loaded, enabled: Collection[str] | None = None) -> Report:
     """Check a loaded library; its own diagnostics are part of the report.
 

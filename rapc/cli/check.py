@@ -15,7 +15,6 @@ from rapc.cli.common import (
     read_paths,
     say,
     settings,
-    undisturbed,
 )
 from rapc.diagnostics import Severity
 from rapc.spell import counted
@@ -77,8 +76,7 @@ def check(
         )
     except driver.UnknownRuleError as error:
         fail(f"{error}{f'; did you mean `{error.near}`?' if error.near else ''}")
-    with undisturbed():
-        report = driver.check_library(read_paths(paths), enabled)
+    report = driver.check_library(read_paths(paths), enabled)
     say(f"ran {len(driver.passes())} passes")
     print_findings(report, output_format)
     if output_format != "json" and not settings().quiet:

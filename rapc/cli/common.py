@@ -9,11 +9,9 @@ be tried. Findings and results go to standard output, everything else to standar
 
 from __future__ import annotations
 
-import gc
 import shutil
 import sys
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 
 import click
 
@@ -30,27 +28,10 @@ __all__ = (
     "read_paths",
     "say",
     "settings",
-    "undisturbed",
 )
 
 PIPED_WIDTH = 120
 """How wide output is that goes to no terminal."""
-
-
-@contextmanager
-def undisturbed() -> Iterator[None]:
-    """Hold the search for reference cycles back while a library is read and checked.
-
-    What is made then is kept and holds no cycles, so the search would find nothing,
-    and it takes half of the time.
-    """
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
 
 
 def read_paths(paths: Iterable[str]) -> Loaded:

@@ -16,12 +16,12 @@ from rapc.cli.common import (
     fail,
     print_findings,
     say,
-    undisturbed,
 )
 from rapc.compiler.artifact import ArtifactError, Suite, encode
 from rapc.compiler.explain import explain, tell
 from rapc.compiler.plans import CompiledLibrary
 from rapc.files import LoadError, read_compiled
+from rapc.garbage import undisturbed
 from rapc.testing import discover
 
 EXAMPLES = """\b
