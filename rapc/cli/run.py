@@ -273,7 +273,7 @@ def _listeners(
         form = JsonTrace if trace_format == "jsonl" else TextTrace
         interpreter.listen(form(stream))
     report = Report()
-    interpreter.listen(report)
+    interpreter.listen(report, *Report.kinds)
     return report
 
 

@@ -54,10 +54,14 @@ class Measures(msgspec.Struct, frozen=True):
 class Tally:
     """Counts what happens in a run; a listener for `Interpreter.listen`.
 
+    It needs no events but those of its `kinds`.
+
     Args:
         offer: what the world offers, with its sensors.
         count: RAPs and primitives whose successes are counted, by what they are called.
     """
+
+    kinds = (events.PrimitiveEnded, events.TaskSucceeded)
 
     def __init__(self, offer: Offer, count: Mapping[str, str]) -> None:
         self._sensors = frozenset(offer.sensors)

@@ -84,7 +84,7 @@ def measure(config: Config, seed: int) -> Measures:
     settings = msgspec.convert(config.settings, Settings)
     interpreter = Interpreter(library, world, seed, settings)
     tally = Tally(world.offer(), config.count)
-    interpreter.listen(tally)
+    interpreter.listen(tally, *Tally.kinds)
     tasks = [read_submission(task) for task in config.tasks]
     interpreter.start()
     for task in tasks:

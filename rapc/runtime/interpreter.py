@@ -17,7 +17,7 @@ from rapc.parser.parse import parse_formula
 from rapc.runtime import standing
 from rapc.runtime.beginnings import create_top
 from rapc.runtime.endings import remove
-from rapc.runtime.events import RunEnded, TaskResult
+from rapc.runtime.events import Event, RunEnded, TaskResult
 from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.question import Question
@@ -106,9 +106,9 @@ class Interpreter:
         """Why the run is over, or None while it is not."""
         return self._reason
 
-    def listen(self, listener: Listener) -> None:
-        """Call `listener` with every event from now on."""
-        self._machine.recorder.listen(listener)
+    def listen(self, listener: Listener, *kinds: type[Event]) -> None:
+        """Call `listener` with every event from now on, or with those of `kinds`."""
+        self._machine.recorder.listen(listener, *kinds)
 
     def record(self) -> Recording:
         """Keep every event from now on, to be read later."""

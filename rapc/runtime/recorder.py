@@ -31,10 +31,19 @@ class Recorder:
         self.serial = 0
         self.tape: list[Told] | None = None
         self._listeners: tuple[Listener, ...] = ()
+        self._of_kind: dict[type[Event], tuple[Listener, ...]] = {}
 
-    def listen(self, listener: Listener) -> None:
-        """Call `listener` with every event from now on, in order."""
-        self._listeners = (*self._listeners, listener)
+    def listen(self, listener: Listener, *kinds: type[Event]) -> None:
+        """Call `listener` with every event from now on, or those of `kinds`, in order.
+
+        An event of a kind that nobody asked for is not made.
+        """
+        everywhere = self._listeners
+        if not kinds:
+            self._listeners = (*everywhere, listener)
+        for kind in kinds or self._of_kind:
+            before = self._of_kind.get(kind, everywhere)
+            self._of_kind[kind] = (*before, listener)
         self.on = True
 
     def keep(self) -> list[Told]:
@@ -52,9 +61,10 @@ class Recorder:
         tape = self.tape
         if tape is not None:
             tape.append((event_class, self.cycle, self.time, keys))
-        if self._listeners:
+        listeners = self._of_kind.get(event_class, self._listeners)
+        if listeners:
             event = made((event_class, self.cycle, self.time, keys), self.serial)
-            for listener in self._listeners:
+            for listener in listeners:
                 listener(event)
         self.serial += 1
 

@@ -14,7 +14,12 @@ _LEFT_OVER = 20
 
 
 class Report:
-    """Counts what happens in a run; a listener for `Interpreter.listen`."""
+    """Counts what happens in a run; a listener for `Interpreter.listen`.
+
+    It needs no events but those of its `kinds`.
+    """
+
+    kinds = (events.PrimitiveEnded, events.RunEnded)
 
     def __init__(self) -> None:
         self._primitives: Counter[str] = Counter()

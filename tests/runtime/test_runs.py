@@ -268,6 +268,23 @@ def test_a_recording_gives_the_events_that_a_listener_gets() -> None:
     assert list(recording) == ran.events[-len(heard) :]
 
 
+def test_who_asks_for_some_kinds_of_event_gets_those_and_all_alike() -> None:
+    early: list[events.Event] = []
+    late: list[events.Event] = []
+    everything: list[events.Event] = []
+    ran = Play(USE + TWO, "(top a)", "(top b)")
+    listen = ran.interpreter.listen
+    listen(early.append, events.MethodChosen, events.RunEnded)
+    listen(everything.append)
+    listen(late.append, events.RunEnded)
+    ran.run()
+    wanted = (events.MethodChosen, events.RunEnded)
+    assert everything == ran.events
+    assert early == [event for event in everything if isinstance(event, wanted)]
+    assert late == everything[-1:]
+    assert len(early) > len(late)
+
+
 def test_numbers_of_tasks_follow_the_order_of_creation() -> None:
     ran = play(USE + TWO, "(top a)", "(top b)")
     assert [e.task for e in ran.of(events.TaskCreated)] == list(range(1, 7))
