@@ -149,6 +149,10 @@ _STOPPED = {
 """What is said of runs that were over before their tasks were."""
 
 
+_NAMED = 5
+"""So many seeds of runs that ended alike are listed; the file of results has all."""
+
+
 def remarks(summary: Summary) -> Iterator[str]:
     """What is to be said below a table: runs to look at, by their seeds, and notes."""
     for row in summary.rows:
@@ -167,4 +171,6 @@ def remarks(summary: Summary) -> Iterator[str]:
 
 def _seeds(seeds: Sequence[int]) -> str:
     word = "seed" if len(seeds) == 1 else "seeds"
-    return f"{word} {', '.join(map(str, seeds))}"
+    listed = ", ".join(map(str, seeds[:_NAMED]))
+    more = len(seeds) - _NAMED
+    return f"{word} {listed}" + (f" and {more} more" if more > 0 else "")

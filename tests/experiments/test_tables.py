@@ -97,6 +97,11 @@ def test_figures_from_elsewhere_stand_below_ours(drops: Summary) -> None:
     ]
 
 
+def test_only_some_of_many_seeds_that_ended_alike_are_named() -> None:
+    told = next(remarks(summary([measures(90, 0, "no fuel")] * 8)))
+    assert told == "Not ended well at 0: no fuel (seeds 0, 1, 2, 3, 4 and 3 more)."
+
+
 @pytest.mark.parametrize("width", [120, 80, 40, 24])
 def test_nothing_is_wider_than_the_terminal(drops: Summary, width: int) -> None:
     lines = list(as_text(drops, width))
