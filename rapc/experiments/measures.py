@@ -54,12 +54,16 @@ class Measures(msgspec.Struct, frozen=True):
 class Tally:
     """Counts what happens in a run; a listener for `Interpreter.listen`.
 
+    `kinds` are the events that it needs.
+
     It needs no events but those of its `kinds`.
 
     Args:
         offer: what the world offers, with its sensors.
         count: RAPs and primitives whose successes are counted, by what they are called.
     """
+
+    kinds = (events.PrimitiveEnded, events.TaskSucceeded)
 
     kinds = (events.PrimitiveEnded, events.TaskSucceeded)
 
