@@ -65,8 +65,6 @@ class Tally:
 
     kinds = (events.PrimitiveEnded, events.TaskSucceeded)
 
-    kinds = (events.PrimitiveEnded, events.TaskSucceeded)
-
     def __init__(self, offer: Offer, count: Mapping[str, str]) -> None:
         self._sensors = frozenset(offer.sensors)
         self._count = count
