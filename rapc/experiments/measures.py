@@ -54,8 +54,6 @@ class Measures(msgspec.Struct, frozen=True):
 class Tally:
     """Counts what happens in a run; a listener for `Interpreter.listen`.
 
-    `kinds` are the events that it needs.
-
     It needs no events but those of its `kinds`.
 
     Args:
