@@ -64,10 +64,6 @@ class Description(Item):
         """What it shares with the descriptions that are identical to it."""
         return (self.known, self.sensor if self.accessible else None)
 
-    def may_be(self, other: Description) -> bool:
-        """Whether no view holds both, so that they may be of one item."""
-        return not self.mask & other.mask
-
 
 class View:
     """A layer of an expectation set, or its part of the local model.
