@@ -75,6 +75,14 @@ def test_tutorial_does_as_it_says(tmp_path: Path) -> None:
                 assert agrees(printed, told), "\n".join([f"$ {command}", *printed])
 
 
+def test_times_that_are_told_are_those_that_are_printed() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    told = re.findall(r"At time ([0-9.]+\d)", _BLOCK.sub("", text))
+    printed = " ".join(block.text for block in blocks()).split()
+    assert told
+    assert set(told) <= set(printed)
+
+
 def test_tutorial_has_what_it_is_for() -> None:
     typed = [
         command
