@@ -113,10 +113,18 @@ def main(args: Sequence[str] | None = None) -> None:
 
 
 def _print_anything() -> None:
-    """Let no character, such as one of a file's odd name, stop the output."""
-    for stream in (sys.stdout, sys.stderr):
+    """Let no character, such as one of a file's odd name, stop the output.
+
+    A stream that the caller has closed goes nowhere, and keeps the first file that is
+    opened from standing in its place.
+    """
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+        elif stream is None:
+            nowhere = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # kept
+            setattr(sys, name, nowhere)
 
 
 def _message(error: click.ClickException) -> str:

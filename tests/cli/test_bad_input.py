@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from rapc.files import LoadError
 from rapc.loader import load
 
-from .command import rapc
+from .command import COMMAND, HOME, rapc
 
 
 def _files(folder: Path) -> dict[str, bytes]:
@@ -129,6 +130,19 @@ def test_closed_standard_input_is_one_line(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr("sys.stdin", None)
     with pytest.raises(LoadError, match="cannot read `<stdin>`: it is closed"):
         load(["-"])
+
+
+def test_closed_output_is_as_good_as_none(tmp_path: Path) -> None:
+    (tmp_path / "go.rap").write_text("(define-rap (go) (method (task-net)))")
+    for args in ("check go.rap", "compile go.rap --explain go", "worlds"):
+        done = subprocess.run(
+            ["/bin/sh", "-c", f"exec {COMMAND} {args} >&- 2>told"],
+            cwd=tmp_path,
+            env={"LANG": "C.UTF-8", **HOME},
+            check=False,
+        )
+        told = (tmp_path / "told").read_text()
+        assert (done.returncode, told) == (0, "")
 
 
 @pytest.mark.parametrize("command", ["check", "test", "compile"])
