@@ -1,0 +1,35 @@
+"""The experiments among the examples: each is well formed, and its runs begin well.
+
+A run of a few hundred time units for each file, some half a second in all.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from rapc.api import compile_library
+from rapc.experiments import definition
+from rapc.experiments.run import measure
+from rapc.experiments.session import Session
+
+FILES = sorted(
+    (Path(__file__).parents[2] / "examples" / "experiments").glob("*.toml"),
+)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_an_experiment_among_the_examples_runs(file: Path) -> None:
+    made = msgspec.structs.replace(definition.read(file), until=700)
+    path = file.parent / made.library
+    points = Session(made, file.parent, compile_library(path), path).points
+    run = measure(points[0].config, 0)
+    assert (run.reason, run.disaster) == ("until", None)
+    assert run.completed + run.given_up + run.pending == 9
+    assert run.effector > 50
+
+
+def test_there_are_such_experiments() -> None:
+    assert FILES
