@@ -271,6 +271,11 @@ def _misfits(part: Part, told: str) -> Iterator[str]:
     many = len(part.reference.at) if part.vary is not None else 1
     if part.vary is None and part.reference.at:
         yield f"{told} varies nothing, so its reference needs no `at`"
+        return
+    for value in part.reference.at:
+        if value not in part.values:
+            what = f"reference figures at {value}, which is none of its `values`"
+            yield f"{told} has {what}"
     for measure, figures in part.reference.figures.items():
         if len(figures) != many:
             yield (

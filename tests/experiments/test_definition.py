@@ -111,6 +111,10 @@ def test_kinds_of_values(text: str, message: str) -> None:
             "but 2 values they could be for",
         ),
         (
+            changed("at = [40]", "at = [44]"),
+            "part `drops` has reference figures at 44, which is none of its `values`",
+        ),
+        (
             changed("values = [2, 4]", 'values = [2, 4]\nbeside = ["drops"]'),
             "part `slow` is to be drawn beside `drops`, which is no part that varies "
             "the same",
