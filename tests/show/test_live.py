@@ -38,7 +38,7 @@ def _show(stream: io.StringIO, *, color: bool) -> str:
     with view:
         run.listen(view)
         run.submit(rapc.task("(rock-order red 2)"))
-        run.run(until=20)
+        run.run(until=30)
     return stream.getvalue()
 
 
@@ -46,16 +46,14 @@ def test_a_terminal_gets_a_frame_for_each_request_and_keeps_the_last() -> None:
     shown = _show(Terminal(), color=False)
     live, last = shown.split(ALTERNATE_OFF)
     assert live.startswith(ALTERNATE_ON)
-    requests = ["(eye-scan external)", "(truck-turn northeast)", "(truck-move)"]
-    places = [live.find(f"  {request} - okay") for request in requests]
-    assert -1 not in places[:2]
-    assert places[:2] == sorted(places[:2])
+    drawn = re.findall(r"\n  (\([^)]+\)) - okay", live)
+    assert len(set(drawn)) > 2
     assert last.endswith(LEGEND)
 
 
 def test_elsewhere_there_is_the_last_frame_alone() -> None:
     shown = _show(io.StringIO(), color=False)
-    assert shown.startswith("time 20 ")
+    assert shown.startswith("time 30 ")
     assert shown.count("\n") == 24
     assert "\x1b" not in shown
 
@@ -93,7 +91,8 @@ def test_colour_is_as_asked_for() -> None:
 def test_the_world_is_drawn_behind_faults() -> None:
     fault = "(eye-scan ?) eye-cant-find"
     done = command("run", *RUN, "--show", "--until", "20", "--fault", fault)
-    assert "[↑depot]" in done.stdout
+    assert "= as believed" in done.stdout
+    assert re.search(r"\[[↑↗→↘↓↙←↖][a-z]", done.stdout)
 
 
 def test_a_world_without_a_picture_is_refused(tmp_path: Path) -> None:
