@@ -333,3 +333,15 @@ def test_help_imports_nothing_of_it() -> None:
         check=False,
     )
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_tables_that_cannot_be_written_are_printed_all_the_same(copied: Path) -> None:
+    (copied / "out" / "tables.md").unlink()
+    (copied / "out" / "tables.md").mkdir()
+    done = rapc("experiment", "truck.toml", "--out", "out", cwd=copied)
+    assert done.returncode == 2
+    assert done.stderr == "error: cannot write in `out`: is a directory\n"
+    printed = (copied / "printed").read_text()
+    assert done.stdout == printed.removesuffix(
+        "Results, tables and plots are in `out`.\n"
+    )
