@@ -12,8 +12,8 @@ import io
 from collections.abc import Callable, Iterator
 
 from bench.common import Figure, compiled, seconds
-from rapc import loader
 from rapc.compiler.plans import CompiledLibrary
+from rapc.library import loader
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
 from rapc.runtime.trace import JsonTrace

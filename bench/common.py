@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterable, Iterator
 import msgspec
 
 from rapc.analysis import driver
+from rapc.base.diagnostics import Severity
 from rapc.compiler.plans import CompiledLibrary
-from rapc.diagnostics import Severity
-from rapc.loader import Loaded
+from rapc.library.loader import Loaded
 
 ROUND = 0.05
 """Seconds that a round takes at least."""

@@ -12,8 +12,8 @@ from pathlib import Path
 from bench.common import Figure, seconds
 from bench.parse import library
 from rapc import api
+from rapc.base.gc_paused import undisturbed
 from rapc.compiler.artifact import encode
-from rapc.garbage import undisturbed
 
 TRUCK = Path(__file__).parents[1] / "stdlib" / "truck"
 

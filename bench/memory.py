@@ -19,13 +19,13 @@ import time
 from collections.abc import Iterator, Mapping
 
 from bench.common import Figure
-from rapc import loader
+from rapc.base.values import Atom, Fact, Text
 from rapc.compiler.vocabulary import Vocabulary
-from rapc.library import Library
+from rapc.library import loader
+from rapc.library.library import Library
 from rapc.runtime.memory.assembly import assemble
 from rapc.runtime.memory.bench import MemoryBench
 from rapc.runtime.recorder import Recorder
-from rapc.terms import Atom, Fact, Text
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP

@@ -12,7 +12,7 @@ import resource
 from collections.abc import Iterator
 
 from bench.common import Figure, compiled, seconds
-from rapc import loader
+from rapc.library import loader
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import Submission

@@ -14,8 +14,8 @@ from collections import deque
 from collections.abc import Iterator
 
 from bench.common import Figure, compiled
-from rapc import loader
 from rapc.compiler.plans import CompiledLibrary
+from rapc.library import loader
 from rapc.runtime.events import Event
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission

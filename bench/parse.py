@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bench.common import Figure, compiled, seconds
-from rapc import loader
 from rapc.analysis import driver
+from rapc.base.source import SourceFile
 from rapc.compiler.plans import CompiledLibrary
+from rapc.library import loader
 from rapc.parser.parse import parse
 from rapc.parser.reader import read
-from rapc.source import SourceFile
 
 DECLARATIONS = """\
 (declare-primitive arm-grasp (?arm ?thing) (okay arm-dropped))

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bench.common import Figure, compiled, seconds
-from rapc import loader
+from rapc.library import loader
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.question import Question
 from rapc.worlds.scripted import ScriptedWorld

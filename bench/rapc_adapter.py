@@ -1,7 +1,7 @@
 """rapc in benchmarks beside its peers, through what it offers to anyone.
 
 That is what `import rapc` has, and for the world's side the port that every world is
-written against, `rapc.runtime.world`. Only the reader by itself, which no program that
+written against, `rapc.world`. Only the reader by itself, which no program that
 runs RAPs calls, is taken from inside, for w1.
 
 The script that measures the peers runs this file with its `Peer` and `peer` as
@@ -25,11 +25,11 @@ from pathlib import Path
 from typing import Any
 
 import rapc
+from rapc.base.source import SourceFile
+from rapc.base.values import Atom, Fact
 from rapc.parser.parse import parse
 from rapc.parser.reader import read
-from rapc.runtime.world import Handlers, Message, Offer, Option, Reply, Time, World
-from rapc.source import SourceFile
-from rapc.terms import Atom, Fact
+from rapc.world import Handlers, Message, Offer, Option, Reply, Time, World
 
 MONITORS = """\
 (declare-primitive reset (?sensor) (okay))

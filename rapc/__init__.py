@@ -9,7 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rapc.version import VERSION
+from rapc.base.version import VERSION
 
 if TYPE_CHECKING:
     from rapc.analysis.driver import check as check
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rapc.runtime.submission import read_submission as task
     from rapc.runtime.trace import JsonTrace as JsonTrace
     from rapc.runtime.trace import TextTrace as TextTrace
-    from rapc.runtime.world import World as World
+    from rapc.world import World as World
     from rapc.worlds.registry import make_world as world
 
 __version__ = VERSION
@@ -51,7 +51,7 @@ _HOMES = {
     "Settings": ("rapc.runtime.settings", "Settings"),
     "Submission": ("rapc.runtime.submission", "Submission"),
     "TextTrace": ("rapc.runtime.trace", "TextTrace"),
-    "World": ("rapc.runtime.world", "World"),
+    "World": ("rapc.world", "World"),
     "check": ("rapc.analysis.driver", "check"),
     "compile": ("rapc.api", "compile_library"),
     "extend": ("rapc.api", "extend"),

@@ -10,15 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from rapc import files, loader
 from rapc.analysis.driver import Report, check_library
+from rapc.base import files
+from rapc.base.diagnostics import Severity
+from rapc.base.source import SourceFile
 from rapc.compiler.artifact import Artifact
 from rapc.compiler.plans import CompiledLibrary
-from rapc.diagnostics import Severity
-from rapc.library import link
-from rapc.loader import Loaded
+from rapc.library import loader
+from rapc.library.library import link
+from rapc.library.loader import Loaded
 from rapc.parser.parse import parse
-from rapc.source import SourceFile
 
 PLAN = "<plan>"
 """The file name of what `extend` adds, in findings and faults."""
@@ -50,7 +51,7 @@ def compile_library(*paths: str | Path) -> CompiledLibrary:
 
 
 def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
-    """As `rapc.loader.load`; of a compiled library without diagnostics and comments.
+    """As `loader.load`; of a compiled library without diagnostics and comments.
 
     Raises:
         LoadError: for what cannot be read.

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from rapc.diagnostics import Diagnostic
-from rapc.files import LoadError
-from rapc.loader import load, load_text, standard_libraries
+from rapc.base.diagnostics import Diagnostic
+from rapc.base.files import LoadError
+from rapc.library.loader import load, load_text, standard_libraries
 
 
 def _write(folder: Path, **files: str) -> Path:

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, cast
 
-from rapc.diagnostics import Diagnostic, Rule
-from rapc.library import Library
+from rapc.base.diagnostics import Diagnostic, Rule
+from rapc.library.library import Library
 
 T = TypeVar("T")
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rapc.diagnostics import Diagnostic, Label, Rule
+from rapc.base.diagnostics import Diagnostic, Label, Rule
+from rapc.base.source import Span
+from rapc.base.values import format_list
 from rapc.ir import nodes
-from rapc.source import Span
-from rapc.terms import format_list
 
 
 def wrong_arity(

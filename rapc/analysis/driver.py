@@ -17,16 +17,16 @@ from typing import Any
 
 import msgspec
 
-from rapc import loader
 from rapc.analysis import suite, suppressions
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.diagnostics import Diagnostic, Rule, Severity
-from rapc.garbage import undisturbed
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.gc_paused import undisturbed
+from rapc.base.names import nearest
+from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
-from rapc.library import Library
-from rapc.loader import Loaded
-from rapc.source import SourceFile, Span
-from rapc.spell import nearest
+from rapc.library import loader
+from rapc.library.library import Library
+from rapc.library.loader import Loaded
 
 
 class Finding(msgspec.Struct, frozen=True):
@@ -74,7 +74,7 @@ def check(*paths: str | Path) -> Report:
     """Load files and folders as one library and check it by all rules.
 
     Raises:
-        LoadError: for what cannot be read; see `rapc.loader.load`.
+        LoadError: for what cannot be read; see `rapc.library.loader.load`.
     """
     return check_library(loader.load(paths))
 
@@ -84,7 +84,7 @@ def check_library(loaded: Loaded, enabled: Collection[str] | None = None) -> Rep
     """Check a loaded library; its own diagnostics are part of the report.
 
     Args:
-        loaded: what `rapc.loader` made of the files.
+        loaded: what `rapc.library.loader` made of the files.
         enabled: names of the rules that may report; all of them if None.
     """
     rules = suite.rules()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.spell import nearest
+from rapc.base.names import nearest
 
 _MOST = 50
 """How many different names get a suggestion: looking for one costs milliseconds."""

@@ -11,8 +11,8 @@ from collections.abc import Container, Iterator
 
 import msgspec
 
+from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.source import Span
 
 
 class Site(msgspec.Struct, frozen=True):

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rapc import library, loader
 from rapc.analysis import suppressions
 from rapc.analysis.analyzer import Analyzer
 from rapc.analysis.passes import (
@@ -36,8 +35,9 @@ from rapc.analysis.passes import (
     unknown_result,
     until_itself,
 )
-from rapc.diagnostics import Rule
-from rapc.parser import rules as parser
+from rapc.base.diagnostics import Rule
+from rapc.library import library, loader
+from rapc.parser.rules import table as parser
 
 ANALYZERS: tuple[Analyzer[Any], ...] = (
     occurrences.OCCURRENCES,

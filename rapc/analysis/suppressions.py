@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.names import Names
-from rapc.diagnostics import (
+from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
     Edit,
@@ -21,9 +21,9 @@ from rapc.diagnostics import (
     Rule,
     Severity,
 )
-from rapc.parser.data import Comment, Datum, List
+from rapc.base.source import SourceFile, Span
 from rapc.parser.reader import read
-from rapc.source import SourceFile, Span
+from rapc.parser.syntax import Comment, Datum, List
 
 UNUSED = Rule(
     code="RAP071",

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Pass
 from rapc.analysis.names import Names
-from rapc.diagnostics import Diagnostic, Label, Rule
-from rapc.source import Span
+from rapc.base.diagnostics import Diagnostic, Label, Rule
+from rapc.base.source import Span
 
 _SHOWN = 2
 """How many places are shown besides the first one."""

@@ -1,6 +1,6 @@
 """What a library declares that facts and tests may be made of, under one roof.
 
-Propositions, properties and functions share their names (`rapc.library`).
+Propositions, properties and functions share their names (`rapc.library.library`).
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from typing import Literal
 import msgspec
 
 from rapc.analysis.occurrences import Occurrences
+from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.library import Library, name_span
-from rapc.source import Span
+from rapc.library.library import Library, name_span
 
 Kind = Literal["proposition", "property", "function"]
 

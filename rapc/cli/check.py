@@ -8,6 +8,8 @@ import click
 
 from rapc.analysis import driver
 from rapc.analysis.driver import Report
+from rapc.base.diagnostics import Severity
+from rapc.base.names import counted
 from rapc.cli.common import (
     common_options,
     fail,
@@ -16,8 +18,6 @@ from rapc.cli.common import (
     say,
     settings,
 )
-from rapc.diagnostics import Severity
-from rapc.spell import counted
 
 EXAMPLES = """\b
 Examples:

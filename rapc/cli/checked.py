@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from rapc.api import CheckError, compile_loaded, read_artifact
+from rapc.base.files import LoadError
+from rapc.base.gc_paused import undisturbed
 from rapc.cli.common import USAGE, fail, print_findings, read_paths, say
 from rapc.compiler.artifact import ArtifactError
 from rapc.compiler.plans import CompiledLibrary
-from rapc.files import LoadError
-from rapc.garbage import undisturbed
 
 
 def load_checked(path: str) -> CompiledLibrary:

@@ -16,9 +16,9 @@ from collections.abc import Iterable
 import click
 
 from rapc.analysis.driver import Report
+from rapc.base.files import LoadError
 from rapc.cli.options import USAGE, common_options, fail, say, settings
-from rapc.files import LoadError
-from rapc.loader import Loaded, load
+from rapc.library.loader import Loaded, load
 
 __all__ = (
     "USAGE",
@@ -49,7 +49,7 @@ def print_findings(report: Report, output_format: str) -> None:
     """Print a report's findings on standard output: `full`, `concise` or `json`."""
     if not report.findings and output_format != "json":
         return
-    from rapc import render  # noqa: PLC0415  # brings rich along
+    from rapc.console import findings as render  # noqa: PLC0415  # brings rich along
 
     if output_format == "json":
         click.echo(render.json_text(report))

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import click
 
+from rapc.base.files import LoadError, read_compiled
+from rapc.base.gc_paused import undisturbed
 from rapc.cli.checked import load_checked
 from rapc.cli.common import (
     USAGE,
@@ -20,8 +22,6 @@ from rapc.cli.common import (
 from rapc.compiler.artifact import ArtifactError, Suite, encode
 from rapc.compiler.explain import explain, tell
 from rapc.compiler.plans import CompiledLibrary
-from rapc.files import LoadError, read_compiled
-from rapc.garbage import undisturbed
 from rapc.testing import discover
 
 EXAMPLES = """\b

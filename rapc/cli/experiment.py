@@ -14,6 +14,8 @@ import click
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.options import Count, say
+from rapc.console.findings import visible
+from rapc.console.progress import bar
 from rapc.experiments import definition, output
 from rapc.experiments.batch import Done, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.definition import ExperimentError
@@ -22,8 +24,6 @@ from rapc.experiments.session import Session
 from rapc.experiments.store import Store, StoreError
 from rapc.experiments.summary import Summary
 from rapc.experiments.tables import show
-from rapc.progress import bar
-from rapc.render import visible
 
 EXAMPLES = """\b
 Examples:

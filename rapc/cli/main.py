@@ -15,8 +15,8 @@ from importlib import import_module
 
 import click
 
+from rapc.base.names import nearest
 from rapc.cli.options import USAGE, common_options, show_traceback
-from rapc.spell import nearest
 
 COMMANDS = {
     "check": "Check RAP libraries.",

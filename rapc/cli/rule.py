@@ -7,8 +7,8 @@ import json
 import click
 
 from rapc.analysis import driver, suite
+from rapc.base.diagnostics import Rule
 from rapc.cli.options import common_options, fail
-from rapc.diagnostics import Rule
 
 EXAMPLES = """\b
 Examples:

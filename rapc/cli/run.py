@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 
 import click
 
+from rapc.base.values import Fact, number
 from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, settings
 from rapc.cli.options import show_traceback
@@ -26,9 +27,8 @@ from rapc.runtime.requests import PortError
 from rapc.runtime.settings import SettingError, Settings, read_settings
 from rapc.runtime.submission import Submission, read_submission
 from rapc.runtime.trace import JsonTrace, TextTrace
-from rapc.runtime.world import Time, World
-from rapc.terms import Fact, number
 from rapc.testing.faults import read_fault
+from rapc.world import Time, World
 from rapc.worlds import registry
 from rapc.worlds.faults import Fault, FaultyWorld, problem
 
@@ -289,7 +289,7 @@ def _refuse_unseen(world: World, world_name: str) -> None:
 
 def _show(stack: ExitStack, interpreter: Interpreter, world: World) -> None:
     """Draw the run while it goes on."""
-    from rapc.show.live import LiveView  # noqa: PLC0415  # brings rich along
+    from rapc.console.show.live import LiveView  # noqa: PLC0415  # brings rich along
 
     view = LiveView(
         interpreter,

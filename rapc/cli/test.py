@@ -11,12 +11,12 @@ from typing import Any
 
 import click
 
+from rapc.base.files import LoadError
 from rapc.cli.common import USAGE, common_options, fail, print_findings, settings
 from rapc.cli.options import Count
 from rapc.compiler.artifact import ArtifactError
-from rapc.files import LoadError
+from rapc.console.findings import visible
 from rapc.parser.parse import TextError
-from rapc.render import visible
 from rapc.testing import coverage_table, discover, explain
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault

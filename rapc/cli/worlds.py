@@ -7,8 +7,8 @@ import shutil
 import click
 
 from rapc.cli.common import common_options, fail
+from rapc.console.worlds import describe_world, list_worlds, summary
 from rapc.worlds import registry
-from rapc.worlds.describe import describe_world, list_worlds, summary
 
 EXAMPLES = """\b
 Examples:

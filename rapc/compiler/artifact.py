@@ -22,16 +22,16 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.files import COMPILED
+from rapc.base.source import SourceFile
+from rapc.base.version import VERSION
 from rapc.compiler.plans import CompiledLibrary
 from rapc.compiler.verify import UnsoundError, Verifier
 from rapc.compiler.vocabulary import Vocabulary
-from rapc.files import COMPILED
 from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
-from rapc.library import Library, link
+from rapc.library.library import Library, link
 from rapc.parser.parse import Parsed
-from rapc.source import SourceFile
-from rapc.version import VERSION
 
 FORMAT = 1
 """The version of the format; a change of the IR is one of the format."""

@@ -1,8 +1,8 @@
 """How the clauses of a RAP are asked of memory, for a person to read.
 
 What is told are the steps that the writers of generated code note as they write it
-(`rapc.compiler.steps`), so it is what is done. How many facts are looked at is for a
-memory to say: without one it is told only which they are.
+(`rapc.compiler.query.steps`), so it is what is done. How many facts are looked at is
+for a memory to say: without one it is told only which they are.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import msgspec
 
+from rapc.base.names import nearest
 from rapc.compiler.plans import CompiledLibrary, MethodPlan, RapPlan
-from rapc.compiler.query import Query
-from rapc.compiler.steps import Step, Way
+from rapc.compiler.query.query import Query
+from rapc.compiler.query.steps import Step, Way
 from rapc.ir import nodes
-from rapc.parser.printer import format_formula, format_term
-from rapc.spell import nearest
+from rapc.ir.printer import format_formula, format_term
 
 
 class Asking(msgspec.Struct, frozen=True):

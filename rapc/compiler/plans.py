@@ -6,15 +6,15 @@ Everything keeps its IR node, so that what happens at run time can point at sour
 
 from __future__ import annotations
 
-from rapc.compiler.clauses import Compiler, RequestPlan, variables_of
-from rapc.compiler.dependencies import Watch, watches
-from rapc.compiler.nets import StepPlan, WindowPlan, steps_of, users_of
-from rapc.compiler.query import Query
-from rapc.compiler.values import TermValue
+from rapc.compiler.compiler import Compiler, RequestPlan, variables_of
+from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, users_of
+from rapc.compiler.query.query import Query
+from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.vocabulary import Vocabulary
+from rapc.compiler.watches import Watch, watches
 from rapc.ir import nodes
 from rapc.ir.walk import subformulas
-from rapc.library import Library
+from rapc.library.library import Library
 
 
 class MethodPlan:

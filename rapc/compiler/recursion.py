@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rapc.ir.walk import steps
-from rapc.library import Library
+from rapc.library.library import Library
 
 
 def recursive(library: Library) -> frozenset[str]:

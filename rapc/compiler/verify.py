@@ -13,11 +13,11 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
-from rapc.compiler.builtin import FUNCTIONS
+from rapc.base.names import counted
+from rapc.base.source import Span
+from rapc.compiler.query.builtin import FUNCTIONS
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes, walk
-from rapc.source import Span
-from rapc.spell import counted
 
 MAX_DEPTH = 150
 """How deep nodes may lie in each other; lists in a text lie 100 deep at most."""

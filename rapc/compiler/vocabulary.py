@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from rapc.ir import nodes
-from rapc.library import Library
+from rapc.library.library import Library
 
 CONSTANT_DEFAULTS = ("unknown", "true", "false")
 """Defaults that are values; any other default names a registered function."""

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.runtime.world import World
-from rapc.terms import Atom, Text
+from rapc.base.values import Atom, Text
+from rapc.world import World
 
 Plain = bool | int | float | str
 """The value of an option; that of one of kind `text` is the text itself."""

@@ -15,8 +15,8 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
-from rapc.files import LoadError, read_text
-from rapc.spell import nearest
+from rapc.base.files import LoadError, read_text
+from rapc.base.names import nearest
 
 SUFFIX = ".toml"
 

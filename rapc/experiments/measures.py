@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import msgspec
 
 from rapc.runtime import events
-from rapc.runtime.world import OKAY, Offer, Time
+from rapc.world import OKAY, Offer, Time
 
 LABELS: Mapping[str, str] = {
     "completed": "completed",

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.base.values import format_atom
+from rapc.base.version import VERSION
 from rapc.compiler.plans import CompiledLibrary
 from rapc.experiments.config import Config, code_of, plain_options, world_options
 from rapc.experiments.definition import Experiment, ExperimentError, Part, Value, meant
@@ -22,9 +24,7 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.refusals import Refused
 from rapc.runtime.settings import SettingError, read_settings
 from rapc.runtime.submission import Submission, read_submission
-from rapc.runtime.world import World
-from rapc.terms import format_atom
-from rapc.version import VERSION
+from rapc.world import World
 from rapc.worlds import registry
 
 OWN = "rapc"

@@ -14,15 +14,15 @@ from functools import lru_cache
 
 import msgspec
 
+from rapc.base.source import SourceFile
 from rapc.compiler.plans import CompiledLibrary
 from rapc.experiments.config import Config, code_of, world_options
 from rapc.experiments.measures import Measures, Tally, outcomes
-from rapc.library import link
+from rapc.library.library import link
 from rapc.parser.parse import parse
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import Submission, read_submission
-from rapc.source import SourceFile
 from rapc.worlds import registry
 
 

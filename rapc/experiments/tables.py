@@ -11,10 +11,10 @@ from typing import Literal
 
 import msgspec
 
+from rapc.base.values import format_atom
 from rapc.experiments.definition import Part, Value
 from rapc.experiments.measures import LABELS
 from rapc.experiments.summary import Row, Spread, Summary
-from rapc.terms import format_atom
 
 Kind = Literal["title", "head", "ours", "theirs", "text"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
+from rapc.base.source import NOWHERE, Span
+from rapc.base.values import Atom
 from rapc.ir.formulas import Const, Formula, Node, Pattern, Term, Var
 from rapc.ir.raps import Goal
-from rapc.source import NOWHERE, Span
-from rapc.terms import Atom
 
 
 class Argument(Node, frozen=True, eq=False):

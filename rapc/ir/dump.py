@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from rapc.base.source import Span
+from rapc.base.values import format_atom
 from rapc.ir.nodes import Node
-from rapc.source import Span
-from rapc.terms import format_atom
 
 
 def dump(node: Node) -> str:

@@ -10,8 +10,8 @@ from typing import Literal
 
 import msgspec
 
-from rapc.source import NOWHERE, Span
-from rapc.terms import Atom
+from rapc.base.source import NOWHERE, Span
+from rapc.base.values import Atom
 
 
 class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False, array_like=True):

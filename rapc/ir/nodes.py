@@ -1,6 +1,6 @@
 """Every node of the IR: what a RAP file says, without judging it.
 
-Nodes hold no meaning: what a name refers to is found by `rapc.library` and
+Nodes hold no meaning: what a name refers to is found by `rapc.library.library` and
 `rapc.analysis`. Those of `define-test` are in `rapc.ir.tests`.
 
 Sources: T chapter 4 and appendix A; S sections 3 and 4; semantics section 1.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from rapc.base.source import NOWHERE, Span
 from rapc.ir.formulas import Formula, Node, Pattern, Term, Var
-from rapc.source import NOWHERE, Span
 
 
 class MonitorTime(Node, frozen=True, eq=False):

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Literal
 
+from rapc.base.source import NOWHERE, Span
+from rapc.base.values import Number
 from rapc.ir.nodes import Const, Formula, Goal, Node, Pattern, Require, Term, Var
-from rapc.source import NOWHERE, Span
-from rapc.terms import Number
 
 # --- what is given -----------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 `Notes` is the desk both readers work at: it turns atoms into data and keeps comments,
 findings and the places that make a form damaged. Lists are built elsewhere: by
-`rapc.parser.reader` while all is well, by `rapc.parser.recovery` when it is not.
+`rapc.parser.reader` while all is well, by `rapc.parser.repair.cut` when it is not.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from rapc.diagnostics import Applicability, Diagnostic, Edit, Fix
-from rapc.parser.data import (
+from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix
+from rapc.base.source import SourceFile
+from rapc.base.values import Number, format_atom, number
+from rapc.parser.syntax import (
     Comment,
     Datum,
     Keyword,
@@ -26,8 +28,6 @@ from rapc.parser.data import (
     TopLevel,
     Variable,
 )
-from rapc.source import SourceFile
-from rapc.terms import Number, format_atom, number
 
 MAX_DEPTH = 100
 """How deep lists may nest."""

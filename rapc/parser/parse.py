@@ -1,6 +1,6 @@
 """Text to IR: the reader, then the form functions; and small texts by themselves.
 
-Linking what several files define is for `rapc.library`.
+Linking what several files define is for `rapc.library.library`.
 """
 
 from __future__ import annotations
@@ -10,19 +10,19 @@ from typing import cast
 
 import msgspec
 
-from rapc.diagnostics import Diagnostic
+from rapc.base.diagnostics import Diagnostic
+from rapc.base.names import nearest
+from rapc.base.source import SourceFile, Span
+from rapc.base.values import Atom, Fact
 from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
-from rapc.parser.data import Comment, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.formulas import formula
 from rapc.parser.forms.table import FORMS
 from rapc.parser.forms.terms import goal, pattern
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
-from rapc.source import SourceFile, Span
-from rapc.spell import nearest
-from rapc.terms import Atom, Fact
+from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
 
 __all__ = (
     "Comment",

@@ -1,8 +1,8 @@
 """Text to data, for good files fast and for bad ones with findings.
 
-The terminals are those of `rap.lark`, by way of `rapc.parser.terminals`; lists are
+The terminals are those of `rap.lark`, by way of `rapc.language.terminals`; lists are
 built here with a stack of our own, so no text can exhaust Python's. A file whose
-parentheses, strings or comments do not close is read again by `rapc.parser.recovery`.
+parentheses, strings or comments do not close is read again by `rapc.parser.repair.cut`.
 What the data mean is not asked here.
 """
 
@@ -14,7 +14,8 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
 
-from rapc.parser.data import Datum, List, Reading, String
+from rapc.base.source import SourceFile
+from rapc.language.terminals import TERMINALS
 from rapc.parser.lexicon import (
     MAKERS,
     MAX_DEPTH,
@@ -24,10 +25,9 @@ from rapc.parser.lexicon import (
     comment_end,
     string_value,
 )
-from rapc.parser.recovery import recover
-from rapc.parser.rejoin import rejoin
-from rapc.parser.terminals import TERMINALS
-from rapc.source import SourceFile
+from rapc.parser.repair.cut import recover
+from rapc.parser.repair.rejoin import rejoin
+from rapc.parser.syntax import Datum, List, Reading, String
 
 _OPEN_ENDED = {'"': "string", ";": "comment"}
 """What may hold `#|` without beginning a comment, by what it begins with."""

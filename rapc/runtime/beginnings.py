@@ -6,17 +6,17 @@ selected in `rapc.runtime.cycle` (semantics 3 and 4).
 
 from __future__ import annotations
 
-from rapc.compiler.nets import StepPlan, WindowPlan
-from rapc.compiler.values import TermValue
-from rapc.parser.printer import format_formula
-from rapc.resources import Counter, SetResource, frozen
+from rapc.base.resources import Counter, SetResource, frozen
+from rapc.base.values import number
+from rapc.compiler.net_plan import StepPlan, WindowPlan
+from rapc.compiler.query.term_value import TermValue
+from rapc.ir.printer import format_formula
 from rapc.runtime.context import QueryContext
 from rapc.runtime.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.monitors import time_of
 from rapc.runtime.submission import Submission
 from rapc.runtime.task import ELIGIBLE, Env, Given, MethodRun, Task, Waiting
-from rapc.terms import number
 
 
 def create_top(machine: Machine, submission: Submission) -> None:

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
+from rapc.base.resources import frozen
 from rapc.compiler.plans import MethodPlan
 from rapc.ir import nodes
-from rapc.resources import frozen
 from rapc.runtime.events import SolverCalled
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import Env, Task

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from rapc.compiler.query import Meetings
+from rapc.base.values import Fact, Number, format_atom, number
+from rapc.compiler.query.query import Meetings
 from rapc.runtime.events import QueryFaulted
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.recorder import Recorder
 from rapc.runtime.task import Task
-from rapc.runtime.world import Time
-from rapc.terms import Fact, Number, format_atom, number
+from rapc.world import Time
 
 
 class QueryContext:
-    """What `rapc.compiler.query` asks of a run: there is one for each.
+    """What `rapc.compiler.query.query` asks of a run: there is one for each.
 
     `task` is set before each query to the task whose clause it is. While `horizon`
     is a list, the times at which beliefs that held go stale are added to it.

@@ -6,7 +6,7 @@ ends the cycle.
 
 from __future__ import annotations
 
-from rapc.compiler.query import Query
+from rapc.compiler.query.query import Query
 from rapc.runtime.beginnings import (
     fill_inputs,
 )
@@ -22,7 +22,7 @@ from rapc.runtime.events import FamilySwitched, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.methods import try_method
 from rapc.runtime.task import ENDED, Env, Task, Waiting
-from rapc.runtime.world import OKAY
+from rapc.world import OKAY
 
 
 def run_cycle(machine: Machine, task: Task) -> None:

@@ -6,14 +6,14 @@ semantics 6).
 
 from __future__ import annotations
 
-from rapc.compiler.builtin import Fault, add, subtract
-from rapc.compiler.nets import EffectPlan, StepPlan
-from rapc.resources import Counter, SetResource, Value
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import Number, format_atom, is_number
+from rapc.compiler.net_plan import EffectPlan, StepPlan
+from rapc.compiler.query.builtin import Fault, add, subtract
 from rapc.runtime.context import QueryContext
 from rapc.runtime.events import ResourceChanged
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import Env, MethodRun, Task
-from rapc.terms import Number, format_atom, is_number
 
 Change = tuple[str, Counter | SetResource, Value]
 """An effect with its resource and its amount or member."""

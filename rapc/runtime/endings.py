@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.compiler.nets import ReceiverPlan, StepPlan
-from rapc.resources import Value
+from rapc.base.resources import Value
+from rapc.compiler.net_plan import ReceiverPlan, StepPlan
 from rapc.runtime.beginnings import (
     fill_inputs,
     let_go,
@@ -27,7 +27,7 @@ from rapc.runtime.events import (
 )
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import ELIGIBLE, ENDED, WAITING, Env, MethodRun, Task, in_words
-from rapc.runtime.world import OKAY
+from rapc.world import OKAY
 
 INTERFERENCE = "interference"
 NO_METHOD = "no-method"

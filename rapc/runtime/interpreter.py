@@ -11,6 +11,7 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from rapc.base.values import Atom, Fact, match
 from rapc.compiler.plans import CompiledLibrary
 from rapc.ir.nodes import Formula
 from rapc.parser.parse import parse_formula
@@ -29,8 +30,7 @@ from rapc.runtime.signals import signal
 from rapc.runtime.standing import AgendaEntry
 from rapc.runtime.submission import Submission
 from rapc.runtime.turns import Turns
-from rapc.runtime.world import Time, World
-from rapc.terms import Atom, Fact, match
+from rapc.world import Time, World
 
 
 class Interpreter:

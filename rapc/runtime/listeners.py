@@ -1,15 +1,15 @@
 """Who listens to which change, found from what has changed without looking at others.
 
-What a formula listens to is said by `rapc.compiler.dependencies`; when its task is
+What a formula listens to is said by `rapc.compiler.watches`; when its task is
 tested is for `rapc.runtime.monitors` to say (semantics 5).
 """
 
 from __future__ import annotations
 
-from rapc.compiler.dependencies import ANYTHING, WatchKey
-from rapc.resources import Counter, SetResource
+from rapc.base.resources import Counter, SetResource
+from rapc.base.values import Atom, Fact
+from rapc.compiler.watches import ANYTHING, WatchKey
 from rapc.runtime.task import RUNNING, Task
-from rapc.terms import Atom, Fact
 
 _Found = dict[int, Task]
 _Table = dict[object, "Task | _Found"]

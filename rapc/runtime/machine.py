@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from rapc.base.values import Atom
 from rapc.compiler.plans import CompiledLibrary, MethodPlan, RapPlan
 from rapc.runtime.agenda import Agenda
 from rapc.runtime.context import QueryContext
@@ -23,8 +24,7 @@ from rapc.runtime.renaming import rename
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import Submission
 from rapc.runtime.task import Given, Task
-from rapc.runtime.world import ResultHandler, Time, World
-from rapc.terms import Atom
+from rapc.world import ResultHandler, Time, World
 
 ContextListener = Callable[[str, str, bool], None]
 """Told of a RAP's method whose context was asked, and whether it held."""

@@ -27,7 +27,7 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.requests import ground, request
 from rapc.runtime.task import RUNNING, Env, MethodRun, Task, in_words
-from rapc.runtime.world import OKAY
+from rapc.world import OKAY
 
 
 def try_method(machine: Machine, task: Task) -> None:

@@ -10,10 +10,11 @@ from __future__ import annotations
 import heapq
 import math
 
-from rapc.compiler.dependencies import WatchKey
-from rapc.compiler.values import TermValue
-from rapc.parser.printer import format_formula
-from rapc.resources import Resource
+from rapc.base.resources import Resource
+from rapc.base.values import Fact, Number, format_atom, number
+from rapc.compiler.query.term_value import TermValue
+from rapc.compiler.watches import WatchKey
+from rapc.ir.printer import format_formula
 from rapc.runtime.agenda import Agenda
 from rapc.runtime.context import QueryContext
 from rapc.runtime.events import DeadlineMissed, TaskBlocked, TaskWoken
@@ -30,8 +31,7 @@ from rapc.runtime.task import (
     Waiting,
     in_words,
 )
-from rapc.runtime.world import Time
-from rapc.terms import Fact, Number, format_atom, number
+from rapc.world import Time
 
 _CROWD = 256
 """How many times may be waited for before stale ones are looked for."""

@@ -9,18 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any
 
-from rapc.compiler.builtin import FUNCTIONS
-from rapc.compiler.emitter import Ending
-from rapc.compiler.query import Query
+from rapc.base.names import counted, nearest
+from rapc.base.resources import Value
+from rapc.compiler.query.builtin import FUNCTIONS
+from rapc.compiler.query.code import Ending
+from rapc.compiler.query.query import Query
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.ir.nodes import Formula
 from rapc.ir.walk import subformulas, subterms, terms
-from rapc.resources import Value
 from rapc.runtime.context import QueryContext
 from rapc.runtime.machine import Machine
 from rapc.runtime.renaming import with_names
-from rapc.spell import counted, nearest
 
 Answer = dict[str, Value]
 """What an answer binds besides what was given; a variable it leaves free is absent."""

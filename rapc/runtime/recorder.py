@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rapc.base.values import format_list
 from rapc.runtime.events import Event
-from rapc.runtime.world import Time
-from rapc.terms import format_list
+from rapc.world import Time
 
 Listener = Callable[[Event], None]
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from rapc.base.names import counted, nearest
+from rapc.base.source import Span
+from rapc.base.values import Fact
 from rapc.compiler.plans import CompiledLibrary
 from rapc.compiler.vocabulary import CONSTANT_DEFAULTS
 from rapc.ir import nodes
-from rapc.library import Library
-from rapc.runtime.world import World
-from rapc.source import Span
-from rapc.spell import counted, nearest
-from rapc.terms import Fact
+from rapc.library.library import Library
+from rapc.world import World
 
 _Offered = (
     nodes.DeclarePrimitive

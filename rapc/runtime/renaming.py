@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from rapc.base.resources import SetResource
+from rapc.base.values import Atom
 from rapc.ir import nodes
-from rapc.resources import SetResource
 from rapc.runtime.monitors import Monitors
 from rapc.runtime.task import Env, Task
-from rapc.terms import Atom
 
 
 class Tasks(Protocol):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
+from rapc.base.values import format_atom
 from rapc.runtime import events
-from rapc.runtime.world import OKAY
-from rapc.terms import format_atom
+from rapc.world import OKAY
 
 _LEFT_OVER = 20
 """How many tasks that were left over are named."""

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.compiler.clauses import RequestPlan
-from rapc.resources import Counter, SetResource
+from rapc.base.resources import Counter, SetResource
+from rapc.base.values import Atom, Fact, format_list
+from rapc.compiler.compiler import RequestPlan
 from rapc.runtime.endings import INTERFERENCE, end_method
 from rapc.runtime.events import DataReceived, PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
 from rapc.runtime.signals import signal
 from rapc.runtime.task import MethodRun, Task
-from rapc.runtime.world import OKAY, Datum, Finished, Message, Reply, Signal
-from rapc.terms import Atom, Fact, format_list
+from rapc.world import OKAY, Datum, Finished, Message, Reply, Signal
 
 _RESOURCES = (Counter, SetResource)
 

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import msgspec
 
-from rapc.spell import nearest
-from rapc.terms import number
+from rapc.base.names import nearest
+from rapc.base.values import number
 
 _Count = Annotated[int, msgspec.Meta(ge=1)]
 _Cost = Annotated[int, msgspec.Meta(ge=0)] | Annotated[float, msgspec.Meta(ge=0)]

@@ -6,13 +6,13 @@ said by the first of its `wait-for`s that matches.
 
 from __future__ import annotations
 
-from rapc.compiler.nets import WaitPlan
+from rapc.base.values import Fact, format_list
+from rapc.compiler.net_plan import WaitPlan
 from rapc.runtime import events
 from rapc.runtime.beginnings import when_time_comes
 from rapc.runtime.endings import end_by_signal, late_recursion, receive
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import Env, Task
-from rapc.terms import Fact, format_list
 
 
 def signal(machine: Machine, content: Fact) -> None:

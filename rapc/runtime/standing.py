@@ -8,11 +8,11 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.values import number
 from rapc.runtime.events import RunStarted, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import BLOCKED, ELIGIBLE, UNTESTED, WAITING, Given, Task
-from rapc.runtime.world import OKAY, Time
-from rapc.terms import number
+from rapc.world import OKAY, Time
 
 FORMAT = 1
 """The version of the trace format."""

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import msgspec
 
+from rapc.base.values import Atom, Fact
 from rapc.ir.nodes import Const
 from rapc.parser.parse import TextError, parse_goal_options
-from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact
+from rapc.world import Time
 
 
 class Submission(msgspec.Struct, frozen=True):

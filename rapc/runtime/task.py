@@ -12,14 +12,14 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from rapc.compiler.dependencies import WatchKey
-from rapc.compiler.nets import StepPlan, WindowPlan
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import format_atom
+from rapc.compiler.net_plan import StepPlan, WindowPlan
 from rapc.compiler.plans import MethodPlan, RapPlan
-from rapc.parser.printer import format_term
-from rapc.resources import Counter, SetResource, Value
+from rapc.compiler.watches import WatchKey
+from rapc.ir.printer import format_term
 from rapc.runtime.memory.memory import Notation
-from rapc.runtime.world import OKAY, Time
-from rapc.terms import format_atom
+from rapc.world import OKAY, Time
 
 Env = dict[str, Value]
 """Variables and what they are bound to."""

@@ -11,8 +11,8 @@ from typing import Any, TextIO
 
 import msgspec
 
+from rapc.base.values import format_atom
 from rapc.runtime import events
-from rapc.terms import format_atom
 
 
 class JsonTrace:

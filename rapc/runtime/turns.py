@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import heapq
 
+from rapc.base.values import number
 from rapc.runtime.beginnings import create_top, when_time_comes
 from rapc.runtime.cycle import run_cycle
 from rapc.runtime.machine import Machine
 from rapc.runtime.requests import take_in
-from rapc.runtime.world import Time, World
-from rapc.terms import number
+from rapc.world import Time, World
 
 _QUIET = ""
 """No reason to be over, only for not turning on."""

@@ -12,12 +12,12 @@ from os.path import normpath
 
 import msgspec
 
-from rapc.files import TEST_SUFFIX
+from rapc.base.files import TEST_SUFFIX
 from rapc.ir import nodes
-from rapc.library import Library
+from rapc.library.library import Library
 from rapc.runtime import events
-from rapc.runtime.world import OKAY
 from rapc.testing.patterns import read_value, split_goal
+from rapc.world import OKAY
 
 
 class MethodCoverage(msgspec.Struct, frozen=True):

@@ -11,13 +11,14 @@ from pathlib import Path
 
 import msgspec
 
-from rapc import files, loader
 from rapc.analysis.driver import Report, check_library
+from rapc.base import files
+from rapc.base.diagnostics import Severity
+from rapc.base.source import SourceFile
 from rapc.compiler.artifact import Artifact
 from rapc.compiler.plans import CompiledLibrary
-from rapc.diagnostics import Severity
 from rapc.ir.tests import DefineTest
-from rapc.source import SourceFile
+from rapc.library import loader
 from rapc.testing.run import Case
 
 

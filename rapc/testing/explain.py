@@ -11,7 +11,7 @@ from typing import Literal
 import msgspec
 
 from rapc.analysis.driver import Report
-from rapc.source import SourceFile, Span
+from rapc.base.source import SourceFile, Span
 from rapc.testing.run import Failure, Outcome, Status
 
 _MOST_ROWS = 8

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rapc.base.names import nearest
+from rapc.base.values import Number, number
 from rapc.ir import nodes
 from rapc.parser.parse import TextError, parse_pattern
-from rapc.spell import nearest
-from rapc.terms import Number, number
 from rapc.testing.patterns import end_of_list, flat
 from rapc.worlds.faults import Fault
 

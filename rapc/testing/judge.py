@@ -11,9 +11,9 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.values import Fact, format_atom, format_list, match
 from rapc.ir import nodes, tests, walk
 from rapc.runtime import events
-from rapc.terms import Fact, format_atom, format_list, match
 from rapc.testing.patterns import atom, event_matches, flat
 from rapc.testing.record import Record, TaskRecord
 

@@ -9,8 +9,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rapc.base.values import Atom, Fact, Text, match, number
 from rapc.ir import nodes, tests
-from rapc.terms import Atom, Fact, Text, match, number
 
 Value = Atom | tuple[Any, ...]
 """A term of a trace: an atom, or a list as a tuple; `#counter(3)` is one symbol."""

@@ -11,12 +11,12 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.values import Fact, format_atom
 from rapc.ir.nodes import Goal
 from rapc.runtime import events
 from rapc.runtime.trace import TextTrace
-from rapc.runtime.world import Time
-from rapc.terms import Fact, format_atom
 from rapc.testing.patterns import goal_matches, read_value, split_goal
+from rapc.world import Time
 
 _LAST_CYCLES = 5
 _LAST_LINES = 40

@@ -11,6 +11,8 @@ from collections.abc import Callable, Sequence
 
 import msgspec
 
+from rapc.base.source import Span
+from rapc.base.values import format_atom, format_list
 from rapc.compiler.plans import CompiledLibrary
 from rapc.ir import tests
 from rapc.runtime.interpreter import Interpreter
@@ -18,14 +20,12 @@ from rapc.runtime.memory.checking import FactError
 from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission
-from rapc.runtime.world import World
-from rapc.source import Span
-from rapc.terms import format_atom, format_list
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Scene, judge
 from rapc.testing.patterns import flat
 from rapc.testing.record import Record
 from rapc.testing.validate import Problem, problems, row_of
+from rapc.world import World
 from rapc.worlds import registry
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 

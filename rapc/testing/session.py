@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import msgspec
 
-from rapc.runtime.world import World
-from rapc.terms import format_list
+from rapc.base.values import format_list
 from rapc.testing.coverage import Coverage
 from rapc.testing.run import Case, Outcome, Status, run_case
+from rapc.world import World
 from rapc.worlds.faults import Fault, FaultyWorld, problem
 from rapc.worlds.script import offer_of
 

@@ -10,15 +10,15 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 
 import msgspec
 
+from rapc.base.names import counted, nearest
+from rapc.base.source import Span
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes, tests, walk
-from rapc.library import Library
+from rapc.library.library import Library
 from rapc.runtime import events
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.recorder import Recorder
-from rapc.source import Span
-from rapc.spell import counted, nearest
 from rapc.testing.patterns import flat
 from rapc.worlds.script import Row, offer_of, row_problems
 

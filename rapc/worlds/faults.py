@@ -13,7 +13,9 @@ from collections.abc import Iterable, Sequence
 
 import msgspec
 
-from rapc.runtime.world import (
+from rapc.base.names import counted, nearest
+from rapc.base.values import Fact, match, number
+from rapc.world import (
     Callables,
     Handlers,
     Message,
@@ -24,8 +26,6 @@ from rapc.runtime.world import (
     Time,
     World,
 )
-from rapc.spell import counted, nearest
-from rapc.terms import Fact, match, number
 
 
 class Fault(msgspec.Struct, frozen=True):

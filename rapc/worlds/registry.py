@@ -17,10 +17,10 @@ from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from rapc.files import LoadError, named, read_text
-from rapc.runtime.world import Option, World
-from rapc.spell import nearest
-from rapc.terms import Atom, Text, number
+from rapc.base.files import LoadError, named, read_text
+from rapc.base.names import nearest
+from rapc.base.values import Atom, Text, number
+from rapc.world import Option, World
 
 GROUP = "rapc.worlds"
 """The entry-point group under which packages offer their worlds."""

@@ -12,9 +12,9 @@ from typing import Protocol
 
 import msgspec
 
+from rapc.base.values import Bindings, Fact, format_list, is_variable
 from rapc.ir.nodes import DeclareDatum, DeclareEvent, DeclarePrimitive, DeclareSkill
-from rapc.runtime.world import OKAY, Offer, Time
-from rapc.terms import Bindings, Fact, format_list, is_variable
+from rapc.world import OKAY, Offer, Time
 
 
 class Row(msgspec.Struct, frozen=True):
@@ -57,7 +57,7 @@ class At(msgspec.Struct, frozen=True):
 
 
 class Declarations(Protocol):
-    """What a library says of its world: the part of `rapc.library.Library` needed."""
+    """What a library says of its world: the part of a `Library` needed."""
 
     @property
     def primitives(self) -> Mapping[str, DeclarePrimitive]:

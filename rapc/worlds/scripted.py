@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import msgspec
 
-from rapc.runtime.world import (
+from rapc.base.values import Fact, format_list, match, number
+from rapc.world import (
     Datum,
     DatumHandler,
     Finished,
@@ -25,7 +26,6 @@ from rapc.runtime.world import (
     Time,
     World,
 )
-from rapc.terms import Fact, format_list, match, number
 from rapc.worlds.script import (
     At,
     Declarations,

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rapc.analysis.driver import check_library
-from rapc.diagnostics import Label
-from rapc.loader import load_text
-from rapc.source import Span
+from rapc.base.diagnostics import Label
+from rapc.base.source import Span
+from rapc.library.loader import load_text
 
 Net = Sequence[tuple[str | None, str | None, str | None, Sequence[int], str]]
 """Steps: the variable used, the one handed out, the one a formula binds, the steps put

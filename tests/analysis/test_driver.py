@@ -17,9 +17,9 @@ from rapc.analysis.driver import (
     ordered,
     passes,
 )
-from rapc.diagnostics import Diagnostic, Rule, Severity
-from rapc.loader import load_text
-from rapc.source import NOWHERE
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.source import NOWHERE
+from rapc.library.loader import load_text
 
 RULE = Rule("RAP900", "some-fault", Severity.ERROR, "s", "why", "example", "better")
 

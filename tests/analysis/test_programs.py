@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from rapc.analysis.driver import check_library
-from rapc.loader import load
+from rapc.library.loader import load
 
 PROGRAMS = sorted(Path(__file__).parent.glob("*.rap"))
 EXPECTED = re.compile(r"; expect: (.*)$")

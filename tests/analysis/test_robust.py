@@ -7,9 +7,9 @@ from pathlib import Path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rapc import render
 from rapc.analysis.driver import check_library
-from rapc.loader import load_text
+from rapc.console import findings as render
+from rapc.library.loader import load_text
 
 CHECKOUT = Path(__file__).parents[2]
 TEXTS = [

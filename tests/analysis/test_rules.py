@@ -8,8 +8,8 @@ import pytest
 
 from rapc.analysis.driver import check_library
 from rapc.analysis.suite import rules
-from rapc.diagnostics import Rule
-from rapc.loader import load_text
+from rapc.base.diagnostics import Rule
+from rapc.library.loader import load_text
 
 RULES = tuple(rules().values())
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rapc.analysis.driver import check_library
 from rapc.ir import nodes
 from rapc.ir.walk import CHILDREN
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 
 
 def _found(text: str) -> list[str]:

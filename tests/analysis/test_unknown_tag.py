@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rapc.analysis.driver import check_library
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from rich.cells import cell_len
 
-from rapc import render
 from rapc.analysis.driver import Report, check_library
-from rapc.loader import load_text
+from rapc.console import findings as render
+from rapc.library.loader import load_text
 
 from .command import rapc
 

@@ -71,7 +71,7 @@ def test_checking_a_sound_file_imports_nothing_that_runs_or_prints(
 
 def test_importing_rapc_imports_nothing_else_of_it() -> None:
     found = _imported("import rapc")
-    assert {name for name in found if name.startswith("rapc.")} <= {"rapc.version"}
+    assert {name for name in found if name.startswith("rapc.")} <= {"rapc.base.version"}
     assert found.isdisjoint((*FOREIGN, "click", "msgspec"))
 
 
@@ -189,7 +189,7 @@ def test_full_disk_is_no_fault_of_rapc(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.setattr("rapc.cli.main._drop_output", lambda: None)
-    monkeypatch.setattr("rapc.render.write", _full)
+    monkeypatch.setattr("rapc.console.findings.write", _full)
     (tmp_path / "odd.rap").write_text("(define-rup (a))")
     with pytest.raises(SystemExit) as ended:
         main.main(["check", str(tmp_path)])

@@ -25,7 +25,7 @@ LIBRARY = """\
 """
 
 WORLD = """\
-from rapc.runtime.world import Handlers, Offer, Reply, World
+from rapc.world import Handlers, Offer, Reply, World
 
 class Bed(World):
     "A bed."

@@ -9,14 +9,14 @@ from pathlib import Path
 import msgspec
 
 from rapc import api
+from rapc.base.values import Fact
 from rapc.compiler.artifact import Suite, encode
 from rapc.compiler.plans import CompiledLibrary
-from rapc.library import Library
+from rapc.library.library import Library
 from rapc.runtime.events import Event
-from rapc.runtime.world import Handlers, Message, Offer, Option, Reply, Time, World
-from rapc.terms import Fact
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
+from rapc.world import Handlers, Message, Offer, Option, Reply, Time, World
 from rapc.worlds.script import offer_of
 
 HERE = Path(__file__).parent

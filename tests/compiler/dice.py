@@ -13,9 +13,9 @@ from typing import Any, TypeVar
 
 from hypothesis import strategies as st
 
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import Atom, Fact, Text
 from rapc.ir import nodes
-from rapc.resources import Counter, SetResource, Value
-from rapc.terms import Atom, Fact, Text
 
 from .memories import PROPERTIES, PROPOSITIONS, Change
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any, cast
 
-from rapc.compiler.query import Query
+from rapc.compiler.query.query import Query
 from rapc.compiler.vocabulary import Relation, Vocabulary
 from rapc.ir import nodes
 from rapc.runtime.context import QueryContext

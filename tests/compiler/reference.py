@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import Atom, Fact, number
 from rapc.ir import nodes
-from rapc.resources import Counter, SetResource, Value
-from rapc.terms import Atom, Fact, number
 
 Env = Mapping[str, Value]
 

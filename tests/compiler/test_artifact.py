@@ -11,14 +11,14 @@ import pytest
 
 import rapc
 from rapc import api
+from rapc.base.files import LoadError
+from rapc.base.version import VERSION
 from rapc.compiler import artifact
 from rapc.compiler.artifact import Artifact, ArtifactError, encode, seal
 from rapc.compiler.plans import CompiledLibrary
-from rapc.files import LoadError
 from rapc.ir.nodes import Node
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 from rapc.testing.run import Case, Outcome, run_case
-from rapc.version import VERSION
 
 from .compiled import KITCHEN, Recorded, YesWorld, compiled, fields, suites
 

@@ -6,15 +6,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rapc.compiler.dependencies import ANYTHING, watches
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import Fact
 from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.watches import ANYTHING, watches
 from rapc.ir import nodes
-from rapc.loader import load_text
-from rapc.parser.printer import format_formula
-from rapc.resources import Counter, SetResource, Value
+from rapc.ir.printer import format_formula
+from rapc.library.loader import load_text
 from rapc.runtime.listeners import Listeners
 from rapc.runtime.task import Task
-from rapc.terms import Fact
 
 from .dice import Dice, dice, sizes
 from .memories import VOCABULARY, Change, Memories, apply, memories, query

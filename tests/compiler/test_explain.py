@@ -6,7 +6,7 @@ import pytest
 
 from rapc.compiler.explain import explain, tell
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.scripted import ScriptedWorld
 

@@ -7,15 +7,15 @@ from typing import Any
 
 import pytest
 
-from rapc.compiler.values import TermValue
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.source import SourceFile
+from rapc.base.values import Atom, Fact, Text
+from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
-from rapc.library import link
+from rapc.library.library import link
 from rapc.parser.parse import parse
-from rapc.resources import Counter, SetResource, Value
 from rapc.runtime.memory.facts import FactStore, Table
-from rapc.source import SourceFile
-from rapc.terms import Atom, Fact, Text
 
 from .memories import Faults, Memories, apply, memories, query
 

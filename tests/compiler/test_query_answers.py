@@ -8,11 +8,11 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rapc.compiler.emitter import Ending
-from rapc.compiler.query import Query
+from rapc.base.resources import Value
+from rapc.compiler.query.code import Ending
+from rapc.compiler.query.query import Query
 from rapc.ir import nodes
-from rapc.parser.printer import format_formula
-from rapc.resources import Value
+from rapc.ir.printer import format_formula
 
 from .dice import Case, Dice, dice, sizes
 from .memories import Memories, apply, memories, query

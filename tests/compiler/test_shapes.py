@@ -7,7 +7,7 @@ import re
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rapc.compiler.emitter import Ending, made
+from rapc.compiler.query.code import Ending, made
 from rapc.ir import nodes
 
 from .dice import Dice, dice

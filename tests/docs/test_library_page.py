@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from pathlib import Path
 
-from rapc.loader import load
+from rapc.library.loader import load
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "library-truck.md").read_text(encoding="utf-8")

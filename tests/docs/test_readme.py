@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from rapc.analysis import driver
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 
 CHECKOUT = Path(__file__).parents[2]
 README = (CHECKOUT / "README.md").read_text(encoding="utf-8")

@@ -38,7 +38,7 @@ NAPS_RAP = """\
 
 NAPS_PY = '''\
 import os, signal
-from rapc.runtime.world import Handlers, Offer, Option, Reply, World
+from rapc.world import Handlers, Offer, Option, Reply, World
 
 class Naps(World):
     """Naps, from some of which nobody wakes."""

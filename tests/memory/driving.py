@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rapc.loader import load_text
+from rapc.base.values import Atom
+from rapc.library.loader import load_text
 from rapc.runtime import events
 from rapc.runtime.memory.bench import MemoryBench
 from rapc.runtime.memory.recognition.views import DescriptionView, SetView
-from rapc.terms import Atom
 
 WORDS = """
 (declare-memory-property class (?item ?class ?value) unknown)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 
+from rapc.base.values import Atom, Fact, Number
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
-from rapc.runtime.world import (
+from rapc.world import (
     OKAY,
     HandlerMemory,
     Handlers,
@@ -20,7 +21,6 @@ from rapc.runtime.world import (
     Reply,
     World,
 )
-from rapc.terms import Atom, Fact, Number
 
 LIBRARY = """
 (declare-memory-property class (?item ?class ?value) unknown)

@@ -11,10 +11,10 @@ from pathlib import Path
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from rapc.base.values import Atom
 from rapc.runtime import events
 from rapc.runtime.memory.bench import MemoryBench
 from rapc.runtime.memory.recognition.scoring import Described
-from rapc.terms import Atom
 
 from .walking import TEXT, Step, Walk
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Relation
 from rapc.runtime.memory.facts import FactStore
 from rapc.runtime.memory.mentions import Mentions
-from rapc.terms import Atom, Fact
 
 RELATIONS = {
     "near": Relation("near", 2, False),

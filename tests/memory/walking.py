@@ -8,8 +8,8 @@ from __future__ import annotations
 import random
 from typing import Any
 
+from rapc.base.values import Atom
 from rapc.runtime.memory.bench import MemoryBench
-from rapc.terms import Atom
 
 from .driving import WORDS, bench
 

@@ -80,7 +80,7 @@ def test_wheel_holds_libraries_examples_and_types(built: Path) -> None:
     [wheel] = built.glob("*.whl")
     names = set(zipfile.ZipFile(wheel).namelist())
     needed = {f"rapc/{name}" for name in _data_files()}
-    needed |= {"rapc/py.typed", "rapc/parser/rap.lark"}
+    needed |= {"rapc/py.typed", "rapc/language/rap.lark"}
     assert needed <= names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     others = {name.partition("/")[0] for name in names} - {"rapc"}

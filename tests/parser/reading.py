@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from rapc.diagnostics import Diagnostic
-from rapc.parser.data import Datum, List, Reading
+from rapc.base.diagnostics import Diagnostic
+from rapc.base.source import SourceFile, Span
 from rapc.parser.parse import Parsed, parse
 from rapc.parser.reader import read
-from rapc.source import SourceFile, Span
+from rapc.parser.syntax import Datum, List, Reading
 
 FILE = "test.rap"
 

@@ -1,6 +1,6 @@
 """Write the terminals of the grammar as Python, so that reading a file needs no lark.
 
-python -m tests.parser.terminals > rapc/parser/terminals.py
+python -m tests.parser.terminals > rapc/language/terminals.py
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lark import Lark
 
-GRAMMAR = Path(__file__).parents[2] / "rapc" / "parser" / "rap.lark"
+GRAMMAR = Path(__file__).parents[2] / "rapc" / "language" / "rap.lark"
 
 TEXT = '''\
 """The terminals of `rap.lark` as regular expressions, by name.
@@ -38,7 +38,7 @@ def terminals() -> dict[str, str]:
 
 
 def module() -> str:
-    """The text of `rapc/parser/terminals.py`."""
+    """The text of `rapc/language/terminals.py`."""
     rows = [f"    {json.dumps(k)}: {json.dumps(v)}," for k, v in terminals().items()]
     return TEXT.format(rows="\n".join(rows))
 

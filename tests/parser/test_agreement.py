@@ -19,10 +19,11 @@ from hypothesis.extra.lark import from_lark
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
 
-from rapc.parser import reader, recovery
+from rapc.base.source import SourceFile
+from rapc.language.terminals import TERMINALS
+from rapc.parser import reader
 from rapc.parser.lexicon import Notes
-from rapc.parser.terminals import TERMINALS
-from rapc.source import SourceFile
+from rapc.parser.repair import cut as recovery
 from tests.parser.reading import FILE, Plain, plain, reading
 from tests.parser.terminals import GRAMMAR, terminals
 

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from rapc.base.source import SourceFile
 from rapc.ir.dump import dump
 from rapc.parser.parse import Parsed, parse
-from rapc.source import SourceFile
 
 PROGRAMS = sorted((Path(__file__).parent / "forms").glob("*.rap"))
 EXPECTED = re.compile(r"; expect: (.*)$")

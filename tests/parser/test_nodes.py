@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import operator
 
+from rapc.base.source import Span
 from rapc.ir.nodes import And, Const, Not, Truth, Var
-from rapc.source import Span
 
 
 def test_the_place_takes_no_part_in_comparison() -> None:

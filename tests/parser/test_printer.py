@@ -6,15 +6,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rapc.base.source import SourceFile
+from rapc.base.values import Text, number
 from rapc.ir import nodes
-from rapc.parser.data import Datum
+from rapc.ir.printer import format_formula, format_goal, format_term
 from rapc.parser.forms.context import Context
 from rapc.parser.forms.formulas import formula
 from rapc.parser.forms.terms import goal, term
-from rapc.parser.printer import format_formula, format_goal, format_term
 from rapc.parser.reader import read
-from rapc.source import SourceFile
-from rapc.terms import Text, number
+from rapc.parser.syntax import Datum
 
 NAMES = st.sampled_from(["p", "arm-at", "#1", "x2", "..."])
 NUMBERS = st.one_of(

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-from rapc.parser.rules import RULES
+from rapc.parser.rules.table import RULES
 
 PARSER = Path(__file__).parents[2] / "rapc" / "parser"
 REPORTERS = {"report", "slip", "unknown", "Diagnostic", "_unclosed"}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.diagnostics import Applicability
-from rapc.parser.rules import RULES
+from rapc.base.diagnostics import Applicability
+from rapc.parser.rules.table import RULES
 from tests.parser.reading import fixed, only, parsed, rules
 
 SAFE, UNSAFE = Applicability.SAFE, Applicability.UNSAFE

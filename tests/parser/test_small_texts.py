@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from rapc.base.values import Text
 from rapc.ir import nodes
 from rapc.parser.parse import (
     TextError,
@@ -11,7 +12,6 @@ from rapc.parser.parse import (
     parse_goal_options,
     parse_pattern,
 )
-from rapc.terms import Text
 
 
 def test_fact() -> None:

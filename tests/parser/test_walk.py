@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.ir import nodes, walk
-from rapc.parser.printer import format_formula, format_term
+from rapc.ir.printer import format_formula, format_term
 from tests.parser.reading import parsed
 
 RAP = """\

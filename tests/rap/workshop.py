@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from random import Random
 
+from rapc.base.source import SourceFile
+from rapc.base.values import Atom, Fact
 from rapc.ir.nodes import DefineRap, Method
 from rapc.parser.parse import parse
-from rapc.runtime.world import Callables, HandlerMemory
-from rapc.source import SourceFile
-from rapc.terms import Atom, Fact
+from rapc.world import Callables, HandlerMemory
 from rapc.worlds.scripted import ScriptedWorld
 
 

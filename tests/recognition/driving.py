@@ -10,8 +10,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+from rapc.base.values import Atom, Fact
 from rapc.runtime.memory.bench import MemoryBench
-from rapc.terms import Atom, Fact
 
 from .plain import Plain
 from .plain_parts import Declared

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rapc.terms import Atom
+from rapc.base.values import Atom
 
 from .driving import Described, Operation, Picture
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rapc.terms import Atom
+from rapc.base.values import Atom
 
 from . import plain_leaving, plain_matching
 from .plain_facts import Facts

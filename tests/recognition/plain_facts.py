@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.terms import Atom, Fact
+from rapc.base.values import Atom, Fact
 
 from .plain_parts import Declared, Thing
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
-from rapc.terms import Atom
+from rapc.base.values import Atom
 
 from .plain_facts import NEVER, Facts
 from .plain_matching import Look

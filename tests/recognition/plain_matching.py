@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rapc.terms import Atom, Fact
+from rapc.base.values import Atom, Fact
 
 from .plain_facts import Facts, Properties
 from .plain_parts import Comparator, Expected, Thing

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from rapc.terms import Atom
+from rapc.base.values import Atom
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from rapc.loader import load_text
+from rapc.base.values import Atom, Fact
+from rapc.library.loader import load_text
 from rapc.runtime.events import ItemEvent
 from rapc.runtime.memory.bench import MemoryBench
 from rapc.runtime.memory.recognition.views import DescriptionView
-from rapc.terms import Atom, Fact
 
 from .driving import Pictured, Read, Side, Told
 from .plain import Plain

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from rapc.terms import Atom
+from rapc.base.values import Atom
 
 from .driving import Described, Operation, Pictured, Side
 from .plain_parts import Comparator, Declared

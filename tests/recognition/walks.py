@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator
 
-from rapc.terms import Atom
+from rapc.base.values import Atom
 
 from .driving import Operation
 from .plain_parts import Comparator, Declared

@@ -8,17 +8,17 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.source import SourceFile
+from rapc.base.values import Atom, Fact, Text, number
 from rapc.compiler.plans import CompiledLibrary
 from rapc.ir import nodes
-from rapc.library import Library, link
+from rapc.library.library import Library, link
 from rapc.parser.parse import parse, parse_fact
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
-from rapc.runtime.world import HandlerMemory, Time
-from rapc.source import SourceFile
-from rapc.terms import Atom, Fact, Text, number
+from rapc.world import HandlerMemory, Time
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 from tests.reference.interpreter import Reference

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from rapc.base.resources import Counter, SetResource, Value, frozen
+from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
-from rapc.resources import Counter, SetResource, Value, frozen
 from rapc.runtime import events
-from rapc.runtime.world import OKAY
-from rapc.terms import format_atom, is_number
+from rapc.world import OKAY
 from tests.reference.run import Run
 from tests.reference.tasks import Place, Running, Task, method_name
 from tests.reference.terms import Bindings

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rapc.library import Library
+from rapc.base.values import Atom, Fact, match, number
+from rapc.library.library import Library
 from rapc.runtime import events
 from rapc.runtime.events import TaskResult
 from rapc.runtime.submission import Submission
-from rapc.runtime.world import Time, World
-from rapc.terms import Atom, Fact, match, number
+from rapc.world import Time, World
 from tests.reference.agenda import choose, tell_family
 from tests.reference.cycle import process
 from tests.reference.endings import remove

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rapc.library import Library
-from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact, format_list
+from rapc.base.values import Atom, Fact, format_list
+from rapc.library.library import Library
+from rapc.world import Time
 
 Tell = Callable[[str, str, str], None]
 """Told of each change: the kind of event, the fact as text, who did it."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import msgspec
 
+from rapc.base.resources import Counter, SetResource, Value, frozen
+from rapc.base.values import Fact, format_atom
 from rapc.ir import nodes
 from rapc.ir.walk import variables
-from rapc.resources import Counter, SetResource, Value, frozen
 from rapc.runtime import events
-from rapc.terms import Fact, format_atom
 from tests.reference.endings import fail, method_badly, method_well, repeats
 from tests.reference.primitives import request
 from tests.reference.run import Run

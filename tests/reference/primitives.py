@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from rapc.base.resources import Counter, SetResource
+from rapc.base.values import Atom, Fact, format_atom, format_list
 from rapc.ir import nodes
-from rapc.resources import Counter, SetResource
 from rapc.runtime import events
-from rapc.runtime.world import OKAY, Datum, Finished, Reply
-from rapc.terms import Atom, Fact, format_atom, format_list
+from rapc.world import OKAY, Datum, Finished, Reply
 from tests.reference.endings import method_badly, method_well
 from tests.reference.run import Run
 from tests.reference.signals import hear

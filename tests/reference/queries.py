@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
+from rapc.base.resources import Value
+from rapc.base.values import number
 from rapc.ir import nodes
-from rapc.resources import Value
-from rapc.runtime.world import Time
-from rapc.terms import number
+from rapc.world import Time
 from tests.reference.memory import Memory, is_short
 from tests.reference.terms import Bindings, Fault, Functions, Terms, members
 

@@ -9,13 +9,13 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from rapc.base.resources import Value
+from rapc.base.source import NOWHERE, Span
+from rapc.base.values import Fact
 from rapc.ir import nodes
-from rapc.library import Library
-from rapc.resources import Value
+from rapc.library.library import Library
 from rapc.runtime import events
-from rapc.runtime.world import Time, World
-from rapc.source import NOWHERE, Span
-from rapc.terms import Fact
+from rapc.world import Time, World
 from tests.reference.memory import Memory
 from tests.reference.queries import Asker
 from tests.reference.tasks import Running, Task

@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 
-from rapc.runtime.world import Time
-from rapc.terms import Fact
+from rapc.base.values import Fact
+from rapc.world import Time
 from rapc.worlds.script import At, Row
 from tests.reference.case import read_atom
 from tests.reference.nets import Sketch

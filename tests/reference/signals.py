@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from rapc.base.resources import Value
+from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
-from rapc.resources import Value
 from rapc.runtime import events
-from rapc.terms import Fact, format_list
 from tests.reference.endings import bindings_repeat, clear, fail, succeed
 from tests.reference.run import Run
 from tests.reference.tasks import Task

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rapc.base.resources import Value
+from rapc.base.values import Fact, format_atom
 from rapc.ir import nodes
-from rapc.parser.printer import format_term
-from rapc.resources import Value
-from rapc.runtime.world import Time
-from rapc.terms import Fact, format_atom
+from rapc.ir.printer import format_term
+from rapc.world import Time
 
 _TIMES = ("now", "absolute")
 

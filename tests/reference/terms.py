@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import Text, format_atom, number
 from rapc.ir import nodes
-from rapc.resources import Counter, SetResource, Value
-from rapc.terms import Text, format_atom, number
 from tests.reference.memory import Memory
 
 Bindings = Mapping[str, Value]

@@ -5,12 +5,12 @@ Everything is looked at anew, for every task, at every choice (semantics 3, 4 an
 
 from __future__ import annotations
 
+from rapc.base.resources import Counter, SetResource, Value, frozen
+from rapc.base.values import format_atom, is_number, number
 from rapc.ir import nodes
-from rapc.parser.printer import format_formula
-from rapc.resources import Counter, SetResource, Value, frozen
+from rapc.ir.printer import format_formula
 from rapc.runtime import events
-from rapc.runtime.world import Time
-from rapc.terms import format_atom, is_number, number
+from rapc.world import Time
 from tests.reference.run import Run, unbound
 from tests.reference.tasks import Place, Task
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from rapc.base.source import SourceFile
+from rapc.base.values import Atom, Fact
 from rapc.compiler.plans import CompiledLibrary
 from rapc.ir import nodes
-from rapc.library import link
+from rapc.library.library import link
 from rapc.parser.parse import parse, parse_pattern
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
-from rapc.runtime.world import Time
-from rapc.source import SourceFile
-from rapc.terms import Atom, Fact
+from rapc.world import Time
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 

@@ -6,7 +6,7 @@ import pytest
 
 from rapc import api
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission, read_submission

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from rapc.base.values import Atom, Fact
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.handling import MemoryView
 from rapc.runtime.submission import Submission
-from rapc.terms import Atom, Fact
 from rapc.worlds.scripted import ScriptedWorld
 
 LIBRARY = """\

@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 
+from rapc.base.values import Fact
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.requests import PortError
 from rapc.runtime.submission import read_submission
-from rapc.runtime.world import (
+from rapc.world import (
     Datum,
     Finished,
     HandlerMemory,
@@ -20,7 +21,6 @@ from rapc.runtime.world import (
     Reply,
     Time,
 )
-from rapc.terms import Fact
 from rapc.worlds.scripted import ScriptedWorld
 
 from .helpers import ANY, Play, at, compiled, play, row

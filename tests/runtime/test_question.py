@@ -6,9 +6,9 @@ import re
 
 import pytest
 
+from rapc.base.resources import Value
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import load_text
-from rapc.resources import Value
+from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.scripted import ScriptedWorld
 

@@ -12,17 +12,17 @@ import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rapc.compiler.clauses import Compiler
+from rapc.base.resources import Counter, SetResource
+from rapc.base.source import SourceFile
+from rapc.compiler.compiler import Compiler
 from rapc.compiler.plans import RapPlan
 from rapc.ir import nodes
-from rapc.library import link
+from rapc.ir.printer import format_formula
+from rapc.library.library import link
 from rapc.parser.parse import parse
-from rapc.parser.printer import format_formula
-from rapc.resources import Counter, SetResource
 from rapc.runtime.agenda import Agenda
 from rapc.runtime.monitors import Monitors
 from rapc.runtime.task import Task
-from rapc.source import SourceFile
 from tests.compiler.dice import ATOMS, Dice, dice, sizes
 from tests.compiler.memories import VOCABULARY, Memories, apply, memories, query
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 import rapc
-from rapc.loader import load_text
+from rapc.console.show.beliefs import believed_contents, words
+from rapc.console.show.canvas import folded
+from rapc.console.show.frame import Doings, draw_frame
+from rapc.library.loader import load_text
 from rapc.runtime.memory.bench import MemoryBench
-from rapc.runtime.world import Gauge, Picture, Spot, Thing
-from rapc.show.beliefs import believed_contents, words
-from rapc.show.canvas import folded
-from rapc.show.frame import Doings, draw_frame
+from rapc.world import Gauge, Picture, Spot, Thing
 from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.picture import lay_out
 from rapc.worlds.truck.world import TruckWorld

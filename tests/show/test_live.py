@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import rapc
-from rapc.show.live import LiveView
+from rapc.console.show.live import LiveView
 from tests.cli.command import COMMAND
 from tests.cli.command import rapc as command
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.terms import Text
+from rapc.base.values import Text
 from rapc.testing.patterns import read_value, split_goal
 from rapc.testing.run import Status
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from rapc.base.values import Text
 from rapc.parser.parse import TextError
-from rapc.runtime.world import World
-from rapc.terms import Text
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Status
 from rapc.testing.session import Session, exit_status, summary
+from rapc.world import World
 from rapc.worlds.faults import Fault, FaultyWorld
 
 from .workshop import GRAB, LIBRARY, cases, happened, run

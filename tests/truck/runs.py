@@ -9,12 +9,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from rapc.base.values import Atom, Text
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import load
+from rapc.library.loader import load
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
-from rapc.terms import Atom, Text
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from rapc.terms import Atom, Text
+from rapc.base.values import Atom, Text
 
 from .runs import FACTORIES, PLENTY, Run, map_with, order, task
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rapc.base.values import Fact
 from rapc.runtime import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
-from rapc.terms import Fact
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 

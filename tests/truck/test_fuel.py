@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from rapc.terms import Atom, Text
+from rapc.base.values import Atom, Text
 
 from .runs import Run, map_with, order, task
 

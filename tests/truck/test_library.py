@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from rapc.analysis.driver import check_library
-from rapc.files import TEST_SUFFIX
-from rapc.loader import load
+from rapc.base.files import TEST_SUFFIX
+from rapc.library.loader import load
 from rapc.testing.coverage import Coverage
 from rapc.testing.discover import find
 from rapc.testing.explain import lines

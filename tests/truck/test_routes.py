@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from rapc.base.values import Atom, Fact
 from rapc.ir.nodes import And, Const, For, TaskNet
-from rapc.terms import Atom, Fact
 from rapc.worlds.truck.routes import find_route, plan_route
 
 

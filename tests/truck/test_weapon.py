@@ -6,7 +6,7 @@ library.
 
 from __future__ import annotations
 
-from rapc.terms import Number
+from rapc.base.values import Number
 
 from .runs import PLENTY, STDLIB, Run, library, task
 

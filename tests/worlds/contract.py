@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from io import UnsupportedOperation
 
-from rapc.library import Library
-from rapc.runtime.world import Finished, Reply, World
-from rapc.terms import Fact, Text
+from rapc.base.values import Fact, Text
+from rapc.library.library import Library
+from rapc.world import Finished, Reply, World
 
 from .robot import Robot
 

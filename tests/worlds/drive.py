@@ -7,8 +7,8 @@ import random
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rapc.runtime.world import Reply
-from rapc.terms import Atom, Fact, Text
+from rapc.base.values import Atom, Fact, Text
+from rapc.world import Reply
 from rapc.worlds.truck import TruckWorld
 
 PLACES = [

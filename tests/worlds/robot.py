@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from rapc.base.values import Fact
 from rapc.compiler.vocabulary import Vocabulary
-from rapc.library import Library
-from rapc.loader import load
+from rapc.library.library import Library
+from rapc.library.loader import load
 from rapc.runtime.memory.handling import HandlerAccess
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.recorder import Recorder
-from rapc.runtime.world import Datum, World
-from rapc.terms import Fact
+from rapc.world import Datum, World
 
 TRUCK_WORDS = Path(__file__).parents[2] / "stdlib" / "truck" / "world.rap"
 

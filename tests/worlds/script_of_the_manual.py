@@ -1,6 +1,6 @@
 """The script that docs/worlds.md shows."""
 
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 

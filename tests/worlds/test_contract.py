@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 from rapc.worlds.truck import TruckWorld

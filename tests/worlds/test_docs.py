@@ -6,11 +6,11 @@ import re
 import shlex
 from pathlib import Path
 
+from rapc.base.values import Text
 from rapc.compiler.plans import CompiledLibrary
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import read_submission
-from rapc.runtime.world import HandlerMemory, Option, World
-from rapc.terms import Text
+from rapc.world import HandlerMemory, Option, World
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.options import describe_options

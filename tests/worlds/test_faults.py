@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import random
 
-from rapc.loader import load_text
-from rapc.runtime.world import World
+from rapc.library.loader import load_text
+from rapc.world import World
 from rapc.worlds.faults import Fault, FaultyWorld
 from rapc.worlds.truck import TruckWorld
 

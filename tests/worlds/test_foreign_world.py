@@ -19,7 +19,7 @@ import json, random, sys
 from pathlib import Path
 sys.path.append(sys.argv[1])
 from tests.worlds.contract import check_world
-from rapc.loader import load
+from rapc.library.loader import load
 from rapc.worlds import registry
 
 library = load([Path(sys.argv[2])]).library

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from rapc.runtime.world import Option, World
-from rapc.terms import Text
+from rapc.base.values import Text
+from rapc.world import Option, World
 from rapc.worlds import registry
 from rapc.worlds.registry import WorldError
 from rapc.worlds.truck import TruckWorld
@@ -56,7 +56,7 @@ def test_the_truck_is_found_by_name_and_by_place() -> None:
         ("moon", "unknown world `moon`", None),
         ("no_such_module:World", "cannot be loaded: ModuleNotFoundError", None),
         ("rapc.worlds.truck:Nothing", "cannot be loaded: AttributeError", None),
-        ("rapc.terms:number", "is not a subclass of `rapc.World`", None),
+        ("rapc.base.values:number", "is not a subclass of `rapc.World`", None),
         (f"{__name__}:Half", "does not define", None),
         (":", "cannot be loaded: it is not `module:Class`", None),
         ("rapc:", "cannot be loaded: it is not `module:Class`", None),

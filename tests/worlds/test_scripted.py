@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.loader import load_text
-from rapc.runtime.world import Datum, Finished, Reply, Signal
-from rapc.terms import Text
+from rapc.base.values import Text
+from rapc.library.loader import load_text
+from rapc.world import Datum, Finished, Reply, Signal
 from rapc.worlds.script import At, Row, mentioned
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rapc.compiler.plans import CompiledLibrary
-from rapc.loader import load_text
+from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.refusals import Refused
 from rapc.worlds.truck.handlers import HANDLERS

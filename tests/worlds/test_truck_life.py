@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import random
 
-from rapc.runtime.world import Datum
-from rapc.terms import Text
+from rapc.base.values import Text
+from rapc.world import Datum
 from rapc.worlds.truck import TruckWorld
 
 from .drive import Driver, rock, thing

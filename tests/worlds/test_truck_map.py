@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rapc.terms import Text
+from rapc.base.values import Text
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.map import opposite

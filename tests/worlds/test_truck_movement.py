@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.terms import Text
+from rapc.base.values import Text
 
 from .drive import Driver, map_text, rock, thing
 

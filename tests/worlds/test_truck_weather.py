@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rapc.terms import Text
+from rapc.base.values import Text
 
 from .drive import Driver, map_text, rock
 

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from rapc.cli.worlds import worlds
-from rapc.worlds.describe import columns, describe_world
+from rapc.console.worlds import columns, describe_world
 from rapc.worlds.truck import TruckWorld
 
 

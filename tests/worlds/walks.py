@@ -9,8 +9,8 @@ from __future__ import annotations
 import json
 import random
 
-from rapc.runtime.world import Reply
-from rapc.terms import Atom, Fact, Text
+from rapc.base.values import Atom, Fact, Text
+from rapc.world import Reply
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.kinds import ENEMY, KINDS
 from rapc.worlds.truck.map import DIRECTIONS

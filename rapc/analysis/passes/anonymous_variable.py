@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.passes.bindings import BINDINGS
-from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
 ANONYMOUS = Rule(
     code="RAP063",

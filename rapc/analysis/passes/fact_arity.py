@@ -11,7 +11,7 @@ from rapc.analysis.arity import written, wrong_arity
 from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.passes.predicates import PREDICATES
 from rapc.analysis.vocabulary import Predicate, facts
-from rapc.diagnostics import (
+from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
     Edit,
@@ -20,8 +20,8 @@ from rapc.diagnostics import (
     Rule,
     Severity,
 )
+from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.source import Span
 
 ARITY = Rule(
     code="RAP016",

@@ -13,9 +13,9 @@ from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.passes.predicates import PREDICATES
 from rapc.analysis.unknown import Unknown
 from rapc.analysis.vocabulary import Predicate
-from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
-from rapc.library import word_span
+from rapc.library.library import word_span
 from rapc.parser.names import CALLS
 
 UNDECLARED = Rule(

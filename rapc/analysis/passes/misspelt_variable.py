@@ -13,7 +13,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.occurrences import Use
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 
 MISSPELT = Rule(

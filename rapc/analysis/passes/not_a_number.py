@@ -12,10 +12,10 @@ from rapc.analysis.occurrences import Occurrences
 from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.passes.predicates import PREDICATES
 from rapc.analysis.vocabulary import Predicate
-from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
 from rapc.parser.names import CALLS
-from rapc.terms import format_atom, is_number
 
 NOT_A_NUMBER = Rule(
     code="RAP069",

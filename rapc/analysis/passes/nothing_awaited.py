@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 
 NOTHING_AWAITED = Rule(

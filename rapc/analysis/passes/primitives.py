@@ -11,9 +11,9 @@ from rapc.analysis.arity import wrong_arity
 from rapc.analysis.names import Names
 from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.unknown import Unknown
-from rapc.diagnostics import Rule, Severity
+from rapc.base.diagnostics import Rule, Severity
 from rapc.ir import nodes
-from rapc.library import name_span, word_span
+from rapc.library.library import name_span, word_span
 
 UNDECLARED = Rule(
     code="RAP020",

@@ -6,7 +6,7 @@ from collections.abc import Container
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.diagnostics import (
+from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
     Edit,

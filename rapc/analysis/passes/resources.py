@@ -16,9 +16,9 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.occurrences import Occurrences, Use
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.spell import nearest
 
 WRONG_KIND = Rule(
     code="RAP064",

@@ -14,10 +14,10 @@ import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.names import Names
-from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.library import word_span
-from rapc.source import Span
+from rapc.library.library import word_span
 
 UNKNOWN_TAG = Rule(
     code="RAP026",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.sites import sites
-from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.spell import nearest
 
 UNBINDABLE = Rule(
     code="RAP028",

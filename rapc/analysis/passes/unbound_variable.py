@@ -13,7 +13,7 @@ from rapc.analysis.names import Names
 from rapc.analysis.passes.bindings import BINDINGS, Missing
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.analysis.sites import Site, sites
-from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 
 UNBOUND = Rule(

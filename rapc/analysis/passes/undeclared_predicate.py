@@ -15,11 +15,11 @@ from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.passes.predicates import PREDICATES
 from rapc.analysis.unknown import Unknown
 from rapc.analysis.vocabulary import Predicate, Role, facts
-from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.library import word_span
+from rapc.library.library import word_span
 from rapc.parser.names import QUERIES
-from rapc.source import Span
 
 UNDECLARED = Rule(
     code="RAP015",

@@ -5,9 +5,9 @@ from __future__ import annotations
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.names import Names
 from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.values import format_atom
 from rapc.ir import nodes
-from rapc.terms import format_atom
 
 UNKNOWN = Rule(
     code="RAP067",

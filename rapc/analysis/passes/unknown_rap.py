@@ -9,10 +9,10 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.names import Names
 from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.unknown import Unknown
-from rapc.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.values import format_list
 from rapc.ir import nodes
-from rapc.library import word_span
-from rapc.terms import format_list
+from rapc.library.library import word_span
 
 UNKNOWN = Rule(
     code="RAP013",

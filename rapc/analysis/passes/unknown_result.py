@@ -13,9 +13,9 @@ from rapc.analysis.names import Names
 from rapc.analysis.occurrences import Occurrences
 from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.unknown import Unknown
-from rapc.diagnostics import Rule, Severity
+from rapc.base.diagnostics import Rule, Severity
 from rapc.ir import nodes
-from rapc.library import Library
+from rapc.library.library import Library
 
 UNKNOWN = Rule(
     code="RAP022",

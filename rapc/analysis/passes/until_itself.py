@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps
 

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import cast
 
 from rapc.ir import nodes
-from rapc.parser.data import Datum, List, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.formulas import formula
 from rapc.parser.names import METHOD_CLAUSES, RAP_CLAUSES
+from rapc.parser.syntax import Datum, List, Symbol
 
 
 def clauses(

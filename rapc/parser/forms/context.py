@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
-from rapc.parser.data import Datum, Keyword, List, Numeral, String, Symbol, Variable
+from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.base.names import nearest
+from rapc.base.source import SourceFile, Span
 from rapc.parser.names import SLIPS
-from rapc.source import SourceFile, Span
-from rapc.spell import nearest
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 
 _KINDS = {
     Symbol: "a symbol",

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Literal, cast
 
+from rapc.base.values import Atom, Text
 from rapc.ir import nodes
-from rapc.parser.data import Keyword, List, Numeral, String, Symbol, Variable
 from rapc.parser.forms.context import Context, head_of
 from rapc.parser.forms.parts import Option, Parts, arguments, parts, symbol, symbols
 from rapc.parser.forms.terms import pattern
-from rapc.terms import Atom, Text
+from rapc.parser.syntax import Keyword, List, Numeral, String, Symbol, Variable
 
 
 def proposition(ctx: Context, form: List) -> nodes.DeclareProposition | None:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, cast
 
 from rapc.ir import nodes, tests
-from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol, Variable
 from rapc.parser.forms.clauses import lone_formula
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.script import (
@@ -19,6 +18,7 @@ from rapc.parser.forms.script import (
     whole,
 )
 from rapc.parser.forms.terms import term, terms
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol, Variable
 
 
 class _Kind(NamedTuple):

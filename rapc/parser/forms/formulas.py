@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping
 from typing import Literal, cast
 
 from rapc.ir import nodes
-from rapc.parser.data import Datum, List, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.terms import pattern, term, terms
 from rapc.parser.names import CALLS, TRUTHS
+from rapc.parser.syntax import Datum, List, Symbol
 
 MAX_LEAVES = 200
 """How many propositions and tests a formula may have: queries become nested code."""

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Literal, cast
 
 from rapc.ir import nodes
-from rapc.parser.data import Datum, Keyword, List, Symbol, Variable
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.formulas import formula
 from rapc.parser.forms.terms import goal, pattern, signal, terms
 from rapc.parser.names import TRUTHS
+from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
 
 _ACTIONS = ("mem-add", "mem-del")
 

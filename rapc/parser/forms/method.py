@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rapc.ir import nodes
-from rapc.parser.data import Datum, List, Numeral, Symbol
 from rapc.parser.forms.clauses import clauses, lone_formula, single
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.steps import task_net, wait_for
 from rapc.parser.forms.terms import pattern, patterns, signal
 from rapc.parser.names import METHOD_CLAUSES
+from rapc.parser.syntax import Datum, List, Numeral, Symbol
 
 
 def method(ctx: Context, datum: List, position: int) -> nodes.Method:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rapc.ir import nodes
-from rapc.parser.data import Datum, List, Symbol
 from rapc.parser.forms.context import Context
 from rapc.parser.forms.parts import Parts, parts, required_arguments, symbols
+from rapc.parser.syntax import Datum, List, Symbol
 
 
 def primitive(ctx: Context, form: List) -> nodes.DeclarePrimitive | None:

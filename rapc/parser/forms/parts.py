@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from rapc.ir import nodes
-from rapc.parser.data import Datum, Keyword, List, String, Symbol, Variable
 from rapc.parser.forms.context import Context, head_of, kind_of
+from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
 
 
 class Option(msgspec.Struct, frozen=True):

@@ -8,15 +8,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Literal, cast
 
+from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.parser.data import Datum, List, Symbol
 from rapc.parser.forms.clauses import clauses, lone_formula, single
 from rapc.parser.forms.context import Context, head_of
 from rapc.parser.forms.method import method
 from rapc.parser.forms.parts import parameter
 from rapc.parser.forms.terms import pattern, split_arrow, term
 from rapc.parser.names import METHOD_CLAUSES, RAP_CLAUSES
-from rapc.spell import nearest
+from rapc.parser.syntax import Datum, List, Symbol
 
 
 def define_rap(ctx: Context, datum: List) -> nodes.DefineRap | None:

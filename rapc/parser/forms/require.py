@@ -1,10 +1,10 @@
-"""`require`: the files a file needs. Finding them is for `rapc.loader`."""
+"""`require`: the files a file needs. Finding them is for `rapc.library.loader`."""
 
 from __future__ import annotations
 
 from rapc.ir import nodes
-from rapc.parser.data import List, String, Symbol
 from rapc.parser.forms.context import Context
+from rapc.parser.syntax import List, String, Symbol
 
 
 def require(ctx: Context, form: List) -> nodes.Require | None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
+from rapc.base.values import Number
 from rapc.ir import nodes, tests
-from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.terms import goal, pattern, signal
-from rapc.terms import Number
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
 
 OPTIONS = {
     ":times": 1,

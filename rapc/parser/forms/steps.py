@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, cast
 
+from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.parser.data import Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.formulas import formula
 from rapc.parser.forms.terms import goal, signal, term
 from rapc.parser.names import ANNOTATIONS, CALLS, METHOD_CLAUSES, SLIPS
-from rapc.spell import nearest
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
 
 _GROUPS = ("sequence", "parallel")
 """Words that group steps in other languages."""

@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 
 from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
-from rapc.parser.data import List
 from rapc.parser.forms import declarations, memory_rules, offers
 from rapc.parser.forms.context import Context
 from rapc.parser.forms.rap import define_rap
 from rapc.parser.forms.require import require
 from rapc.parser.forms.tests import define_test
+from rapc.parser.syntax import List
 
 FORMS: Mapping[str, Callable[[Context, List], nodes.TopForm | DefineTest | None]] = {
     "define-rap": define_rap,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from rapc.base.source import Span
+from rapc.base.values import Text
 from rapc.ir import nodes
-from rapc.parser.data import Datum, Keyword, List, Numeral, String, Symbol, Variable
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.names import CALLS, QUERIES
-from rapc.source import Span
-from rapc.terms import Text
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 
 ARROW = "=>"
 """The symbol between the inputs and the outputs of a goal."""

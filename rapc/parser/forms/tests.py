@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from rapc.ir import nodes, tests
-from rapc.parser.data import Datum, List, Numeral, String, Symbol
 from rapc.parser.forms.clauses import clauses, single
 from rapc.parser.forms.context import Context
 from rapc.parser.forms.expectations import expectations
@@ -25,6 +24,7 @@ from rapc.parser.forms.script import (
     whole,
 )
 from rapc.parser.names import TEST_CLAUSES
+from rapc.parser.syntax import Datum, List, Numeral, String, Symbol
 
 _MANY = ("require", "facts", "script", "at", "task", "expect")
 _TASK_OPTIONS = {":priority": 1, ":deadline": 1, ":background": 1}

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import msgspec
 
 from rapc.compiler.vocabulary import Vocabulary
-from rapc.library import Library
+from rapc.library.library import Library
 from rapc.runtime.memory.exclusions import Exclusions
 from rapc.runtime.memory.handling import HandlerAccess
 from rapc.runtime.memory.memory import Memory

@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
+from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Vocabulary
-from rapc.library import Library
+from rapc.library.library import Library
 from rapc.runtime.events import Event
 from rapc.runtime.memory.assembly import assemble
 from rapc.runtime.memory.facts import NEVER
@@ -21,8 +22,7 @@ from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS
 from rapc.runtime.memory.recognition.scoring import Comparator
 from rapc.runtime.memory.recognition.views import DescriptionView, SetView
 from rapc.runtime.recorder import Recorder
-from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact
+from rapc.world import Time
 
 
 class MemoryBench:

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rapc.base.names import counted
+from rapc.base.values import Atom, Fact, Text, format_list, number
 from rapc.compiler.vocabulary import Relation
-from rapc.spell import counted
-from rapc.terms import Atom, Fact, Text, format_list, number
 
 _KINDS = frozenset((str, int, float, Text))
 """The types of what may stand in a fact."""

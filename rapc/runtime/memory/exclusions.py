@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.runtime.memory.facts import FactStore
-from rapc.terms import Atom, Fact
 
 Shape = tuple[str | nodes.Const, ...]
 """The arguments of one side: constants, and the names of variables."""

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Relation
-from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact
+from rapc.world import Time
 
 NEVER: Time = float("-inf")
 """The stamp of what was never asserted: older than any (semantics 7, moving)."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rapc.base.values import Atom, Fact, format_atom
 from rapc.runtime.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.memory.facts import NEVER
@@ -10,8 +11,7 @@ from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.recognition.descriptions import UNKNOWN, Description
 from rapc.runtime.memory.recognition.recognizer import Recognizer
 from rapc.runtime.recorder import Recorder
-from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact, format_atom
+from rapc.world import Time
 
 
 class MemoryView:
@@ -98,7 +98,7 @@ class Batch:
 
 
 class HandlerAccess(MemoryView):
-    """What handlers do to memory: the `HandlerMemory` of `rapc.runtime.world`.
+    """What handlers do to memory: the `HandlerMemory` of `rapc.world`.
 
     Args:
         memory: the facts and items.

@@ -7,7 +7,7 @@ that no handler introduced is a plain symbol: it is its own sensor name.
 
 from __future__ import annotations
 
-from rapc.terms import Atom
+from rapc.base.values import Atom
 
 
 class Item:

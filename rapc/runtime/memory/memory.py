@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.runtime.events import FactAsserted, FactErased
 from rapc.runtime.memory.checking import FactError, check_prefix, full_form
@@ -17,8 +18,7 @@ from rapc.runtime.memory.facts import FactStore
 from rapc.runtime.memory.items import Items
 from rapc.runtime.memory.mentions import Mentions
 from rapc.runtime.recorder import Recorder
-from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact, format_list
+from rapc.world import Time
 
 _BY_HANDLERS = ("class", "location")
 """What an introduced item has from `introduce`, `move` and `lose`."""

@@ -6,7 +6,7 @@ What becomes of these facts when items turn out to be one, or are forgotten, is 
 
 from __future__ import annotations
 
-from rapc.terms import Fact
+from rapc.base.values import Fact
 
 PREFIX = "item-"
 """How the memory names of such items begin."""

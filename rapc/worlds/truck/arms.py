@@ -7,8 +7,8 @@ arm that is not one of the truck's is nowhere, at nothing, and holds nothing.
 
 from __future__ import annotations
 
-from rapc.runtime.world import OKAY, Reply
-from rapc.terms import Atom, Fact, Number, number
+from rapc.base.values import Atom, Fact, Number, number
+from rapc.world import OKAY, Reply
 from rapc.worlds.truck.enemies import fire
 from rapc.worlds.truck.eye import contents
 from rapc.worlds.truck.machines import switch

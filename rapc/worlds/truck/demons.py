@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from rapc.terms import Number, number
+from rapc.base.values import Number, number
 from rapc.worlds.truck import enemies
 from rapc.worlds.truck.machines import work
 from rapc.worlds.truck.map import PRODUCTS

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from math import log2, sqrt
 
-from rapc.spell import nearest
-from rapc.terms import Number, number
+from rapc.base.names import nearest
+from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import ENEMY
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene

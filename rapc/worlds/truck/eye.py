@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.runtime.world import OKAY, Reply
-from rapc.terms import Atom, Fact
+from rapc.base.values import Atom, Fact
+from rapc.world import OKAY, Reply
 from rapc.worlds.truck.machines import running
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import EXTERNAL, Item

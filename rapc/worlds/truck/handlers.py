@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rapc.runtime.world import (
+from rapc.base.values import Atom, Fact
+from rapc.world import (
     OKAY,
     DatumHandler,
     HandlerMemory,
     Handlers,
     ResultHandler,
 )
-from rapc.terms import Atom, Fact
 
 _ARMS = ("arm1", "arm2")
 _ON_BOARD = ("bay1", "bay2", "weapon-bay", "fuel-bay", "folded", *_ARMS)

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from rapc.terms import Number
+from rapc.base.values import Number
 
 Color = Literal["red", "blue", "yellow"]
 Word = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]

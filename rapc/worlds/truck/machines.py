@@ -6,7 +6,7 @@ runs has a demon of its own, wherever it stands or is carried.
 
 from __future__ import annotations
 
-from rapc.terms import Number, number
+from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import Machine
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import Demon, Item

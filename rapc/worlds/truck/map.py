@@ -12,7 +12,7 @@ from typing import Annotated, Literal, get_args
 
 import msgspec
 
-from rapc.terms import Fact, Number, number
+from rapc.base.values import Fact, Number, number
 from rapc.worlds.truck.kinds import KINDS, Color, Kind, Word
 
 Direction = Literal[

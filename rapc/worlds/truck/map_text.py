@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 import msgspec
 
-from rapc.spell import nearest
+from rapc.base.names import nearest
 from rapc.worlds.truck.kinds import COLORED, ENEMY, KINDS, Kind, Machine
 from rapc.worlds.truck.map import TAKEN, Map
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rapc.runtime.world import OKAY, Reply
-from rapc.terms import Atom, Number, number
+from rapc.base.values import Atom, Number, number
+from rapc.world import OKAY, Reply
 from rapc.worlds.truck.demons import pass_time
 from rapc.worlds.truck.enemies import meet, part
 from rapc.worlds.truck.map import DIRECTIONS, Leg

@@ -1,7 +1,7 @@
 """The truck world's options: one typed row each, with unit, default and meaning.
 
 `Settings` is what the simulator works with; `rapc worlds truck` and `--set` see the
-same rows as `rapc.runtime.world.Option`. What T leaves open, durations above all, is
+same rows as `rapc.world.Option`. What T leaves open, durations above all, is
 chosen so that his basic experiment in a still world comes out as his did (T table 6.2).
 """
 
@@ -14,8 +14,8 @@ from typing import Annotated, get_args, get_type_hints
 import msgspec
 from msgspec import Meta
 
-from rapc.runtime.world import Option
-from rapc.terms import Atom, Number, Text
+from rapc.base.values import Atom, Number, Text
+from rapc.world import Option
 
 _TIME = "time units"
 

@@ -7,7 +7,7 @@ from typing import cast
 
 import msgspec
 
-from rapc.terms import Number, number
+from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import Color
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene

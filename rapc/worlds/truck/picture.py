@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rapc.runtime.world import Gauge, Picture, Spot, Thing
+from rapc.world import Gauge, Picture, Spot, Thing
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL

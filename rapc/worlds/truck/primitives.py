@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
-from rapc.runtime.world import Offer, Reply
+from rapc.world import Offer, Reply
 from rapc.worlds.truck import arms, eye, movement
 
 

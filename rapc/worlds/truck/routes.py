@@ -15,8 +15,8 @@ from typing import Protocol
 
 import msgspec
 
+from rapc.base.values import Atom, Fact, Number
 from rapc.ir.nodes import And, Compare, Const, For, Goal, Method, Step, TaskNet, Var
-from rapc.terms import Atom, Fact, Number
 
 SOLVED_RAP = "travel-route"
 """The RAP that is helped: `(travel-route ?from ?to)`."""

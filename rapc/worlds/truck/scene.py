@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
-from rapc.terms import Number, number
+from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import ENEMY, KINDS, Kind
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.options import Settings

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.terms import Number
+from rapc.base.values import Number
 from rapc.worlds.truck.kinds import ENEMY
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import Demon, Item

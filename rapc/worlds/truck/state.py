@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
-from rapc.terms import Fact, Number
+from rapc.base.values import Fact, Number
 
 ARMS = ("arm1", "arm2")
 CARGO_BAYS = ("bay1", "bay2")

@@ -7,7 +7,7 @@ and the eye overlooks things outside. The robot is told neither.
 
 from __future__ import annotations
 
-from rapc.terms import Number
+from rapc.base.values import Number
 from rapc.worlds.truck.map import Road
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import Demon, Item

@@ -11,7 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 
-from rapc.runtime.world import (
+from rapc.base.values import Atom, Fact, Number, number
+from rapc.world import (
     Callables,
     Datum,
     Handlers,
@@ -23,7 +24,6 @@ from rapc.runtime.world import (
     Time,
     World,
 )
-from rapc.terms import Atom, Fact, Number, number
 from rapc.worlds.truck import eye
 from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.demons import pass_time, summon

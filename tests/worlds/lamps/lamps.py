@@ -3,7 +3,8 @@
 from random import Random
 from typing import Any
 
-from rapc.runtime.world import (
+from rapc.base.values import Fact
+from rapc.world import (
     Datum,
     HandlerMemory,
     Handlers,
@@ -12,7 +13,6 @@ from rapc.runtime.world import (
     Reply,
     World,
 )
-from rapc.terms import Fact
 
 
 class LampWorld(World):

@@ -10,8 +10,8 @@ from collections.abc import Collection, Iterable, Iterator
 
 import msgspec
 
+from rapc.base.values import Atom, Fact
 from rapc.runtime.memory.recognition.descriptions import Description
-from rapc.terms import Atom, Fact
 
 Known = frozenset[tuple[Fact, Atom]]
 

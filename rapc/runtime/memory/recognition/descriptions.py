@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from rapc.base.values import Atom, Fact
 from rapc.runtime.memory.items import Item
-from rapc.terms import Atom, Fact
 
 UNKNOWN = "unknown"
 

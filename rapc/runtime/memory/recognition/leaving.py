@@ -14,6 +14,7 @@ from itertools import islice
 
 import msgspec
 
+from rapc.base.values import Number
 from rapc.runtime.memory.recognition.descriptions import (
     Description,
     ExpectationSet,
@@ -21,7 +22,6 @@ from rapc.runtime.memory.recognition.descriptions import (
     View,
 )
 from rapc.runtime.memory.recognition.scoring import Score
-from rapc.terms import Number
 
 EXACT = 14
 """Up to so many candidate groups the smallest collection is searched exactly."""

@@ -12,6 +12,7 @@ from collections.abc import Iterable
 
 import msgspec
 
+from rapc.base.values import Atom, Fact, Number
 from rapc.runtime.memory.recognition.candidates import Group, Kind, Offer
 from rapc.runtime.memory.recognition.descriptions import (
     Description,
@@ -19,7 +20,6 @@ from rapc.runtime.memory.recognition.descriptions import (
     View,
 )
 from rapc.runtime.memory.recognition.scoring import SHARED, Score
-from rapc.terms import Atom, Fact, Number
 
 Profile = tuple[frozenset[tuple[Fact, Atom]], int]
 """What descriptions of one view have in common that stand alike to all others."""

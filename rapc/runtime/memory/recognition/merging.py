@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rapc.base.values import Atom, Fact
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.recognition.descriptions import UNKNOWN, Description
-from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact
+from rapc.world import Time
 
 
 def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> None:

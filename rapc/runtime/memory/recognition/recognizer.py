@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
+from rapc.base.values import Atom, Fact
 from rapc.runtime.events import ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.mentions import PREFIX, Mentions
@@ -22,7 +23,6 @@ from rapc.runtime.memory.recognition.matching import Match, best_match
 from rapc.runtime.memory.recognition.scoring import Scores
 from rapc.runtime.memory.recognition.telling import Teller
 from rapc.runtime.recorder import Recorder
-from rapc.terms import Atom, Fact
 
 MAX_LAYERS = 8
 """How many layers a set keeps, if no setting says otherwise."""

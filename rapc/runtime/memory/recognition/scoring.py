@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import msgspec
 
+from rapc.base.values import Atom, Fact, Number
 from rapc.ir import nodes
 from rapc.runtime.memory.recognition.descriptions import Description
-from rapc.terms import Atom, Fact, Number
 
 SHARED = 10
 """What the class counts, and each shared property."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from rapc.base.values import Atom, Number, format_atom
 from rapc.runtime.events import ItemEvent, ItemMerged
 from rapc.runtime.memory.recognition.descriptions import Description
 from rapc.runtime.memory.recognition.leaving import Collection
 from rapc.runtime.memory.recognition.matching import Match
 from rapc.runtime.recorder import Recorder
-from rapc.terms import Atom, Number, format_atom
 
 
 class Teller:

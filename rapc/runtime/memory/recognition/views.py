@@ -15,7 +15,7 @@ A memory without an interpreter is driven through
     bench.sets()                         # tuple of SetView
     bench.events                         # list of events, item-merged among them
 
-`library` is a linked `rapc.library.Library` with the declarations.
+`library` is a linked `rapc.library.library.Library` with the declarations.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from collections.abc import Mapping
 
 import msgspec
 
-from rapc.runtime.world import Time
-from rapc.terms import Atom, Fact
+from rapc.base.values import Atom, Fact
+from rapc.world import Time
 
 
 class DescriptionView(msgspec.Struct, frozen=True):

@@ -1,0 +1,1 @@
+"""What knows nothing of RAP: sources, files, findings, values."""

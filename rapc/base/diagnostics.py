@@ -1,0 +1,90 @@
+"""What is said about a program, as data: findings, labels, fixes, rules.
+
+Nothing here prints (see `rapc.console.findings`) and nothing here decides how grave a
+finding is for a given user: severity belongs to the rule and to the driver
+(`rapc.analysis.driver`), which may be configured.
+"""
+
+from __future__ import annotations
+
+import enum
+
+import msgspec
+
+from rapc.base.source import Span
+
+
+class Severity(enum.IntEnum):
+    """How grave a finding is; higher is graver."""
+
+    INFO = 1
+    WARNING = 2
+    ERROR = 3
+
+    @property
+    def word(self) -> str:
+        """The lower-case word that is printed."""
+        return self.name.lower()
+
+
+class Rule(msgspec.Struct, frozen=True):
+    """One kind of finding and its manual page.
+
+    `example` is a whole file that triggers the rule, `better` the same program
+    put right, in which nothing is found; both are checked by a test.
+    """
+
+    code: str
+    name: str
+    severity: Severity
+    summary: str
+    why: str
+    example: str
+    better: str
+
+
+class Label(msgspec.Struct, frozen=True):
+    """A further place with what is to be seen there."""
+
+    span: Span
+    message: str
+
+
+class Edit(msgspec.Struct, frozen=True):
+    """Replace a span by `content` (an empty span inserts)."""
+
+    span: Span
+    content: str
+
+
+class Applicability(enum.Enum):
+    """Whether a fix keeps the meaning (safe), may change it, or is only shown."""
+
+    SAFE = "safe"
+    UNSAFE = "unsafe"
+    DISPLAY = "display"
+
+
+class Fix(msgspec.Struct, frozen=True):
+    """A repair: what it does, in words and as edits that do not overlap."""
+
+    applicability: Applicability
+    message: str
+    edits: tuple[Edit, ...]
+
+
+class Diagnostic(msgspec.Struct, frozen=True):
+    """One finding: a rule's name, a sentence and the place it is about.
+
+    `message` starts in lower case, has no full stop, and puts names in back-ticks;
+    what to do about it goes into `help`. `label` is printed at the span itself.
+    """
+
+    rule: str
+    message: str
+    span: Span
+    label: str = ""
+    labels: tuple[Label, ...] = ()
+    notes: tuple[str, ...] = ()
+    help: str = ""
+    fix: Fix | None = None

@@ -1,0 +1,68 @@
+"""Resources: the sets and counters that a task owns and passes by reference.
+
+They are compared by identity; `frozen` gives the value that the futile-loop
+detector and the recursion test see. When they change is for the interpreter to say
+(T 4.8, semantics 6).
+"""
+
+from __future__ import annotations
+
+from rapc.base.values import Atom, Number, format_atom, number
+
+
+class Counter:
+    """A number that steps may add to and subtract from; it may go below zero."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, value: Number = 0) -> None:
+        self.value = value
+
+    def add(self, amount: Number) -> None:
+        """Add an amount (negative to subtract)."""
+        self.value = number(self.value + amount)
+
+    def frozen(self) -> tuple[str, Number]:
+        """The value, hashable, distinct from any plain number."""
+        return ("#counter", self.value)
+
+    def __str__(self) -> str:
+        return f"#counter({format_atom(self.value)})"
+
+
+class SetResource:
+    """A set of ground values, in the order in which they were first added."""
+
+    __slots__ = ("members",)
+
+    def __init__(self, members: dict[Atom, None] | None = None) -> None:
+        self.members: dict[Atom, None] = dict(members or {})
+
+    def add(self, member: Atom) -> None:
+        """Add a member; adding one again changes nothing."""
+        self.members.setdefault(member)
+
+    def remove(self, member: Atom) -> None:
+        """Take a member away; one that is not there is no fault."""
+        self.members.pop(member, None)
+
+    def frozen(self) -> tuple[str, frozenset[Atom]]:
+        """The value, hashable, independent of order."""
+        return ("#set", frozenset(self.members))
+
+    def __str__(self) -> str:
+        return f"#set({' '.join(format_atom(m) for m in self.members)})"
+
+
+Resource = Counter | SetResource
+
+Value = Atom | Resource
+"""What a variable may be bound to."""
+
+
+def frozen(value: Value) -> object:
+    """A value as detectors compare it: resources by what they hold now."""
+    kind = type(value)
+    if kind is Counter or kind is SetResource:
+        return value.frozen()  # type: ignore[union-attr]  # it is a resource
+    return value

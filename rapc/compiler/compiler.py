@@ -1,0 +1,78 @@
+"""What compiling clauses shares: vocabulary, queries, and places in the source."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+from rapc.base.source import Span
+from rapc.compiler.query.query import Query
+from rapc.compiler.query.term_value import TermValue
+from rapc.compiler.recursion import recursive
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.ir import nodes
+from rapc.ir.walk import subterms
+from rapc.library.library import Library
+
+
+def variables_of(terms: Iterable[nodes.Term]) -> frozenset[str]:
+    """The variables in some terms."""
+    parts = (part for term in terms for part in subterms(term))
+    return frozenset(part.name for part in parts if isinstance(part, nodes.Var))
+
+
+class RequestPlan:
+    """A proposition to be filled in: a primitive's request or a notation.
+
+    `bare` is all of it where there are no arguments.
+    """
+
+    __slots__ = ("args", "bare", "name", "node", "where")
+
+    def __init__(
+        self, node: nodes.Pattern, args: Sequence[nodes.Term], where: str
+    ) -> None:
+        self.node = node
+        self.name = node.name
+        self.bare = (node.name,)
+        self.where = where
+        self.args = tuple(TermValue(arg, where) for arg in args)
+
+
+class Compiler:
+    """What compiling shares: the vocabulary, and places to print in faults."""
+
+    def __init__(self, library: Library) -> None:
+        self.library = library
+        self.vocabulary = Vocabulary.of(library)
+
+    @cached_property
+    def recursive(self) -> frozenset[str]:
+        """The RAPs that may come up among their own subtasks."""
+        return recursive(self.library)
+
+    def place(self, what: str, span: Span) -> str:
+        """A clause's name with the row it stands in: `succeed at arms.rap:12`."""
+        source = self.library.files.get(span.file)
+        if source is None:
+            return what
+        return f"{what} at {span.file}:{source.row(span.start)}"
+
+    def query(self, formula: nodes.Formula, what: str, span: Span) -> Query:
+        """A formula of the clause `what` as a query."""
+        span = formula.span if formula.span.file else span
+        return Query(formula, self.vocabulary, self.place(what, span))
+
+    def clause(
+        self, formula: nodes.Formula | None, what: str, node: nodes.DefineRap
+    ) -> Query | None:
+        """A clause that need not be there."""
+        return None if formula is None else self.query(formula, what, node.span)
+
+    def assertion(self, pattern: nodes.Pattern, what: str) -> RequestPlan:
+        """A proposition whose arguments are filled in at run time."""
+        relation = self.vocabulary.relations.get(pattern.name)
+        args = pattern.args
+        if relation is not None and what == "notation":
+            args = relation.full(args)
+        return RequestPlan(pattern, args, self.place(what, pattern.span))

@@ -1,0 +1,180 @@
+"""Task-nets ready to run: steps, their order, and all that their annotations ask for.
+
+What becomes of a step's task is in `rapc.runtime`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rapc.compiler.compiler import Compiler, variables_of
+from rapc.compiler.query.query import Query
+from rapc.compiler.query.term_value import TermValue
+from rapc.ir import nodes
+
+
+class StepPlan:
+    """A step: what its task asks for, and how it is ordered among its siblings.
+
+    `before` counts the steps that must have ended first, `after` are the positions of
+    those that wait for this one, each once; `conditions`
+    the `for` formulas that point at this step, each with the position of the step
+    that carries it; both in the order of the text. `next` is the one that waits for
+    this step, if it is the only one. `timed` says whether more than
+    order decides when it runs, or its start ends others; `brings` whether its success
+    brings outputs or effects.
+    """
+
+    __slots__ = (
+        "after",
+        "args",
+        "before",
+        "brings",
+        "computes",
+        "conditions",
+        "effects",
+        "next",
+        "node",
+        "outputs",
+        "position",
+        "priority",
+        "timed",
+        "until",
+        "waits",
+        "windows",
+    )
+
+    def __init__(self, compiler: Compiler, node: nodes.Step, position: int) -> None:
+        self.node = node
+        self.position = position
+        self.priority = node.priority
+        where = compiler.place(f"step `{node.tag}`", node.span)
+        self.args = tuple(TermValue(arg, where) for arg in node.goal.args)
+        self.computes = any(isinstance(arg, nodes.Call) for arg in node.goal.args)
+        self.outputs = tuple(ReceiverPlan(out, where) for out in node.goal.outputs)
+        self.before = 0
+        self.after: list[int] = []
+        self.conditions: list[tuple[int, Query]] = []
+        self.until: list[tuple[int, bool]] = []
+        self.windows: tuple[WindowPlan, ...] = ()
+        self.effects: list[EffectPlan] = []
+        self.waits: list[WaitPlan] = []
+        self.timed = False
+        self.brings = False
+        self.next: int | None = None
+
+
+class ReceiverPlan:
+    """What a value that arrives meets: it binds a variable or is compared."""
+
+    __slots__ = ("anonymous", "term", "variable")
+
+    def __init__(self, term: nodes.Term, where: str) -> None:
+        self.term = TermValue(term, where)
+        self.variable = term.name if isinstance(term, nodes.Var) else None
+        self.anonymous = isinstance(term, nodes.Var) and term.anonymous
+
+
+class WaitPlan:
+    """A `wait-for` of a step: the signal, what it brings, and what it does."""
+
+    __slots__ = ("args", "mode", "pattern", "signal")
+
+    def __init__(self, node: nodes.WaitFor, where: str) -> None:
+        self.signal = node.signal
+        self.pattern = nodes.Pattern(node.signal, node.args)
+        self.mode = node.mode
+        self.args = tuple(ReceiverPlan(arg, where) for arg in node.args)
+
+
+class WindowPlan:
+    """A time window: `reference` is `now`, `absolute` or the position of a step.
+
+    `uses` are the variables in its times.
+    """
+
+    __slots__ = ("reference", "start", "stop", "uses")
+
+    def __init__(self, reference: str | int, start: TermValue, stop: TermValue) -> None:
+        self.reference = reference
+        self.start = start
+        self.stop = stop
+        self.uses = variables_of((start.term, stop.term))
+
+
+class EffectPlan:
+    """An effect of a step on a resource."""
+
+    __slots__ = ("amount", "node", "resource")
+
+    def __init__(self, compiler: Compiler, node: nodes.ResourceEffect) -> None:
+        where = compiler.place(f"effect `{node.op}`", node.span)
+        self.node = node
+        self.resource = TermValue(node.resource, where)
+        self.amount = TermValue(node.amount, where)
+
+
+def steps_of(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
+    """The steps of a task-net in the order of the text, with how they hang together."""
+    plans = tuple(StepPlan(compiler, step, at) for at, step in enumerate(net.steps))
+    at_tag = {step.tag: at for at, step in enumerate(net.steps)}
+    for plan in plans:
+        for annotation in plan.node.annotations:
+            _annotate(compiler, plans, at_tag, plan, annotation)
+    for plan in plans:
+        plan.after.sort()
+        plan.next = plan.after[0] if len(plan.after) == 1 else None
+        plan.timed = bool(plan.windows or plan.waits or plan.until)
+        plan.brings = bool(plan.outputs or plan.effects)
+    return plans
+
+
+def _annotate(
+    compiler: Compiler,
+    plans: Sequence[StepPlan],
+    at_tag: Mapping[str, int],
+    plan: StepPlan,
+    annotation: nodes.Annotation,
+) -> None:
+    if isinstance(annotation, nodes.For):
+        target = plans[at_tag[annotation.tag]]
+        _order(plan, target)
+        if annotation.formula is not None:
+            what = f"`for {annotation.tag}` formula"
+            query = compiler.query(annotation.formula, what, annotation.span)
+            target.conditions.append((plan.position, query))
+    elif isinstance(annotation, nodes.UntilEnd | nodes.UntilStart):
+        ended = isinstance(annotation, nodes.UntilEnd)
+        target = plans[at_tag[annotation.tag]]
+        if target is not plan:
+            target.until.append((plan.position, ended))
+    elif isinstance(annotation, nodes.Window):
+        reference: str | int = annotation.reference
+        if annotation.reference not in ("now", "absolute"):
+            reference = at_tag[annotation.reference]
+            _order(plans[reference], plan)
+        where = compiler.place("window", annotation.span)
+        start = TermValue(annotation.start, where)
+        stop = TermValue(annotation.stop, where)
+        plan.windows += (WindowPlan(reference, start, stop),)
+    elif isinstance(annotation, nodes.WaitFor):
+        where = compiler.place("wait-for", annotation.span)
+        plan.waits.append(WaitPlan(annotation, where))
+    elif isinstance(annotation, nodes.ResourceEffect):
+        plan.effects.append(EffectPlan(compiler, annotation))
+
+
+def users_of(steps: Sequence[StepPlan]) -> Mapping[str, Sequence[int]]:
+    """For each variable, the positions of the steps whose inputs or windows use it."""
+    users: dict[str, list[int]] = {}
+    for step in steps:
+        used = variables_of(step.node.goal.args)
+        for name in used.union(*(window.uses for window in step.windows)):
+            users.setdefault(name, []).append(step.position)
+    return users
+
+
+def _order(first: StepPlan, then: StepPlan) -> None:
+    if then.position not in first.after:
+        first.after.append(then.position)
+        then.before += 1

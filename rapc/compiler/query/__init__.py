@@ -1,0 +1,1 @@
+"""Formulas into generated code."""

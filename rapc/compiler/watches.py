@@ -1,0 +1,138 @@
+"""Which changes can make a formula true or false: what a monitor listens to.
+
+Each proposition in a formula becomes one `Watch`, as narrow as its bound arguments
+allow; a change to memory that matches no watch cannot change the answer
+(semantics 5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import msgspec
+
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import Atom
+from rapc.compiler.vocabulary import Relation, Vocabulary
+from rapc.ir import nodes
+
+ANYTHING: tuple[str, ...] = ("*",)
+"""The key of watches that every change to memory concerns."""
+
+WordKey = tuple[Atom, ...]
+
+WatchKey = WordKey | Counter | SetResource
+"""An index key of memory, a word for another change, or a resource."""
+
+
+class Watch(msgspec.Struct, frozen=True):
+    """One thing to listen to.
+
+    For a proposition, `key` holds its name and `arguments` those of its arguments
+    that are or may be known, each with its position: the first that is known when a
+    task blocks narrows the key. A `resource` watch listens to what its variable is
+    bound to. `age` names the variable of a `believe` that asks for an age.
+    """
+
+    key: WordKey = ()
+    arguments: tuple[tuple[int, nodes.Const | nodes.Var], ...] = ()
+    resource: str | None = None
+    age: str | None = None
+
+    def resolve(self, env: Mapping[str, Value]) -> WatchKey | None:
+        """The key to listen to in an environment; None where there is nothing."""
+        if self.resource is not None:
+            value = env.get(self.resource)
+            return value if isinstance(value, Counter | SetResource) else None
+        for at, argument in self.arguments:
+            known = (
+                argument.value
+                if isinstance(argument, nodes.Const)
+                else env.get(argument.name)
+            )
+            if known is not None and not isinstance(known, Counter | SetResource):
+                return (*self.key, at, known)
+        return self.key or None
+
+
+def watches(formula: nodes.Formula, vocabulary: Vocabulary) -> tuple[Watch, ...]:
+    """All that can change the answer to a formula, each thing once."""
+    found: dict[Watch, None] = {}
+    stack: list[object] = [formula]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, tuple):
+            stack.extend(reversed(node))
+        elif isinstance(node, nodes.Node):
+            found.update((watch, None) for watch in _of(node, vocabulary))
+            names = node.__struct_fields__
+            stack.extend(getattr(node, n) for n in reversed(names) if n != "span")
+    return tuple(found)
+
+
+def _of(node: nodes.Node, vocabulary: Vocabulary) -> Iterator[Watch]:
+    if isinstance(node, nodes.Pattern):
+        relation = vocabulary.relations.get(node.name)
+        if relation is not None:
+            yield from _pattern(node, relation)
+        elif node.name in vocabulary.functions:
+            yield from _function(node.name, node.args, vocabulary)
+    elif isinstance(node, nodes.Call):
+        if node.function in ("value", "size-of"):
+            yield from _resources(node.args)
+        elif node.function in vocabulary.functions:
+            yield from _function(node.function, node.args, vocabulary)
+    elif isinstance(node, nodes.SetTest):
+        yield from _resources(node.args[:1])
+    elif isinstance(node, nodes.SensorName):
+        yield Watch(("know-sensor-name",))
+    elif isinstance(node, nodes.Count):
+        yield from (Watch((word,)) for word in ("location", "class", "external"))
+    elif isinstance(node, nodes.Believe) and isinstance(node.age, nodes.Var):
+        yield Watch(age=node.age.name)
+
+
+def _pattern(node: nodes.Pattern, relation: Relation) -> Iterator[Watch]:
+    if relation.default_function is not None and relation.is_property:
+        yield Watch(ANYTHING)
+    args = dict(enumerate(relation.full(node.args), 1))
+    if node.name == "location" and relation.is_property and _may_be_external(args[2]):
+        yield Watch(("external",))
+        del args[2]
+    elif relation.is_property and _may_be_default(relation, args[len(args)]):
+        del args[len(args)]
+    known = tuple(
+        (at, arg)
+        for at, arg in args.items()
+        if isinstance(arg, nodes.Const)
+        or (isinstance(arg, nodes.Var) and not arg.anonymous)
+    )
+    yield Watch((node.name,), known)
+
+
+def _may_be_external(place: nodes.Term) -> bool:
+    return not isinstance(place, nodes.Const) or place.value == "external"
+
+
+def _may_be_default(relation: Relation, value: nodes.Term) -> bool:
+    """Whether a property's default may answer: then any first value may change that."""
+    if relation.default_function is not None or not isinstance(value, nodes.Const):
+        return True
+    return value.value == relation.default
+
+
+def _function(
+    name: str, args: tuple[nodes.Term, ...], vocabulary: Vocabulary
+) -> Iterator[Watch]:
+    yield from _resources(args)
+    reads = vocabulary.functions[name].reads
+    if reads is None:
+        yield Watch(ANYTHING)
+    else:
+        yield from (Watch((predicate,)) for predicate in reads)
+
+
+def _resources(args: tuple[nodes.Term, ...]) -> Iterator[Watch]:
+    for arg in args:
+        if isinstance(arg, nodes.Var):
+            yield Watch(resource=arg.name)

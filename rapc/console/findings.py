@@ -1,0 +1,348 @@
+"""Findings as text and JSON, on a terminal or not; the only user of rich.
+
+`full` draws each finding with the source around it, as the contract of the command line
+has it; `concise` takes one line each; `json_text` is for other programs. What is found
+and how grave it is was decided before (`rapc.analysis.driver`).
+"""
+
+from __future__ import annotations
+
+import json
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from textwrap import wrap
+from typing import Any, TextIO
+
+import msgspec
+from rich.cells import cell_len
+from rich.console import Console
+from rich.text import Text
+
+from rapc.analysis.driver import Finding, Report
+from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label, Severity
+from rapc.base.source import SourceFile, Span
+
+Files = Mapping[str, SourceFile]
+
+_STYLES = {
+    Severity.ERROR: "bold red",
+    Severity.WARNING: "bold yellow",
+    Severity.INFO: "bold cyan",
+}
+_MARGIN = "blue"
+_TAB = "    "
+_LEAST_ROOM = 20
+_MOST_LINES = 10
+"""How many lines of a fix are drawn on each side."""
+
+
+def write(lines: Iterable[Text], stream: TextIO, *, color: bool) -> None:
+    """Write lines to a stream, in colour or plain."""
+    if not color:
+        stream.writelines(f"{line.plain}\n" for line in lines)
+        return
+    console = Console(
+        file=stream, force_terminal=True, color_system="standard", no_color=False
+    )
+    for line in lines:
+        console.print(line, soft_wrap=True, highlight=False)
+
+
+def concise(report: Report) -> Iterator[str]:
+    """Each finding as one line: place, severity, rule, message."""
+    for finding in report.findings:
+        place = _place(finding.diagnostic.span, report.files)
+        yield f"{place}: {_title(finding)}: {visible(finding.diagnostic.message)}"
+
+
+def full(report: Report, width: int) -> Iterator[Text]:
+    """Each finding with its source, labels, notes, help and fix, and a blank line.
+
+    Source lines are cut to `width` cells, around what they are shown for.
+    """
+    for finding in report.findings:
+        yield from _page(finding, report.files, width)
+        yield Text()
+
+
+def visible(text: str) -> str:
+    """Text whose control characters cannot act on a terminal."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else _stand_in(c) for c in text)
+
+
+def _stand_in(character: str) -> str:
+    if character == "\t":
+        return _TAB
+    if unicodedata.category(character) == "Zs":
+        return character
+    return "\N{REPLACEMENT CHARACTER}"
+
+
+def _title(finding: Finding) -> str:
+    rule = finding.rule
+    return f"{finding.severity.word}[{rule.code} {rule.name}]"
+
+
+def _place(span: Span, files: Files) -> str:
+    source = files.get(span.file)
+    if source is None:
+        return visible(span.file)
+    at = source.position(span.start)
+    return f"{visible(span.file)}:{at.row}:{at.column}"
+
+
+# --- full: a finding with its source --------------------------------------------------
+
+
+class _Mark(msgspec.Struct, frozen=True):
+    """A label where it stands in one line: columns from 0, the end exclusive."""
+
+    row: int
+    start: int
+    end: int
+    message: str
+    primary: bool
+
+
+class _Layout(msgspec.Struct, frozen=True):
+    """The width of row numbers, the room for source, the style of the finding."""
+
+    margin: int
+    room: int
+    style: str
+
+    def numbered(self, row: int, text: str, mark: str = "|", style: str = "") -> Text:
+        """A line of source with its row."""
+        return self._line(f"{row:>{self.margin}} {mark}", text, style)
+
+    def bar(self, text: str = "", style: str = "") -> Text:
+        """A line below a line of source."""
+        return self._line(f"{'':{self.margin}} |", text, style)
+
+    def _line(self, margin: str, text: str, style: str) -> Text:
+        line = Text().append(margin, _MARGIN)
+        return line.append(f" {text}", style or None) if text else line
+
+    def arrow(self, arrow: str, place: str) -> Text:
+        """The line that names a place."""
+        return Text().append(f"{'':{self.margin}}{arrow} ", _MARGIN).append(place)
+
+    def remark(self, word: str, text: str) -> Text:
+        """A note, help or the like."""
+        line = Text().append(f"{'':{self.margin}} = ", _MARGIN)
+        return line.append(f"{word}: ", "bold").append(visible(text))
+
+
+def _page(finding: Finding, files: Files, width: int) -> Iterator[Text]:
+    said = finding.diagnostic
+    marks = _marks(said, files)
+    blocks = list(_blocks(said.fix, files))
+    rows = [mark.row for group in marks.values() for mark in group]
+    rows += [row + len(old) for _, row, old, _ in blocks]
+    margin = len(str(max(rows, default=1)))
+    room = max(width - margin - 3, _LEAST_ROOM)
+    layout = _Layout(margin, room, _STYLES[finding.severity])
+    head = Text().append(_title(finding), layout.style)
+    yield head.append(f": {visible(said.message)}", "bold")
+    for file, group in marks.items():
+        first = group[0]
+        place = f"{visible(file)}:{first.row}:{first.start + 1}"
+        yield layout.arrow("-->" if first.primary else ":::", place)
+        yield layout.bar()
+        yield from _source(group, files[file], layout)
+    for note in said.notes:
+        yield layout.remark("note", note)
+    if said.help:
+        yield layout.remark("help", said.help)
+    if said.fix is not None:
+        yield from _fix(said.fix, blocks, layout)
+
+
+def _marks(said: Diagnostic, files: Files) -> dict[str, list[_Mark]]:
+    """What is to be marked, by file: the finding's own file and place first."""
+    marks: dict[str, list[_Mark]] = {}
+    for at, label in enumerate((Label(said.span, said.label), *said.labels)):
+        source = files.get(label.span.file)
+        if source is None:
+            continue
+        start, end = source.position(label.span.start), source.position(label.span.end)
+        last = end.column - 1 if end.row == start.row else len(source.line(start.row))
+        mark = _Mark(start.row, start.column - 1, last, label.message, at == 0)
+        marks.setdefault(source.name, []).append(mark)
+    return marks
+
+
+def _source(
+    marks: Sequence[_Mark], source: SourceFile, layout: _Layout
+) -> Iterator[Text]:
+    """The marked lines of one file, each followed by its marks."""
+    for row in sorted({mark.row for mark in marks}):
+        here = [mark for mark in marks if mark.row == row]
+        shown = _Shown(source.line(row), here[0].start, layout.room)
+        yield layout.numbered(row, shown.text)
+        for mark in sorted(here, key=lambda mark: mark.start):
+            yield from _underline(mark, shown, layout)
+
+
+def _underline(mark: _Mark, shown: _Shown, layout: _Layout) -> Iterator[Text]:
+    style = layout.style if mark.primary else _MARGIN
+    start = shown.cell(mark.start)
+    length = max(1, shown.cell(mark.end) - start)
+    line = " " * start + ("^" if mark.primary else "-") * length
+    message = visible(mark.message)
+    if message and start + length + 1 + cell_len(message) <= layout.room:
+        line, message = f"{line} {message}", ""
+    yield layout.bar(line, style)
+    for part in wrap(message, layout.room):
+        yield layout.bar(part, style)
+
+
+class _Shown:
+    """As much of a line as there is room for, and where its columns then stand.
+
+    Args:
+        line: the line as it is in the file.
+        focus: the column, from 0, that must be seen.
+        room: how many cells there are.
+    """
+
+    def __init__(self, line: str, focus: int, room: int) -> None:
+        far = focus > room * 2 // 3 and len(line) > room
+        self._left = focus - room // 3 if far else 0
+        pieces = ["…"] if far else []
+        cells = len(pieces)
+        self._cells = [cells]
+        for column in range(self._left, len(line)):
+            piece = visible(line[column])
+            end = cells + cell_len(piece)
+            if end > room - (column < len(line) - 1):
+                pieces.append("…")
+                break
+            pieces.append(piece)
+            cells = end
+            self._cells.append(cells)
+        self.text = "".join(pieces).rstrip()
+
+    def cell(self, column: int) -> int:
+        """The cell at which a column begins; the edge for one that is cut away."""
+        at = min(max(column - self._left, 0), len(self._cells) - 1)
+        return self._cells[at]
+
+
+# --- full: a fix as a diff -----------------------------------------------------------
+
+_Block = tuple[str, int, list[str], list[str]]
+"""A file, the row at which lines begin, the lines as they are, the lines mended."""
+
+
+def _blocks(fix: Fix | None, files: Files) -> Iterator[_Block]:
+    """The stretches of lines that a fix changes."""
+    edits = sorted(fix.edits if fix else (), key=lambda e: (e.span.file, e.span.start))
+    group: list[Edit] = []
+    last = 0
+    for edit in edits:
+        source = files[edit.span.file]
+        row = source.position(edit.span.start).row
+        if group and (edit.span.file != group[0].span.file or row > last):
+            yield _block(group, files[group[0].span.file])
+            group = []
+        group.append(edit)
+        last = source.position(edit.span.end).row
+    if group:
+        yield _block(group, files[group[0].span.file])
+
+
+def _block(edits: Sequence[Edit], source: SourceFile) -> _Block:
+    """The lines that some edits change, without those that stay as they are."""
+    row = source.position(edits[0].span.start).row
+    last = source.position(edits[-1].span.end).row
+    begin = source.line_starts[row - 1]
+    end = source.line_starts[last - 1] + len(source.line(last))
+    pieces, at = [], begin
+    for edit in edits:
+        pieces += [source.text[at : edit.span.start], edit.content]
+        at = edit.span.end
+    old = source.text[begin:end].split("\n")
+    new = "".join([*pieces, source.text[at:end]]).split("\n")
+    while old and new and old[-1] == new[-1]:
+        old, new = old[:-1], new[:-1]
+    while old and new and old[0] == new[0]:
+        old, new, row = old[1:], new[1:], row + 1
+    return source.name, row, old, new
+
+
+def _fix(fix: Fix, blocks: Iterable[_Block], layout: _Layout) -> Iterator[Text]:
+    word = {Applicability.SAFE: "fix", Applicability.UNSAFE: "unsafe fix"}
+    yield layout.remark(word.get(fix.applicability, "suggestion"), fix.message)
+    for _, row, old, new in blocks:
+        focus = _first_change("".join(old[:1]), "".join(new[:1]))
+        for mark, lines, style in (("-", old, "red"), ("+", new, "green")):
+            for at, line in enumerate(lines[:_MOST_LINES]):
+                shown = _Shown(line, focus, layout.room)
+                yield layout.numbered(row + at, shown.text, mark, style)
+
+
+def _first_change(old: str, new: str) -> int:
+    """The column at which two lines begin to differ."""
+    for column, (one, other) in enumerate(zip(old, new, strict=False)):
+        if one != other:
+            return column
+    return min(len(old), len(new))
+
+
+# --- JSON ---------------------------------------------------------------------------
+
+
+def _json(finding: Finding, files: Files) -> dict[str, Any]:
+    rule, said = finding.rule, finding.diagnostic
+    notes = [*said.notes, *([f"help: {said.help}"] if said.help else [])]
+    return {
+        "code": rule.code,
+        "name": rule.name,
+        "severity": finding.severity.word,
+        "message": said.message,
+        "filename": said.span.file,
+        **_location(said.span, files),
+        "fix": None if said.fix is None else _json_fix(said.fix, files),
+        "labels": [
+            {
+                "message": label.message,
+                "filename": label.span.file,
+                **_location(label.span, files),
+            }
+            for label in said.labels
+        ],
+        "notes": notes,
+        "url": f"docs/rules.md#{rule.name}",
+    }
+
+
+def _json_fix(fix: Fix, files: Files) -> dict[str, Any]:
+    return {
+        "applicability": fix.applicability.value,
+        "message": fix.message,
+        "edits": [
+            {"content": edit.content, **_location(edit.span, files)}
+            for edit in fix.edits
+        ],
+    }
+
+
+def _location(span: Span, files: Files) -> dict[str, dict[str, int]]:
+    source = files.get(span.file)
+    if source is None:
+        nowhere = {"row": 1, "column": 1}
+        return {"location": nowhere, "end_location": nowhere}
+    start, end = source.position(span.start), source.position(span.end)
+    return {
+        "location": {"row": start.row, "column": start.column},
+        "end_location": {"row": end.row, "column": end.column},
+    }
+
+
+def json_text(report: Report) -> str:
+    """All findings as a JSON array; rows and columns from 1, ends exclusive."""
+    rows = [_json(finding, report.files) for finding in report.findings]
+    return json.dumps(rows, indent=2, ensure_ascii=False)

@@ -1,0 +1,212 @@
+"""One frame: the map with what is true and what is believed, and the robot beside it.
+
+Each place has two lines: what there is, and below it `=` where the robot believes just
+that, or `≠` and what it believes instead.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+import msgspec
+from rich.text import Text
+
+from rapc.base.values import format_atom
+from rapc.console.show.beliefs import Contents, believed_contents, true_contents, words
+from rapc.console.show.canvas import Canvas, fit, folded
+from rapc.runtime.memory.handling import MemoryView
+from rapc.world import Gauge, Picture, Spot, Time
+
+_ARROWS: Mapping[str, str] = {
+    "north": "↑",
+    "northeast": "↗",
+    "east": "→",
+    "southeast": "↘",
+    "south": "↓",
+    "southwest": "↙",
+    "west": "←",
+    "northwest": "↖",
+}
+_ROAD, _PLACE, _HERE, _TRUE = "blue", "bold", "bold reverse", ""
+_RIGHT, _WRONG, _UNKNOWN = "green", "bold red", "yellow"
+_LEAST = 3
+"""Rows that a place takes at least: its name, what there is, what is believed."""
+_LEAST_WIDE = 14
+
+
+class Doings(msgspec.Struct, frozen=True):
+    """What the robot is about: the task of its family, and requests, the last last."""
+
+    time: Time = 0
+    family: str = ""
+    requests: tuple[str, ...] = ()
+
+
+class _Sight(msgspec.Struct, frozen=True):
+    """A spot with what is in it and what is believed to be in it."""
+
+    spot: Spot
+    true: Contents
+    believed: Contents
+
+    @property
+    def empty(self) -> bool:
+        return not (self.true or self.believed)
+
+    @property
+    def right(self) -> bool:
+        return self.true == self.believed
+
+    def belief(self) -> tuple[str, str]:
+        """How what is believed compares with what is true, and the style for it."""
+        if self.right:
+            return "=", _RIGHT
+        return f"≠ {words(self.believed)}", _WRONG if self.believed else _UNKNOWN
+
+
+def draw_frame(
+    picture: Picture, memory: MemoryView, doings: Doings, width: int, height: int
+) -> list[Text]:
+    """A picture beside memory as lines, at most `height` of at most `width` cells."""
+    believed = believed_contents(memory, picture)
+    sights = [
+        _Sight(s, true_contents(s.things), believed.pop(s.name, Counter()))
+        for s in picture.spots
+    ]
+    around = [sight for sight in sights if sight.spot.at is not None]
+    aboard = [sight for sight in sights if sight.spot.at is None]
+    head = [_head(picture, memory, doings)]
+    foot = [*_aboard(aboard, width), *_elsewhere(believed), *_doings(doings)]
+    foot.append(Text("= as believed   ≠ what is believed instead", "dim"))
+    room = max(height - len(head) - len(foot), 0)
+    lines = [*head, *_map(picture, around, width, room), *foot][:height]
+    for line in lines:
+        line.truncate(width, overflow="ellipsis")
+    return lines
+
+
+def _head(picture: Picture, memory: MemoryView, doings: Doings) -> Text:
+    line = Text().append(f"time {format_atom(doings.time)}", "bold")
+    for gauge in picture.gauges:
+        line.append(f"   {gauge.name} {format_atom(gauge.value)}")
+        believed = _otherwise(gauge, memory)
+        if believed:
+            line.append(f" ≠ {believed}", _WRONG)
+    return line
+
+
+def _otherwise(gauge: Gauge, memory: MemoryView) -> str:
+    """What the robot believes of a gauge, if it is not what is true."""
+    values = [fact[-1] for fact in memory.query(*gauge.believed, None)]
+    if values == [gauge.value]:
+        return ""
+    return ", ".join(map(format_atom, values)) or "unknown"
+
+
+# --- the map --------------------------------------------------------------------------
+
+
+def _map(
+    picture: Picture, sights: Sequence[_Sight], width: int, height: int
+) -> Iterator[Text]:
+    across = max((s.spot.at[0] for s in sights if s.spot.at), default=0)
+    down = max((s.spot.at[1] for s in sights if s.spot.at), default=0)
+    wide = int(width / (across + 1))
+    high = int(height / (down + 1))
+    if wide < _LEAST_WIDE or high < _LEAST:
+        yield from _list(picture, sights, height)
+        return
+    cells = {
+        s.spot.name: (round(s.spot.at[0] * wide), round(s.spot.at[1] * high))
+        for s in sights
+        if s.spot.at is not None
+    }
+    canvas = Canvas(width, round((down + 1) * high))
+    for one, other in picture.roads:
+        if one in cells and other in cells:
+            canvas.line(cells[one], cells[other], _ROAD)
+    for sight in sights:
+        column, row = cells[sight.spot.name]
+        beside = [c for c, r in cells.values() if r == row and c > column]
+        room = min(beside, default=width) - column - 1
+        _place(canvas, sight, picture, (column, row), (room, (high - 1) // 2))
+    yield from canvas.lines()
+
+
+def _place(
+    canvas: Canvas,
+    sight: _Sight,
+    picture: Picture,
+    at: tuple[int, int],
+    size: tuple[int, int],
+) -> None:
+    """Draw a place from a cell on, with so much room and so many lines of contents."""
+    (column, row), (room, lines) = at, size
+    name, style = sight.spot.name, _PLACE
+    if name == picture.here:
+        name, style = f"[{_ARROWS.get(picture.heading, '')}{name}]", _HERE
+    canvas.write(column, row, fit(name, room), style)
+    if sight.spot.note:
+        note = fit(f" {sight.spot.note} ", room - len(name))
+        canvas.write(column + len(name), row, note)
+    if not sight.empty:
+        belief, style = sight.belief()
+        for text, drawn in ((words(sight.true), _TRUE), (belief, style)):
+            for line in folded(text, room - 2, lines):
+                row += 1
+                canvas.write(column + 2, row, line, drawn)
+
+
+def _list(picture: Picture, sights: Sequence[_Sight], height: int) -> Iterator[Text]:
+    """The places as a list, where there is no room for a map; wrong beliefs first."""
+    here = picture.here
+    told = [s for s in sights if not s.empty or s.spot.name == here]
+    told.sort(key=lambda s: (s.spot.name != here, s.right))
+    fitting = told if len(told) <= height else told[: max(height - 1, 0)]
+    for sight in fitting:
+        name = sight.spot.name
+        shown = f"[{_ARROWS.get(picture.heading, '')}{name}]" if name == here else name
+        yield _row(sight, shown)
+    if len(told) > len(fitting) and height:
+        yield Text(f"and {len(told) - len(fitting)} more places", "dim")
+
+
+# --- the robot ------------------------------------------------------------------------
+
+
+def _row(sight: _Sight, name: str) -> Text:
+    """A spot in one line."""
+    line = Text().append(name, _PLACE)
+    if sight.spot.note:
+        line.append(f" ({sight.spot.note})")
+    if not sight.empty:
+        belief, style = sight.belief()
+        line.append(f": {words(sight.true)} ", _TRUE).append(belief, style)
+    return line
+
+
+def _aboard(sights: Sequence[_Sight], width: int) -> Iterator[Text]:
+    """Arms and bays, two in a line."""
+    middle = width // 2
+    rows = (len(sights) + 1) // 2
+    for at in range(rows):
+        pair = [_row(s, s.spot.name) for s in sights[at::rows]]
+        line = pair[0]
+        if len(pair) > 1:
+            line.truncate(middle - 1, overflow="ellipsis", pad=True)
+            line = Text().append(line).append(" ").append(pair[1])
+        yield line
+
+
+def _elsewhere(believed: Mapping[str, Contents]) -> Iterator[Text]:
+    """What is believed to be where nothing of the kind is drawn."""
+    found = [f"{words(contents)} at {place}" for place, contents in believed.items()]
+    line = Text().append("elsewhere", _PLACE)
+    yield line.append(f": {', '.join(found)}") if found else line
+
+
+def _doings(doings: Doings) -> Iterator[Text]:
+    yield Text().append("task", _PLACE).append(f": {doings.family}")
+    for request in doings.requests:
+        yield Text(f"  {request}")

@@ -1,0 +1,111 @@
+"""The view of a run while it goes on: a listener that draws a frame for each request.
+
+On a terminal frames replace each other at a pace that a person can follow, on a screen
+of their own; when the run is over the last one is left. Elsewhere it is all there is.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import TextIO
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.text import Text
+
+from rapc.console.findings import write
+from rapc.console.show.frame import Doings, draw_frame
+from rapc.runtime.events import Event, PrimitiveEnded, RunEnded
+from rapc.runtime.interpreter import Interpreter
+from rapc.world import Picture
+
+PACE = 0.1
+"""Seconds from one frame to the next, on a terminal."""
+
+_REQUESTS = 2
+"""How many of the last requests are shown."""
+
+
+class LiveView:
+    """Shows a run; a context manager, and a listener for `Interpreter.listen`.
+
+    Args:
+        interpreter: the run that is shown.
+        picture: draws the truth as it is now.
+        stream: where to; frames follow each other only if it is a terminal.
+        size: columns and rows of a frame, asked for each.
+        color: whether to colour them.
+        pace: seconds from one frame to the next, at least.
+    """
+
+    def __init__(
+        self,
+        interpreter: Interpreter,
+        picture: Callable[[], Picture | None],
+        stream: TextIO,
+        size: Callable[[], tuple[int, int]],
+        *,
+        color: bool,
+        pace: float = PACE,
+    ) -> None:
+        self._interpreter = interpreter
+        self._picture = picture
+        self._stream = stream
+        self._size = size
+        self._color = color
+        self._pace = pace
+        self._family = ""
+        self._requests: deque[str] = deque([""] * _REQUESTS, _REQUESTS)
+        self._last: list[Text] = []
+        self._live: Live | None = None
+        self._next = 0.0
+
+    def __enter__(self) -> LiveView:
+        if self._stream.isatty():
+            console = Console(file=self._stream, highlight=False)
+            self._live = Live(console=console, screen=True, auto_refresh=False)
+            self._live.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *more: object) -> None:
+        if self._live is not None:
+            self._live.stop()
+        if kind is None:
+            write(self._last, self._stream, color=self._color)
+
+    def __call__(self, event: Event) -> None:
+        """Take note of an event, and draw if it is the end of a request."""
+        if isinstance(event, PrimitiveEnded):
+            self._requests.append(f"{event.request} - {event.result}")
+            self._find_family(event.task)
+            self._draw()
+        elif isinstance(event, RunEnded):
+            self._last = self._frame()
+
+    def _find_family(self, task: int | None) -> None:
+        """The top-level task for whose sake a task is there."""
+        entries = {entry.task: entry for entry in self._interpreter.agenda()}
+        found = entries.get(task) if task is not None else None
+        top = entries.get(found.family) if found is not None else None
+        if top is not None:
+            self._family = f"[{top.task}] {top.goal}"
+
+    def _draw(self) -> None:
+        """Put a frame in place of the last one, when its time has come."""
+        if self._live is None:
+            return
+        frame = Group(*self._frame())
+        time.sleep(max(self._next - time.monotonic(), 0))
+        self._next = time.monotonic() + self._pace
+        self._live.update(frame, refresh=True)
+
+    def _frame(self) -> list[Text]:
+        doings = Doings(self._interpreter.now, self._family, tuple(self._requests))
+        width, height = self._size()
+        picture = self._picture()
+        assert picture is not None
+        memory = self._interpreter.memory
+        lines = draw_frame(picture, memory, doings, width, height)
+        return lines if self._color else [Text(line.plain) for line in lines]

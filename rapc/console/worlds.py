@@ -1,0 +1,86 @@
+"""What `rapc worlds` prints, as plain text laid out for a width in columns."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable, Mapping, Sequence
+from textwrap import wrap
+
+from rapc.base.values import Atom, Text
+from rapc.world import Option, World
+
+_NARROW = 24
+"""With fewer columns than these left beside a name, its text goes below it."""
+
+
+def list_worlds(worlds: Mapping[str, str], width: int) -> str:
+    """A line or more for each world: its name, and what it is in a few words."""
+    return "\n".join(columns(worlds.items(), width))
+
+
+def describe_world(world: World, width: int) -> str:
+    """All that a world offers: primitives with results, data, skills, options."""
+    offer = world.offer()
+    primitives = [
+        (f"{name}/{arity}", ", ".join(results))
+        for name, (arity, results) in offer.primitives.items()
+    ]
+    lines = wrap(f"{world.name}: {summary(type(world))}", width)
+    lines += _section("primitives / arguments, and results", primitives, width)
+    named = (("data", offer.data), ("skills", offer.skills), ("events", offer.events))
+    listed: list[tuple[str, Sequence[str]]] = [
+        (f"{title} / arguments", [f"{name}/{arity}" for name, arity in names.items()])
+        for title, names in named
+    ]
+    listed.insert(0, ("primitives that only look", offer.sensors))
+    for title, words in listed:
+        if words:
+            lines += ["", *wrap(title, width)]
+            wrapped = wrap("  ".join(words), width - 2, break_on_hyphens=False)
+            lines += ["  " + line for line in wrapped]
+    rows = [(option.name, _option(option)) for option in world.options()]
+    lines += _section(f"options, as `--set {world.name}.option=value`", rows, width)
+    return "\n".join(lines)
+
+
+def summary(world: type[World]) -> str:
+    """The first line of a world's documentation, without its full stop."""
+    return (inspect.getdoc(world) or "").partition("\n")[0].rstrip(".")
+
+
+def columns(rows: Iterable[tuple[str, str]], width: int) -> list[str]:
+    """Names with a text beside them or, where it is narrow, below them."""
+    rows = list(rows)
+    left = max((len(name) for name, _ in rows), default=0) + 2
+    beside = width - left >= _NARROW
+    lines = []
+    for name, text in rows:
+        room = width - left if beside else width - 4
+        wrapped = wrap(text, max(room, 1), break_on_hyphens=False)
+        if beside:
+            first, *rest = wrapped or [""]
+            lines.append(f"{name:<{left}}{first}".rstrip())
+            lines += [" " * left + line for line in rest]
+        else:
+            lines += [name, *("    " + line for line in wrapped)]
+    return lines
+
+
+def _section(title: str, rows: Sequence[tuple[str, str]], width: int) -> list[str]:
+    if not rows:
+        return []
+    body = ("  " + line for line in columns(rows, width - 2))
+    return ["", *wrap(title, width), *body]
+
+
+def _option(option: Option) -> str:
+    words = [_show(option.default), option.unit]
+    if option.kind != "number":
+        words.append(f"({option.kind})")
+    return f"{' '.join(filter(None, words))}: {option.doc}"
+
+
+def _show(value: Atom | bool) -> str:
+    if isinstance(value, Text):
+        return value.value or "none"
+    return str(value).lower()

@@ -1,0 +1,209 @@
+"""A linked library: every definition of a set of files under its name, immutable.
+
+Linking collects names and reports those defined twice and those the language keeps
+for itself. What a reference means, and whether it means anything, is for
+`rapc.analysis` to say; finding and reading the files is for `rapc.library.loader`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.source import SourceFile, Span
+from rapc.ir import nodes
+from rapc.ir.tests import DefineTest
+from rapc.parser.names import CALLS, QUERIES, TRUTHS
+from rapc.parser.parse import Parsed
+
+BUILTIN_NAMES = frozenset((*TRUTHS, *QUERIES, *CALLS))
+"""What formulas and terms may begin with that no library can declare (semantics 2)."""
+
+DUPLICATE = Rule(
+    code="RAP060",
+    name="duplicate-definition",
+    severity=Severity.ERROR,
+    summary="two definitions of one kind have one name",
+    why="""A name means one thing in a library: the second definition would never be
+used, or would change what every use of the first means. Propositions, properties and
+functions share their names, for a formula does not say which it means.""",
+    example="""\
+(define-rap (wait))
+(define-rap (wait ?time))
+""",
+    better="""\
+(define-rap (wait))
+(define-rap (wait-for-time ?time))
+""",
+)
+
+BUILTIN = Rule(
+    code="RAP061",
+    name="builtin-name",
+    severity=Severity.ERROR,
+    summary="a declaration takes a name that the language keeps for itself",
+    why="""Connectives, comparisons, arithmetic, questions about the task and `count`
+mean the same in every library; a declared fact or function of that name could never be
+asked for.""",
+    example="""\
+(declare-memory-proposition member (?club ?person))
+""",
+    better="""\
+(declare-memory-proposition belongs-to (?club ?person))
+""",
+)
+
+RULES = (DUPLICATE, BUILTIN)
+"""The rules that linking can break."""
+
+
+class Library(msgspec.Struct, frozen=True):
+    """All definitions by name, in the order of the text; nothing changes afterwards.
+
+    `files` holds every file read, by the name that spans carry; `forms` every
+    top-level form, also one whose name was taken before; `tests` the tests in them.
+    A library that was compiled to a file and read from it has `forms` no more.
+    """
+
+    raps: Mapping[str, nodes.DefineRap]
+    propositions: Mapping[str, nodes.DeclareProposition]
+    properties: Mapping[str, nodes.DeclareProperty]
+    functions: Mapping[str, nodes.DeclareFunction]
+    primitives: Mapping[str, nodes.DeclarePrimitive]
+    data: Mapping[str, nodes.DeclareDatum]
+    skills: Mapping[str, nodes.DeclareSkill]
+    events: Mapping[str, nodes.DeclareEvent]
+    indistinct: Mapping[str, nodes.DeclareIndistinctClass]
+    comparators: tuple[nodes.DeclareComparator, ...]
+    memory_rules: tuple[nodes.MemoryRule, ...]
+    event_rules: tuple[nodes.EventRule, ...]
+    files: Mapping[str, SourceFile]
+    forms: tuple[nodes.TopForm, ...] = ()
+    tests: tuple[DefineTest, ...] = ()
+
+
+_KINDS: Mapping[type, tuple[str, str, str]] = {
+    nodes.DefineRap: ("raps", "RAP", "RAP"),
+    nodes.DeclareProposition: ("propositions", "predicate", "proposition"),
+    nodes.DeclareProperty: ("properties", "predicate", "property"),
+    nodes.DeclareFunction: ("functions", "predicate", "function"),
+    nodes.DeclarePrimitive: ("primitives", "primitive", "primitive"),
+    nodes.DeclareDatum: ("data", "datum", "sensor datum"),
+    nodes.DeclareSkill: ("skills", "skill", "skill"),
+    nodes.DeclareEvent: ("events", "event", "event"),
+    nodes.DeclareIndistinctClass: ("indistinct", "class", "indistinct class"),
+}
+"""For each kind of definition: its field, the space its names share, its word."""
+
+_SEQUENCES: Mapping[type, str] = {
+    nodes.DeclareComparator: "comparators",
+    nodes.MemoryRule: "memory_rules",
+    nodes.EventRule: "event_rules",
+}
+
+
+def link(
+    parsed: Sequence[tuple[SourceFile, Parsed]],
+) -> tuple[Library, tuple[Diagnostic, ...]]:
+    """Link parsed files into one library; of two definitions the first one stays.
+
+    Returns the library and what is wrong with its names. What the parser found is
+    not repeated.
+    """
+    files = {source.name: source for source, _ in parsed}
+    forms = tuple(form for _, one in parsed for form in one.forms)
+    tables: dict[str, dict[str, nodes.TopForm]] = {f: {} for f, _, _ in _KINDS.values()}
+    sequences: dict[str, list[nodes.TopForm]] = {f: [] for f in _SEQUENCES.values()}
+    taken: dict[tuple[str, ...], nodes.TopForm] = {}
+    found: list[Diagnostic] = []
+    for form in forms:
+        key = _key(form)
+        first = form if key is None else taken.setdefault(key, form)
+        if first is not form:
+            found.append(_duplicate(files, first, form))
+        elif (field := _SEQUENCES.get(type(form))) is not None:
+            sequences[field].append(form)
+        elif (kind := _KINDS.get(type(form))) is not None:
+            tables[kind[0]][_name(form)] = form
+            if kind[1] == "predicate" and _name(form) in BUILTIN_NAMES:
+                found.append(_builtin(files, form))
+    fields: dict[str, Any] = {**tables}
+    fields.update((name, tuple(rows)) for name, rows in sequences.items())
+    tests = tuple(test for _, one in parsed for test in one.tests)
+    found.extend(_duplicate_tests(tests))
+    return Library(**fields, files=files, forms=forms, tests=tests), tuple(found)
+
+
+def name_span(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Span:
+    """Where a definition states its name, or the whole form where that is unknown."""
+    if isinstance(form, nodes.DefineRap):
+        return form.name_span
+    return word_span(files, form.span, 1)
+
+
+def word_span(files: Mapping[str, SourceFile], span: Span, position: int) -> Span:
+    """Where a list states one of its first words, its head being word 0."""
+    source = files.get(span.file)
+    return span if source is None else source.word(span, position)
+
+
+def _key(form: nodes.TopForm) -> tuple[str, ...] | None:
+    if isinstance(form, nodes.DeclareComparator):
+        return ("comparator", form.class_name, form.place or "")
+    kind = _KINDS.get(type(form))
+    return None if kind is None else (kind[1], _name(form))
+
+
+def _name(form: nodes.TopForm) -> str:
+    name = getattr(form, "name", "")
+    assert isinstance(name, str)
+    return name
+
+
+def _duplicate(
+    files: Mapping[str, SourceFile], first: nodes.TopForm, second: nodes.TopForm
+) -> Diagnostic:
+    if isinstance(second, nodes.DeclareComparator):
+        what = f"a comparator for class `{second.class_name}`"
+        what += f" at `{second.place}`" if second.place else ""
+    else:
+        what = f"{_KINDS[type(second)][2]} `{_name(second)}`"
+    help_ = "rename one of the two, or remove it"
+    if first == second:
+        help_ = "the two say the same: keep one, and `require` its file from the other"
+    elif type(first) is not type(second):
+        help_ = "propositions, properties and functions share their names: rename one"
+    return Diagnostic(
+        rule=DUPLICATE.name,
+        message=f"{what} is defined already",
+        span=name_span(files, second),
+        labels=(Label(name_span(files, first), "first defined here"),),
+        help=help_,
+    )
+
+
+def _duplicate_tests(tests: Iterable[DefineTest]) -> Iterator[Diagnostic]:
+    """Tests of one name in one file."""
+    taken: dict[tuple[str, str], DefineTest] = {}
+    for test in tests:
+        first = taken.setdefault((test.span.file, test.name), test)
+        if first is not test:
+            yield Diagnostic(
+                rule=DUPLICATE.name,
+                message=f"test `{test.name}` is defined already",
+                span=test.name_span,
+                labels=(Label(first.name_span, "first defined here"),),
+                help="rename one of the two, or remove it",
+            )
+
+
+def _builtin(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Diagnostic:
+    return Diagnostic(
+        rule=BUILTIN.name,
+        message=f"`{_name(form)}` is a name of the language and cannot be declared",
+        span=name_span(files, form),
+        help="choose another name",
+    )

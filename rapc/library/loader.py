@@ -1,0 +1,281 @@
+"""Find and read RAP files, follow `require`, and link what was read.
+
+What cannot be read at all is a `LoadError` (`rapc.base.files`), one line for the user;
+everything else that is wrong is a diagnostic, and what could be made of the rest is
+there as well.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+
+import msgspec
+
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.files import (
+    SUFFIX,
+    TEST_SUFFIX,
+    Identity,
+    files_at,
+    fold_line_ends,
+    identity_of,
+    named,
+    read_standard_input,
+    read_text,
+)
+from rapc.base.gc_paused import undisturbed
+from rapc.base.names import nearest
+from rapc.base.source import SourceFile, Span
+from rapc.ir import nodes
+from rapc.library import library
+from rapc.library.library import Library
+from rapc.parser.parse import Comment, Parsed, parse
+
+_LONG = 60
+"""How much of a required name is repeated in messages."""
+
+UNRESOLVED = Rule(
+    code="RAP062",
+    name="unresolved-require",
+    severity=Severity.ERROR,
+    summary="a `require` names neither a file, nor a folder, nor a standard library",
+    why="""`(require "name")` means the file `name.rap` or the folder `name` beside the
+requiring file, else the standard library of that name. What it should have brought in
+is missing, so most of what uses it would be reported as unknown too.""",
+    example="""\
+(require "no-such-library")
+""",
+    better="""\
+(declare-memory-proposition seen (?thing))
+""",
+)
+
+RULES = (UNRESOLVED,)
+"""The rules that loading can break."""
+
+
+class Loaded(msgspec.Struct, frozen=True):
+    """What came of reading: the library, what was found so far, and the comments.
+
+    `diagnostics` holds what the reader, the forms, `require` and linking found;
+    `comments` the comments of each file, by the file's name; `partial` the places of
+    forms from which something had to be left out.
+    """
+
+    library: Library
+    diagnostics: tuple[Diagnostic, ...]
+    comments: Mapping[str, tuple[Comment, ...]]
+    partial: tuple[Span, ...]
+
+    @property
+    def files(self) -> Mapping[str, SourceFile]:
+        """Every file read, by the name that spans carry, first read first."""
+        return self.library.files
+
+
+@undisturbed()
+def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
+    """Read files and folders, all they require, and link them into one library.
+
+    Args:
+        paths: files, folders (all `.rap` files below, sorted) or `-` for standard
+            input. Folders whose name begins with a dot are left out below a folder.
+        tests: whether `*.test.rap` files found in folders are read as well.
+
+    Raises:
+        LoadError: for a path that is missing, unreadable, not UTF-8 or not text, and
+            for folders that lead back into themselves.
+    """
+    reading = _Reading(tests)
+    for path in dict.fromkeys(map(str, paths)):
+        if path == "-":
+            reading.add(SourceFile("<stdin>", read_standard_input()))
+        else:
+            reading.read_all(files_at(named(path), tests))
+    return reading.finish()
+
+
+@undisturbed()
+def load_for_test(source: SourceFile, requires: Iterable[nodes.Require]) -> Loaded:
+    """Link what a test runs: its file, and what that and the test itself require.
+
+    What other tests of the file require is left out. Raises LoadError as `load`.
+    """
+    reading = _Reading(tests=False, of_tests=frozenset(form.name for form in requires))
+    reading.add_first(source)
+    return reading.finish()
+
+
+def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
+    """The files named, and all `*.test.rap` files below the folders named, read.
+
+    A path may be `-` for standard input.
+
+    Raises:
+        LoadError: for what cannot be read, and as `load` for folders.
+    """
+    seen: set[Identity] = set()
+    for path in dict.fromkeys(map(str, paths)):
+        if path == "-":
+            yield SourceFile("<stdin>", read_standard_input())
+            continue
+        whole = named(path)
+        for file in files_at(whole, tests=True):
+            if file != whole and not file.name.endswith(TEST_SUFFIX):
+                continue
+            if identity_of(file) not in seen:
+                seen.add(identity_of(file))
+                yield SourceFile(str(file), read_text(file))
+
+
+@undisturbed()
+def load_text(text: str, name: str = "<text>") -> Loaded:
+    """Link one text as if it were a file in the working folder; see `load`."""
+    reading = _Reading(tests=False)
+    reading.add(SourceFile(name, fold_line_ends(text)))
+    return reading.finish()
+
+
+def standard_libraries() -> tuple[str, ...]:
+    """The names of the standard libraries that are installed, sorted."""
+    folder = _stdlib()
+    if not folder.is_dir():
+        return ()
+    return tuple(sorted(e.name.removesuffix(SUFFIX) for e in folder.iterdir()))
+
+
+class _Opened(msgspec.Struct, frozen=True):
+    """A file that was parsed while the files that it requires are being read."""
+
+    source: SourceFile
+    parsed: Parsed
+    required: Iterator[Path]
+
+
+class _Reading:
+    """The files of one load; those that a file requires come before it.
+
+    `of_tests` names what is read of that which tests require; all of it if None.
+    """
+
+    def __init__(self, tests: bool, of_tests: frozenset[str] | None = None) -> None:
+        self.tests = tests
+        self.of_tests = of_tests
+        self.parsed: list[tuple[SourceFile, Parsed]] = []
+        self.missing: list[Diagnostic] = []
+        self.seen: set[Identity] = set()
+
+    def read_all(self, paths: Iterable[Path]) -> None:
+        """Read files that were not read before, under whatever name."""
+        for path in paths:
+            if self._is_new(path):
+                self.add(SourceFile(str(path), read_text(path)))
+
+    def add_first(self, source: SourceFile) -> None:
+        """Parse a file that was read before this began, or a text; see `add`."""
+        if os.path.lexists(source.name):
+            self._is_new(Path(source.name))
+        self.add(source)
+
+    def add(self, source: SourceFile) -> None:
+        """Parse a text, after all that it requires."""
+        opened = [self._open(source)]
+        while opened:
+            path = next(opened[-1].required, None)
+            if path is None:
+                done = opened.pop()
+                self.parsed.append((done.source, done.parsed))
+            elif self._is_new(path):
+                opened.append(self._open(SourceFile(str(path), read_text(path))))
+
+    def finish(self) -> Loaded:
+        """Link what was read."""
+        linked, names = library.link(self.parsed)
+        own = [d for _, parsed in self.parsed for d in parsed.diagnostics]
+        comments = {source.name: parsed.comments for source, parsed in self.parsed}
+        partial = tuple(span for _, parsed in self.parsed for span in parsed.partial)
+        return Loaded(linked, (*own, *self.missing, *names), comments, partial)
+
+    def _is_new(self, path: Path) -> bool:
+        identity = identity_of(path)
+        is_new = identity not in self.seen
+        self.seen.add(identity)
+        return is_new
+
+    def _open(self, source: SourceFile) -> _Opened:
+        parsed = parse(source)
+        return _Opened(source, parsed, self._required(parsed, Path(source.name)))
+
+    def _required(self, parsed: Parsed, path: Path) -> Iterator[Path]:
+        for form in self._requires(parsed):
+            target = _resolve(form.name, path)
+            found = [] if target is None else list(files_at(target, self.tests))
+            if not found:
+                self.missing.append(_unresolved(form, path))
+            yield from found
+
+    def _requires(self, parsed: Parsed) -> Iterator[nodes.Require]:
+        for form in parsed.forms:
+            if isinstance(form, nodes.Require):
+                yield form
+        for test in parsed.tests:
+            for form in test.requires:
+                if self.of_tests is None or form.name in self.of_tests:
+                    yield form
+
+
+# --- require -------------------------------------------------------------------
+
+
+def _stdlib() -> Path:
+    return Path(str(resources.files("rapc"))) / "stdlib"
+
+
+def _resolve(name: str, requiring: Path) -> Path | None:
+    """The file or folder a `require` means; never the requiring file itself."""
+    return _in_folder(name, requiring.parent, requiring) or _in_folder(
+        name, _shown(_stdlib()), requiring
+    )
+
+
+def _in_folder(name: str, folder: Path, requiring: Path) -> Path | None:
+    file = folder / (name + SUFFIX)
+    if os.path.isfile(file) and file != requiring:
+        return file
+    return folder / name if name and os.path.isdir(folder / name) else None
+
+
+def _shown(path: Path) -> Path:
+    """A path as it is best printed: relative to the working folder if below it."""
+    here = Path.cwd()
+    return path.relative_to(here) if path.is_relative_to(here) else path
+
+
+def _unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
+    names = [name for name in _beside(requiring) if name != requiring.stem]
+    close = nearest(form.name, [*names, *standard_libraries()])
+    name = form.name if len(form.name) <= _LONG else f"{form.name[:_LONG]}..."
+    return Diagnostic(
+        rule=UNRESOLVED.name,
+        message=f"nothing is found for `{name}`",
+        span=form.span,
+        notes=(
+            f"neither `{name}{SUFFIX}` nor a folder `{name}` with RAP files "
+            "stands beside this file, and no standard library is called so",
+        ),
+        help=f"did you mean `{close}`?" if close else "",
+    )
+
+
+def _beside(requiring: Path) -> list[str]:
+    """What could be required from beside a file."""
+    try:
+        with os.scandir(requiring.parent) as entries:
+            listed = [(entry.name, entry.is_dir()) for entry in entries]
+    except OSError:
+        return []
+    found = [name for name, is_folder in listed if is_folder or name.endswith(SUFFIX)]
+    return [name.removesuffix(SUFFIX) for name in found]

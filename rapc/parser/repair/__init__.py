@@ -1,0 +1,1 @@
+"""Reading on where parentheses are missing or too many."""

@@ -1,0 +1,168 @@
+"""Parentheses that do not match: which are missing or too many, and where most likely.
+
+The fewest repairs are those that close what is open at the end and drop what closes
+nothing. Indentation tells where the author meant them: a line that begins at or left
+of a list still open was meant to stand behind that list, and one that begins right of
+a list just closed was meant to stand inside. Words tell it, too: how deep a line
+stands that begins a clause, and that a form or clause begins with one parenthesis.
+What they tell is believed if it needs no more repairs than the fewest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import msgspec
+
+from rapc.base.source import SourceFile
+from rapc.parser.lexicon import ATOM, CLOSE, MAX_DEPTH, OPEN, Token
+from rapc.parser.names import FORMS, METHOD_CLAUSES, RAP_CLAUSES
+
+
+class Repair(msgspec.Struct, frozen=True):
+    """What makes some tokens balance; all numbers are positions among them.
+
+    `closes` holds where a `)` belongs (before that token) and which list it closes;
+    `drops` which `)` goes, and the list it would close too early, if any; `opens`
+    before which tokens a `(` belongs; `extra` which `(` goes.
+    """
+
+    closes: tuple[tuple[int, int], ...] = ()
+    drops: tuple[tuple[int, int | None], ...] = ()
+    opens: tuple[int, ...] = ()
+    extra: tuple[int, ...] = ()
+
+    @property
+    def edits(self) -> int:
+        """How many parentheses are put in or taken out."""
+        return sum(map(len, (self.closes, self.drops, self.opens, self.extra)))
+
+
+def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
+    """The likeliest way to make tokens balance."""
+    fewest = plain(tokens)
+    if not fewest.edits:
+        return fewest
+    guided = _Guided(source, tokens)
+    meant = guided.repair()
+    if meant is None or meant.edits > fewest.edits + 2 * guided.strays:
+        return fewest
+    return meant
+
+
+def plain(tokens: Sequence[Token]) -> Repair:
+    """The repair that looks at nothing but the parentheses."""
+    stack: list[int] = []
+    drops: list[tuple[int, int | None]] = []
+    for index, (kind, _, _) in enumerate(tokens):
+        if kind == OPEN:
+            stack.append(index)
+        elif kind == CLOSE and stack:
+            stack.pop()
+        elif kind == CLOSE:
+            drops.append((index, None))
+    closes = tuple((len(tokens), opener) for opener in reversed(stack))
+    return Repair(closes, tuple(drops))
+
+
+class _Guided:
+    """The repair that indentation and words suggest.
+
+    `open` holds the lists open (a list without its parenthesis by its first token),
+    `closed` those closed since the last line began, each with its closing parenthesis;
+    `places` the row and column of every token. `strays` is true once a clause would
+    stand outside of its form: putting it back would cost two more repairs.
+    """
+
+    def __init__(self, source: SourceFile, tokens: Sequence[Token]) -> None:
+        self.source = source
+        self.tokens = tokens
+        self.places = [source.position(start) for _, start, _ in tokens]
+        self.open: list[int] = []
+        self.closed: list[tuple[int, int]] = []
+        self.closes: list[tuple[int, int]] = []
+        self.drops: list[tuple[int, int | None]] = []
+        self.opens: list[int] = []
+        self.extra: list[int] = []
+        self.strays = False
+        firsts = [i for i in range(len(tokens)) if self._begins_line(i)]
+        left = [i for i in firsts if self.places[i].column == 1]
+        self.indented = 2 * len(left) <= len(firsts)
+
+    def repair(self) -> Repair | None:
+        """The repair; None if it nests too deeply."""
+        for index, (kind, _, _) in enumerate(self.tokens):
+            if kind != CLOSE and self._begins_line(index):
+                self._line(index, kind)
+            if kind == OPEN and self._doubled(index):
+                self.extra.append(index)
+            elif kind == OPEN:
+                self.open.append(index)
+            elif kind == CLOSE and self.open:
+                self.closed.append((self.open.pop(), index))
+            elif kind == CLOSE:
+                self.drops.append((index, None))
+            if len(self.open) > MAX_DEPTH:
+                return None
+        self.closes += [(len(self.tokens), opener) for opener in reversed(self.open)]
+        return Repair(
+            tuple(self.closes),
+            tuple(self.drops),
+            tuple(self.opens),
+            tuple(self.extra),
+        )
+
+    def _begins_line(self, index: int) -> bool:
+        return index == 0 or self.places[index - 1].row < self.places[index].row
+
+    def _line(self, index: int, kind: int) -> None:
+        """Bring what is open into line with where a line begins."""
+        depth = self._depth(index)
+        self.strays = self.strays or len(self.open) < (depth or 0)
+        self._reopen(index, depth)
+        self._close(index, depth)
+        self.closed.clear()
+        if kind == ATOM and depth == len(self.open):
+            self.opens.append(index)
+            self.open.append(index)
+
+    def _reopen(self, index: int, depth: int | None) -> None:
+        """Take back what the line before has closed but this line stands inside of."""
+        column = self.places[index].column
+        while self.closed:
+            opener, closer = self.closed[-1]
+            inside = self.places[opener].column < column and self._begins_line(opener)
+            if not (self.indented and inside) and len(self.open) >= (depth or 0):
+                return
+            self.closed.pop()
+            self.drops.append((closer, opener))
+            self.open.append(opener)
+
+    def _close(self, index: int, depth: int | None) -> None:
+        """Close what this line does not stand inside of, the whole form excepted."""
+        column = self.places[index].column
+        while len(self.open) > 1:
+            behind = self.places[self.open[-1]].column >= column
+            outside = bool(depth) and len(self.open) > (depth or 0)
+            if not (behind if self.indented else outside):
+                return
+            self.closes.append((index, self.open.pop()))
+
+    def _depth(self, index: int) -> int | None:
+        """In how many lists a form or clause stands that a line begins with."""
+        kind, start, end = self.tokens[index]
+        if kind == OPEN and index + 1 < len(self.tokens):
+            _, start, end = self.tokens[index + 1]
+        word = self.source.text[start:end].lower()
+        if word in RAP_CLAUSES or word in ("facts", "script", "expect"):
+            return 1
+        if word in METHOD_CLAUSES:
+            return 2
+        return 0 if word in FORMS and word != "require" else None
+
+    def _doubled(self, index: int) -> bool:
+        """Whether a parenthesis stands before the one that begins a form or clause."""
+        following = self.tokens[index + 1 : index + 2]
+        if not following or following[0][0] != OPEN:
+            return False
+        return self._depth(index + 1) == len(self.open)

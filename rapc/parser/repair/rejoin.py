@@ -1,0 +1,61 @@
+"""Clauses left outside of their `define-rap` by a parenthesis too many.
+
+Such a text balances, so the reader has nothing to complain of, but a clause at the top
+level belongs to the RAP before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import cast
+
+from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.parser.lexicon import Notes
+from rapc.parser.names import RAP_CLAUSES
+from rapc.parser.syntax import Datum, List, Symbol
+
+
+def rejoin(notes: Notes, forms: Iterable[Datum]) -> list[Datum]:
+    """The top level with such clauses put back; those RAPs count as damaged."""
+    kept: list[Datum] = []
+    strays: list[List] = []
+    for form in forms:
+        if kept and _head(kept[-1]) == "define-rap" and _head(form) in RAP_CLAUSES:
+            strays.append(cast(List, form))
+            continue
+        _adopt(notes, kept, strays)
+        strays = []
+        kept.append(form)
+    _adopt(notes, kept, strays)
+    return kept
+
+
+def _head(form: Datum) -> str:
+    if isinstance(form, List) and form.items and isinstance(form.items[0], Symbol):
+        return form.items[0].name
+    return ""
+
+
+def _adopt(notes: Notes, kept: list[Datum], strays: list[List]) -> None:
+    if not strays:
+        return
+    rap = cast(List, kept.pop())
+    last = strays[-1].end
+    closer = notes.source.span(rap.end - 1, rap.end)
+    opener = notes.source.span(rap.start, rap.start + 1)
+    first = notes.source.span(strays[0].start, strays[0].start + 1)
+    edits = (Edit(closer, ""), Edit(notes.source.span(last, last), ")"))
+    notes.report(
+        Diagnostic(
+            "surplus-parenthesis",
+            "this `)` closes a RAP before its last clause",
+            closer,
+            labels=(
+                Label(opener, "the RAP begins here"),
+                Label(first, f"`{_head(strays[0])}` stands outside of it"),
+            ),
+            fix=Fix(Applicability.UNSAFE, "close the RAP behind its clauses", edits),
+        )
+    )
+    notes.damage.append(rap.start)
+    kept.append(List((*rap.items, *strays), rap.start, last))

@@ -1,0 +1,355 @@
+"""What is wrong with the shape of forms, clauses, formulas, terms and steps."""
+
+from __future__ import annotations
+
+from rapc.base.diagnostics import Rule, Severity
+
+_HAVE = "(declare-memory-proposition have (?thing))\n"
+
+FORM_RULES: tuple[Rule, ...] = (
+    Rule(
+        code="RAP010",
+        name="unknown-clause",
+        severity=Severity.ERROR,
+        summary="a clause or option has a name that does not exist",
+        why="""A clause that nobody knows would have no effect. Some print has had
+for others: `success` for `succeed`, `constraint` for `constraints`; these have a
+safe fix.""",
+        example=_HAVE
+        + """\
+(define-rap (fetch)
+  (success (have cup)))
+""",
+        better=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (have cup)))
+""",
+    ),
+    Rule(
+        code="RAP011",
+        name="duplicate-clause",
+        severity=Severity.ERROR,
+        summary="a clause stands twice where it may stand once",
+        why="""Only methods may be several. Of two other clauses of one name the
+first counts, and `and` joins what they say.""",
+        example=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (have cup))
+  (succeed (have plate)))
+""",
+        better=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (and (have cup) (have plate))))
+""",
+    ),
+    Rule(
+        code="RAP030",
+        name="malformed-form",
+        severity=Severity.ERROR,
+        summary="a declaration lacks a part, or has one that does not fit",
+        why="""Each declaration has its parts in a fixed order: a name, most often a
+list of arguments, then what is special to it; a doc string and options may follow.""",
+        example="""\
+(declare-memory-property colour (?thing ?colour))
+""",
+        better="""\
+(declare-memory-property colour (?thing ?colour) unknown)
+""",
+    ),
+    Rule(
+        code="RAP031",
+        name="malformed-clause",
+        severity=Severity.ERROR,
+        summary="a clause has parts that do not fit it",
+        why="""Most clauses hold one formula; several are joined by `and`.
+`monitor-time` takes a reference and two times, `resources` sets and counters, a
+method a name and clauses.""",
+        example=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (have cup) (have plate)))
+""",
+        better=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (and (have cup) (have plate))))
+""",
+    ),
+    Rule(
+        code="RAP032",
+        name="malformed-formula",
+        severity=Severity.ERROR,
+        summary="something is no formula",
+        why="""A formula is a proposition, a comparison, a special form or a
+connective, in parentheses, or one of the constants `true`, `t`, `false`, `nil`. What
+computes a value is a term: it can be compared, but is neither true nor false.""",
+        example=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed have))
+""",
+        better=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (have cup)))
+""",
+    ),
+    Rule(
+        code="RAP033",
+        name="malformed-term",
+        severity=Severity.ERROR,
+        summary="something is no term",
+        why="""An argument is a symbol, a number, a string, a variable or a computed
+term such as `(+ ?n 1)`. Formulas have no value and cannot stand inside of one.""",
+        example="""\
+(define-rap (wait ?time)
+  (succeed (> (+ ?time) 3)))
+""",
+        better="""\
+(define-rap (wait ?time)
+  (succeed (> (+ ?time 1) 3)))
+""",
+    ),
+    Rule(
+        code="RAP034",
+        name="malformed-proposition",
+        severity=Severity.ERROR,
+        summary="a plain proposition is wanted",
+        why="""What is asserted, noted, requested or believed is one proposition: a
+name and its arguments. Connectives and comparisons are for questions only.""",
+        example=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (believe (not (have cup)) 10)))
+""",
+        better=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (not (believe (have cup) 10))))
+""",
+    ),
+    Rule(
+        code="RAP035",
+        name="malformed-goal",
+        severity=Severity.ERROR,
+        summary="a goal or an index is not a name with arguments",
+        why="""A step asks for a RAP by its name with inputs and, behind `=>`,
+outputs, all in one list; the index of a RAP looks the same and has variables only.""",
+        example="""\
+(define-rap (index fetch ?thing))
+""",
+        better="""\
+(define-rap (index (fetch ?thing)))
+""",
+    ),
+    Rule(
+        code="RAP036",
+        name="malformed-step",
+        severity=Severity.ERROR,
+        summary="a step of a task-net lacks its tag or its goal",
+        why="""Each step is a list: a tag to speak of it, a priority if wanted, the
+goal, and annotations.""",
+        example="""\
+(define-rap (lift))
+(define-rap (fetch)
+  (method (task-net
+    ((lift)))))
+""",
+        better="""\
+(define-rap (lift))
+(define-rap (fetch)
+  (method (task-net
+    (t1 (lift)))))
+""",
+    ),
+    Rule(
+        code="RAP037",
+        name="unknown-annotation",
+        severity=Severity.ERROR,
+        summary="an annotation of a step does not exist",
+        why="""An annotation that nobody knows would neither order nor end nor count
+anything. `counter-del`, which has been printed, is called `counter-sub`.""",
+        example="""\
+(define-rap (lift))
+(define-rap (fetch ?count)
+  (method (task-net
+    (t1 (lift) (counter-del ?count 1)))))
+""",
+        better="""\
+(define-rap (lift))
+(define-rap (fetch ?count)
+  (method (task-net
+    (t1 (lift) (counter-sub ?count 1)))))
+""",
+    ),
+    Rule(
+        code="RAP038",
+        name="malformed-annotation",
+        severity=Severity.ERROR,
+        summary="an annotation of a step has parts that do not fit it",
+        why="""`for`, `until-start` and `until-end` name one step, `window` a step or
+a clock and two times, the effects a resource and one thing or amount, `wait-for` a
+signal and what it does.""",
+        example="""\
+(define-rap (lift))
+(define-rap (fetch)
+  (method (task-net
+    (t1 (lift) (until-end))
+    (t2 (lift)))))
+""",
+        better="""\
+(define-rap (lift))
+(define-rap (fetch)
+  (method (task-net
+    (t1 (lift) (until-end t2))
+    (t2 (lift)))))
+""",
+    ),
+    Rule(
+        code="RAP039",
+        name="repeated-variable",
+        severity=Severity.ERROR,
+        summary="a variable is declared twice in one place",
+        why="""The inputs and outputs of a RAP, the arguments of a declaration and
+the resources of a task each have names of their own: one name cannot take two
+values.""",
+        example="""\
+(define-rap (move ?thing ?thing))
+""",
+        better="""\
+(define-rap (move ?thing ?place))
+""",
+    ),
+    Rule(
+        code="RAP040",
+        name="missing-index",
+        severity=Severity.ERROR,
+        summary="a RAP has no name",
+        why="""The index names a RAP and its inputs and outputs; without it nothing
+can ask for it.""",
+        example="""\
+(define-rap
+  (method (task-net)))
+""",
+        better="""\
+(define-rap (wait)
+  (method (task-net)))
+""",
+    ),
+    Rule(
+        code="RAP041",
+        name="duplicate-method",
+        severity=Severity.ERROR,
+        summary="two methods of a RAP have one name",
+        why="""`method-tried` and `result-with-method` speak of a method by its name,
+and so do traces and tests.""",
+        example="""\
+(define-rap (wait)
+  (method 1 (task-net))
+  (method 1 (task-net)))
+""",
+        better="""\
+(define-rap (wait)
+  (method 1 (task-net))
+  (method 2 (task-net)))
+""",
+    ),
+    Rule(
+        code="RAP042",
+        name="method-without-body",
+        severity=Severity.ERROR,
+        summary="a method does not say what to do",
+        why="""A method has a `task-net` or a `primitive`. One that means to do
+nothing says so with an empty task-net, `(task-net)`, which ends well at once.""",
+        example="""\
+(define-rap (wait)
+  (method (context true)))
+""",
+        better="""\
+(define-rap (wait)
+  (method (context true) (task-net)))
+""",
+    ),
+    Rule(
+        code="RAP043",
+        name="formula-too-large",
+        severity=Severity.ERROR,
+        summary="a formula has more than 200 parts",
+        why="""Formulas become nested code, which has a limit. A declared function
+can decide such a matter, or several RAPs can share it.""",
+        example=_HAVE
+        + f"(define-rap (fetch)\n  (succeed (or{201 * ' (have cup)'})))\n",
+        better=_HAVE
+        + """\
+(define-rap (fetch)
+  (succeed (or (have cup) (have plate))))
+""",
+    ),
+    Rule(
+        code="RAP044",
+        name="misplaced-clause",
+        severity=Severity.ERROR,
+        summary="a clause stands in the wrong kind of form",
+        why="""`context`, `notations`, `task-net` and `primitive` belong to a method,
+all other clauses to the RAP. Most often a parenthesis is missing or too many.""",
+        example=_HAVE
+        + """\
+(define-rap (fetch)
+  (method (task-net)
+    (succeed (have cup))))
+""",
+        better=_HAVE
+        + """\
+(define-rap (fetch)
+  (method (task-net))
+  (succeed (have cup)))
+""",
+    ),
+    Rule(
+        code="RAP045",
+        name="malformed-rule",
+        severity=Severity.ERROR,
+        summary="a rule over memory has parts that do not fit it",
+        why="""A memory rule names the goal it watches, when it runs, and cases; an
+event rule names a signal. Both hold rules, each a list of queries with their
+actions.""",
+        example=_HAVE
+        + """\
+(define-rap (fetch ?thing))
+(define-memory-rule (fetch ?thing)
+  (match-result (succeed (rule (true (mem-add (have ?thing)))))))
+""",
+        better=_HAVE
+        + """\
+(define-rap (fetch ?thing))
+(define-memory-rule (fetch ?thing) :finish
+  (match-result (succeed (rule (true (mem-add (have ?thing)))))))
+""",
+    ),
+    Rule(
+        code="RAP046",
+        name="grouped-steps",
+        severity=Severity.ERROR,
+        summary="steps are grouped by a word such as `sequence`",
+        why="""The steps of a task-net stand beside each other. They may run in any
+order, but for what their annotations say: `(for t2)` puts a step before step t2.""",
+        example="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (sequence (t1 (lift)) (t2 (carry))))))
+""",
+        better="""\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift) (for t2))
+    (t2 (carry)))))
+""",
+    ),
+)

@@ -1,0 +1,316 @@
+"""The port between interpreter and world, and all that either knows of the other.
+
+A world has a clock, takes requests, returns results and sensor data, may send more
+unasked, and may end the run. Its handlers turn results and data into changes of
+memory through `HandlerMemory` (T 3.3, semantics 9). The interpreter cannot see into
+a world, nor a world into the interpreter.
+"""
+
+from __future__ import annotations
+
+import random
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from io import UnsupportedOperation
+from typing import Protocol
+
+import msgspec
+
+from rapc.base.values import Atom, Fact, Number
+
+Time = Number
+"""Simulated time units since the start of the run; never negative."""
+
+OKAY = "okay"
+"""The result symbol of a primitive that succeeded."""
+
+
+class Datum(msgspec.Struct, frozen=True):
+    """One notification of the sensors: `(name arg...)`, items by sensor name."""
+
+    content: Fact
+
+
+class Signal(msgspec.Struct, frozen=True):
+    """A signal `(:name arg...)` (S 4)."""
+
+    content: Fact
+
+
+class Reply(msgspec.Struct, frozen=True):
+    """The result of a primitive and the data that came with it, in order."""
+
+    result: str
+    data: tuple[Fact, ...] = ()
+
+
+class Finished(msgspec.Struct, frozen=True):
+    """The end of a primitive that was not atomic, by the ticket of its request."""
+
+    ticket: int
+    reply: Reply
+
+
+Message = Datum | Signal | Finished
+
+
+class HandlerMemory(Protocol):
+    """What a handler may do to memory (T A.3 to A.5).
+
+    Facts are tuples of a declared name and atoms; symbols are `str`, strings of the
+    language `rapc.base.values.Text`. All methods take memory names of items.
+    """
+
+    @property
+    def now(self) -> Time:
+        """The time of the clock."""
+
+    @property
+    def place(self) -> Atom | None:
+        """The robot's own place: the one last given to `arrive`."""
+
+    def assert_fact(self, *fact: Atom) -> None:
+        """Assert a fact now; a property replaces its old value.
+
+        Raises:
+            ValueError: for an undeclared name, a wrong number of arguments, a
+                built-in name, or an item's location and introducing class.
+        """
+
+    def erase(self, *prefix: Atom) -> None:
+        """Erase every fact that starts so. Raises ValueError as `assert_fact`."""
+
+    def query(self, *pattern: Atom | None) -> list[Fact]:
+        """The facts that match, oldest first; None matches anything.
+
+        Defaults are not consulted.
+        """
+
+    def value(self, *index: Atom) -> Atom | None:
+        """The asserted value of a property for an index, or None."""
+
+    def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
+        """An item is seen: returns its memory name; it is accessible from now.
+
+        Asserts `(class item kind true)` and `(location item place)`. Seen again
+        while accessible it is the same item; another place is a move. The name may
+        become an alias of an older one when the batch ends.
+        """
+
+    def move(self, item: str, place: Atom) -> None:
+        """An accessible item now is at `place`; it stays accessible."""
+
+    def lose(self, item: str) -> None:
+        """An item is not where it was: its place is `unknown`, it is out of reach."""
+
+    def fix_cardinality(self, place: Atom) -> None:
+        """All items accessible at `place` have been introduced: no others are there.
+
+        This takes effect when the batch ends, so a result's handler may say it before
+        the data are handled. Items believed there and not accessible get place
+        `unknown`; of indistinct classes as many as are too many.
+        """
+
+    def expire(self) -> None:
+        """All sensor names go: the robot has moved."""
+
+    def arrive(self, place: Atom) -> None:
+        """The robot now is at `place`, of which `external` speaks from now on."""
+
+
+ResultHandler = Callable[[HandlerMemory, Fact, str], None]
+"""Called with memory, the request (memory names) and the result symbol."""
+
+DatumHandler = Callable[[HandlerMemory, Fact], None]
+"""Called with memory and the datum, known sensor names already replaced."""
+
+
+class Handlers(msgspec.Struct, frozen=True):
+    """The handlers of a world package, by primitive and by datum name.
+
+    A primitive without a handler changes nothing; a datum without one is an error
+    of the world package.
+    """
+
+    results: Mapping[str, ResultHandler]
+    data: Mapping[str, DatumHandler]
+
+
+class Option(msgspec.Struct, frozen=True):
+    """One option of a world: what `rapc worlds NAME` lists and `--set` changes.
+
+    `kind` is one of `number`, `integer`, `flag`, `symbol`, `text`.
+    """
+
+    name: str
+    kind: str
+    default: Atom | bool
+    unit: str
+    doc: str
+
+
+class Offer(msgspec.Struct, frozen=True):
+    """What a world understands and sends: names with numbers of arguments.
+
+    `primitives` maps a name to its arguments' number and its possible results;
+    `sensors` are those among them that only look and change nothing (T 6.3).
+    """
+
+    primitives: Mapping[str, tuple[int, tuple[str, ...]]]
+    data: Mapping[str, int]
+    skills: Mapping[str, int] = {}
+    events: Mapping[str, int] = {}
+    sensors: tuple[str, ...] = ()
+
+
+class Thing(msgspec.Struct, frozen=True):
+    """An item in a picture: its class, and what it looks like (`red`), if anything."""
+
+    kind: str
+    look: Atom | None = None
+
+
+class Spot(msgspec.Struct, frozen=True):
+    """Where things are: a place by the name that memory has for it, an arm, a bay.
+
+    `at` is where it is drawn on the map, in steps to the right and down from
+    anywhere; None for what the robot carries along. `things` are all that it holds,
+    what is inside of other things too; `note` says in a few words what else is so.
+    """
+
+    name: str
+    things: tuple[Thing, ...] = ()
+    at: tuple[float, float] | None = None
+    note: str = ""
+
+
+class Gauge(msgspec.Struct, frozen=True):
+    """A quantity or state of the robot, and the fact, up to it, that believes it."""
+
+    name: str
+    value: Atom
+    believed: Fact
+
+
+class Picture(msgspec.Struct, frozen=True):
+    """What is true in a world at a time, to be drawn; the robot has no part in it.
+
+    `here` names the spot where the robot is, `heading` the direction it points in (a
+    point of the compass, or nothing), `roads` the spots that are joined, `look` the
+    property under which memory has what a thing looks like.
+    """
+
+    here: str
+    spots: tuple[Spot, ...]
+    roads: tuple[tuple[str, str], ...] = ()
+    heading: str = ""
+    look: str = ""
+    gauges: tuple[Gauge, ...] = ()
+
+
+Callables = Mapping[str, Callable[..., object]]
+
+
+class World(ABC):
+    """A world as the interpreter sees it. One instance serves one run.
+
+    Args:
+        rng: the world's own random stream, made from the run's seed.
+        options: values for some of `options()`; checked and converted by
+            `rapc.worlds.registry` before they arrive here.
+    """
+
+    name: str
+
+    @abstractmethod
+    def __init__(
+        self, rng: random.Random, options: Mapping[str, Atom | bool]
+    ) -> None: ...
+
+    @classmethod
+    @abstractmethod
+    def options(cls) -> Sequence[Option]:
+        """The options with their defaults."""
+
+    @abstractmethod
+    def offer(self) -> Offer:
+        """The primitives, data, skills and events of this world."""
+
+    @abstractmethod
+    def handlers(self) -> Handlers:
+        """The handlers that belong to this world."""
+
+    @classmethod
+    def functions(cls) -> Callables:
+        """Functions and default functions for libraries, by registered name."""
+        return {}
+
+    @classmethod
+    def comparators(cls) -> Callables:
+        """Comparators of descriptions for libraries, by registered name (T A.5).
+
+        Each gets two `rapc.runtime.memory.recognition.scoring.Described` and returns
+        a number; 0 or less rules the pair out.
+        """
+        return {}
+
+    @classmethod
+    def solvers(cls) -> Callables:
+        """Problem solvers by the name of the RAP they help."""
+        return {}
+
+    def facts(self) -> Iterable[Fact]:
+        """What the robot knows before it has sensed anything (its map, say)."""
+        return ()
+
+    @abstractmethod
+    def now(self) -> Time:
+        """The clock."""
+
+    @abstractmethod
+    def perform(self, ticket: int, request: Fact) -> Reply | None:
+        """Carry out a request (items by sensor name).
+
+        An atomic primitive moves the clock on by what it takes and returns its
+        reply; None means that the end comes later as a `Finished` with `ticket`.
+        """
+
+    def usual_time(self, request: Fact) -> Time:
+        """How long a request usually holds the robot, in time units.
+
+        A request that is made to fail (`--fault`) takes so long; 0 where the world
+        cannot say.
+        """
+        return 0
+
+    @abstractmethod
+    def next_time(self) -> Time | None:
+        """When the world will next send something if nothing is asked of it."""
+
+    @abstractmethod
+    def advance(self, to: Time) -> None:
+        """Move the clock on to `to`, never backwards; the world lives meanwhile."""
+
+    @abstractmethod
+    def messages(self) -> Sequence[Message]:
+        """What the world has sent since this was last asked, in order."""
+
+    def ended(self) -> str | None:
+        """The reason why the world has ended the run, or None."""
+        return None
+
+    def picture(self) -> Picture | None:
+        """The truth as it is now, for `rapc run --show`; None: there is no picture."""
+        return None
+
+    def save(self) -> bytes:
+        """The state of a simulator, exactly. Worlds of stone and steel cannot.
+
+        Raises:
+            io.UnsupportedOperation: if this world cannot be saved.
+        """
+        raise UnsupportedOperation(f"the world `{self.name}` cannot be saved")
+
+    def restore(self, state: bytes) -> None:
+        """Take up a state that `save` returned. Raises io.UnsupportedOperation."""
+        raise UnsupportedOperation(f"the world `{self.name}` cannot be restored")
