@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rapc.runtime.trace import JsonTrace as JsonTrace
     from rapc.runtime.trace import TextTrace as TextTrace
     from rapc.world import World as World
-    from rapc.worlds.registry import make_world as world
+    from rapc.worlds.registry import open_world as open_world
 
 __version__ = VERSION
 
@@ -41,8 +41,8 @@ __all__ = (
     "events",
     "extend",
     "load",
+    "open_world",
     "task",
-    "world",
 )
 
 _HOMES = {
@@ -56,8 +56,8 @@ _HOMES = {
     "compile": ("rapc.api", "compile_library"),
     "extend": ("rapc.api", "extend"),
     "load": ("rapc.api", "load"),
+    "open_world": ("rapc.worlds.registry", "open_world"),
     "task": ("rapc.runtime.submission", "read_submission"),
-    "world": ("rapc.worlds.registry", "make_world"),
 }
 
 

@@ -192,7 +192,7 @@ def build_world(
         raise WorldError(f"the world `{world.name}` cannot be built: {what}") from error
 
 
-def make_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
+def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
     """A world by its name, for programs; `fuel_capacity=20` sets `fuel-capacity`.
 
     Raises:

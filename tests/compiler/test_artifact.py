@@ -62,7 +62,7 @@ def test_tests_run_as_they_do_from_sources(path: Path) -> None:
 
 def _traced(library: CompiledLibrary, seed: int) -> list[bytes]:
     recorded = Recorded()
-    run = rapc.Interpreter(library, rapc.world("truck", seed=seed), seed)
+    run = rapc.Interpreter(library, rapc.open_world("truck", seed=seed), seed)
     run.listen(recorded)
     run.submit(rapc.task("(rock-order red 1)"))
     run.run(until=400)

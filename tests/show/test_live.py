@@ -32,7 +32,7 @@ class Terminal(io.StringIO):
 
 
 def _show(stream: io.StringIO, *, color: bool) -> str:
-    world = rapc.world("truck", seed=7)
+    world = rapc.open_world("truck", seed=7)
     run = rapc.Interpreter(rapc.compile(EXAMPLE), world, 7)
     view = LiveView(run, world.picture, stream, lambda: (80, 24), color=color, pace=0)
     with view:
