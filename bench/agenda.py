@@ -12,11 +12,11 @@ import io
 from collections.abc import Callable, Iterator
 
 from bench.common import Figure, compiled, seconds
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library import loader
+from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
-from rapc.runtime.trace import JsonTrace
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -37,7 +37,7 @@ LIBRARY = """\
 """
 
 
-def _library(branching: int, in_order: bool) -> CompiledLibrary:
+def _library(branching: int, in_order: bool) -> Program:
     tags = range(1, branching + 1)
     order = [f"(for t{n + 1})" if in_order and n < branching else "" for n in tags]
     steps = (f"(t{n} (inner (- ?depth 1)) {order[n - 1]})" for n in tags)
@@ -46,7 +46,7 @@ def _library(branching: int, in_order: bool) -> CompiledLibrary:
     return compiled(loader.load_text(text))
 
 
-def _run(library: CompiledLibrary, depth: int, traced: bool = False) -> None:
+def _run(library: Program, depth: int, traced: bool = False) -> None:
     """One run of a tree; raises if it did not succeed."""
     world = ScriptedWorld([Row(("nothing",))], declared=library.library)
     interpreter = Interpreter(library, world)

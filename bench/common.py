@@ -15,7 +15,7 @@ import msgspec
 
 from rapc.analysis import driver
 from rapc.base.diagnostics import Severity
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.loader import Loaded
 
 ROUND = 0.05
@@ -47,7 +47,7 @@ def seconds(work: Callable[[], object], rounds: int = 5) -> float:
     return statistics.median(times)
 
 
-def compiled(loaded: Loaded) -> CompiledLibrary:
+def compiled(loaded: Loaded) -> Program:
     """A loaded library that was found clean, compiled.
 
     Raises:
@@ -56,7 +56,7 @@ def compiled(loaded: Loaded) -> CompiledLibrary:
     report = driver.check_library(loaded)
     if report.worst() not in (None, Severity.INFO):
         raise ValueError([f.diagnostic.message for f in report.findings[:5]])
-    return CompiledLibrary(loaded.library)
+    return Program(loaded.library)
 
 
 def table(figures: Iterable[Figure]) -> Iterator[str]:

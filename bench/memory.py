@@ -23,12 +23,12 @@ from rapc.base.values import Atom, Fact, Text
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.library import loader
 from rapc.library.library import Library
-from rapc.runtime.memory.assembly import assemble
-from rapc.runtime.memory.bench import MemoryBench
-from rapc.runtime.recorder import Recorder
+from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.build import assemble
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP
+from tests.memory.bench import MemoryBench
 
 PROPERTIES = ("color", "size", "content", "mark", "lid")
 LIBRARY = "".join(

@@ -14,9 +14,9 @@ from collections import deque
 from collections.abc import Iterator
 
 from bench.common import Figure, compiled
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library import loader
-from rapc.runtime.events import Event
+from rapc.runtime.events.events import Event
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
 from rapc.worlds import registry
@@ -29,7 +29,7 @@ COMMAND = (
 )
 
 
-def _fill(library: CompiledLibrary, seed: int) -> tuple[float, float, Event]:
+def _fill(library: Program, seed: int) -> tuple[float, float, Event]:
     """Wall and CPU seconds of one run, and its last event; raises if it fails."""
     world = registry.build_world(registry.find_world("truck"), seed, {})
     interpreter = Interpreter(library, world, seed)

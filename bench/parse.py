@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from bench.common import Figure, compiled, seconds
 from rapc.analysis import driver
 from rapc.base.source import SourceFile
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library import loader
 from rapc.parser.parse import parse
 from rapc.parser.reader import read
@@ -45,7 +45,7 @@ def library(size: int) -> str:
     return DECLARATIONS + "".join(definitions)
 
 
-def _compiled(text: str) -> CompiledLibrary:
+def _compiled(text: str) -> Program:
     """All that a task needs of each RAP; queries become code when they are asked."""
     made = compiled(loader.load_text(text))
     for name in made.library.raps:

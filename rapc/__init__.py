@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from rapc.api import compile_library as compile
     from rapc.api import extend as extend
     from rapc.api import load as load
-    from rapc.runtime import events as events
+    from rapc.runtime.events import events
+    from rapc.runtime.events.trace import JsonTrace as JsonTrace
+    from rapc.runtime.events.trace import TextTrace as TextTrace
     from rapc.runtime.interpreter import Interpreter as Interpreter
     from rapc.runtime.settings import Settings as Settings
     from rapc.runtime.submission import Submission as Submission
     from rapc.runtime.submission import read_submission as task
-    from rapc.runtime.trace import JsonTrace as JsonTrace
-    from rapc.runtime.trace import TextTrace as TextTrace
     from rapc.world import World as World
     from rapc.worlds.registry import open_world as open_world
 
@@ -47,10 +47,10 @@ __all__ = (
 
 _HOMES = {
     "Interpreter": ("rapc.runtime.interpreter", "Interpreter"),
-    "JsonTrace": ("rapc.runtime.trace", "JsonTrace"),
+    "JsonTrace": ("rapc.runtime.events.trace", "JsonTrace"),
     "Settings": ("rapc.runtime.settings", "Settings"),
     "Submission": ("rapc.runtime.submission", "Submission"),
-    "TextTrace": ("rapc.runtime.trace", "TextTrace"),
+    "TextTrace": ("rapc.runtime.events.trace", "TextTrace"),
     "World": ("rapc.world", "World"),
     "check": ("rapc.analysis.driver", "check"),
     "compile": ("rapc.api", "compile_library"),
@@ -63,7 +63,7 @@ _HOMES = {
 
 def __getattr__(name: str) -> object:
     if name == "events":
-        return import_module("rapc.runtime.events")
+        return import_module("rapc.runtime.events.events")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, attribute = _HOMES[name]

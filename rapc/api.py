@@ -15,7 +15,7 @@ from rapc.base import files
 from rapc.base.diagnostics import Severity
 from rapc.base.source import SourceFile
 from rapc.compiler.artifact import Artifact
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library import loader
 from rapc.library.library import link
 from rapc.library.loader import Loaded
@@ -36,7 +36,7 @@ class CheckError(Exception):
         self.report = report
 
 
-def compile_library(*paths: str | Path) -> CompiledLibrary:
+def compile_library(*paths: str | Path) -> Program:
     """Load, check and compile files and folders as one library, or read a compiled one.
 
     Raises:
@@ -75,7 +75,7 @@ def read_artifact(*paths: str | Path) -> Artifact | None:
     return None if data is None else Artifact(data, str(paths[0]))
 
 
-def compile_loaded(loaded: Loaded, name: str) -> CompiledLibrary:
+def compile_loaded(loaded: Loaded, name: str) -> Program:
     """Check and compile what was loaded; `name` is what traces call it.
 
     Raises:
@@ -85,10 +85,10 @@ def compile_loaded(loaded: Loaded, name: str) -> CompiledLibrary:
     errors = tuple(f for f in report.findings if f.severity is Severity.ERROR)
     if errors:
         raise CheckError(Report(errors, report.library))
-    return CompiledLibrary(report.library, name)
+    return Program(report.library, name)
 
 
-def extend(library: CompiledLibrary, text: str) -> CompiledLibrary:
+def extend(library: Program, text: str) -> Program:
     """A library with the RAPs of a text added, checked together: a sketchy plan.
 
     `Interpreter.extend` takes it up while a run goes on (T 4.10.1).

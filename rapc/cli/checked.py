@@ -7,10 +7,10 @@ from rapc.base.files import LoadError
 from rapc.base.gc_paused import undisturbed
 from rapc.cli.common import USAGE, fail, print_findings, read_paths, say
 from rapc.compiler.artifact import ArtifactError
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 
 
-def load_checked(path: str) -> CompiledLibrary:
+def load_checked(path: str) -> Program:
     """Load, check and compile a library for a command that runs it, or read a compiled.
 
     A finding of severity error is printed and ends the command with status 2; others

@@ -21,7 +21,7 @@ from rapc.cli.common import (
 )
 from rapc.compiler.artifact import ArtifactError, Suite, encode
 from rapc.compiler.explain import explain, tell
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.testing import discover
 
 EXAMPLES = """\b
@@ -70,7 +70,7 @@ def compile(path: str, output: str | None, explained: tuple[str, ...]) -> None:
         say(f"wrote {output}: {len(data)} bytes")
 
 
-def _explain(library: CompiledLibrary, name: str) -> None:
+def _explain(library: Program, name: str) -> None:
     try:
         askings = explain(library, name)
     except (ValueError, ArtifactError) as error:
@@ -79,7 +79,7 @@ def _explain(library: CompiledLibrary, name: str) -> None:
         click.echo(line)
 
 
-def _encoded(library: CompiledLibrary, path: str, output: str) -> bytes:
+def _encoded(library: Program, path: str, output: str) -> bytes:
     """The library with its tests, none of which lies where it is to be written."""
     try:
         with undisturbed():

@@ -17,16 +17,16 @@ from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, settings
 from rapc.cli.options import show_traceback
 from rapc.compiler.artifact import ArtifactError
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.parser.parse import TextError, parse_fact
+from rapc.runtime.events.report import Report
+from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.refusals import Refused
-from rapc.runtime.report import Report
 from rapc.runtime.requests import PortError
 from rapc.runtime.settings import SettingError, Settings, read_settings
 from rapc.runtime.submission import Submission, read_submission
-from rapc.runtime.trace import JsonTrace, TextTrace
 from rapc.testing.faults import read_fault
 from rapc.world import Time, World
 from rapc.worlds import registry
@@ -220,7 +220,7 @@ def _with_faults(world: World, faults: Sequence[Fault], seed: int) -> World:
 
 
 def _build(
-    library: CompiledLibrary,
+    library: Program,
     world_name: str,
     seed: int,
     values: Sequence[str],

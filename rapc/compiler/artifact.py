@@ -25,7 +25,7 @@ import msgspec
 from rapc.base.files import COMPILED
 from rapc.base.source import SourceFile
 from rapc.base.version import VERSION
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.compiler.verify import UnsoundError, Verifier
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
@@ -83,14 +83,14 @@ class _Body(msgspec.Struct, frozen=True, array_like=True):
     suites: tuple[_Suite, ...]
 
 
-Suite = tuple[Sequence[DefineTest], CompiledLibrary]
+Suite = tuple[Sequence[DefineTest], Program]
 """Tests that run one library."""
 
 
 # --- to bytes -------------------------------------------------------------------------
 
 
-def encode(library: CompiledLibrary, suites: Iterable[Suite] = ()) -> bytes:
+def encode(library: Program, suites: Iterable[Suite] = ()) -> bytes:
     """A checked library with the tests that came with it; the same for the same.
 
     Raises:
@@ -193,9 +193,7 @@ class Artifact:
             everything = [_parsed(unit, range(len(unit.forms))) for unit in units]
             return link(everything)[0]
 
-    def _compiled(
-        self, name: str, places: Sequence[int]
-    ) -> tuple[CompiledLibrary, Verifier]:
+    def _compiled(self, name: str, places: Sequence[int]) -> tuple[Program, Verifier]:
         """The library of some of the sources, its RAPs not yet decoded."""
         if not all(0 <= at < len(self._body.units) for at in places):
             raise _WrongError("lacks a source")
@@ -211,7 +209,7 @@ class Artifact:
             verifier.declaration(form)
         raps = _Raps(self._file, rows, verifier)
         linked = msgspec.structs.replace(linked, raps=raps, forms=())
-        return CompiledLibrary(linked, name), verifier
+        return Program(linked, name), verifier
 
 
 class _Raps(Mapping[str, nodes.DefineRap]):
@@ -263,7 +261,7 @@ def _look_at_names(body: _Body) -> None:
             raise _WrongError(f"has a file whose name cannot be printed: {name!a}")
 
 
-def _look_at_all(library: CompiledLibrary) -> None:
+def _look_at_all(library: Program) -> None:
     """Read every RAP once. Raises ArtifactError."""
     deque(library.library.raps.values(), 0)
 

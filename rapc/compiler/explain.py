@@ -1,7 +1,7 @@
 """How the clauses of a RAP are asked of memory, for a person to read.
 
-What is told are the steps that the writers of generated code note as they write it
-(`rapc.compiler.query.steps`), so it is what is done. How many facts are looked at is
+What is told are the steps that the writers of generated code note
+(`rapc.compiler.query.plan_steps`): what is done. How many facts are looked at is
 for a memory to say: without one it is told only which they are.
 """
 
@@ -12,9 +12,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 import msgspec
 
 from rapc.base.names import nearest
-from rapc.compiler.plans import CompiledLibrary, MethodPlan, RapPlan
+from rapc.compiler.program import Program
+from rapc.compiler.query.plan_steps import Step, Way
 from rapc.compiler.query.query import Query
-from rapc.compiler.query.steps import Step, Way
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_term
 
@@ -33,7 +34,7 @@ class Asking(msgspec.Struct, frozen=True):
     steps: tuple[Step, ...]
 
 
-def explain(library: CompiledLibrary, name: str) -> tuple[Asking, ...]:
+def explain(library: Program, name: str) -> tuple[Asking, ...]:
     """How each clause of a RAP is asked, in the order of a task's way (semantics 3).
 
     A step's `for` formulas are shown as they are asked where the environment holds

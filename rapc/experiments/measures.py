@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.world import OKAY, Offer, Time
 
 LABELS: Mapping[str, str] = {

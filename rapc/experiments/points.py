@@ -14,7 +14,7 @@ import msgspec
 
 from rapc.base.values import format_atom
 from rapc.base.version import VERSION
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.experiments.config import Config, code_of, plain_options, world_options
 from rapc.experiments.definition import Experiment, ExperimentError, Part, Value, meant
 from rapc.experiments.measures import LABELS
@@ -47,7 +47,7 @@ class Point(msgspec.Struct, frozen=True):
 
 def points(
     experiment: Experiment,
-    library: CompiledLibrary,
+    library: Program,
     folder: Path,
     parts: Iterable[Part],
 ) -> tuple[Point, ...]:
@@ -102,7 +102,7 @@ def _tasks(experiment: Experiment) -> list[Submission]:
 
 
 def _unknown(
-    experiment: Experiment, library: CompiledLibrary, tasks: Sequence[Submission]
+    experiment: Experiment, library: Program, tasks: Sequence[Submission]
 ) -> Iterator[ExperimentError]:
     """What is to be counted, or has figures, and is not there."""
     given = [str(task.goal[0]) for task in tasks if not task.background]
@@ -151,7 +151,7 @@ def _text(value: Value, folder: Path) -> str:
 
 def _config(
     experiment: Experiment,
-    library: CompiledLibrary,
+    library: Program,
     world: type[World],
     texts: Mapping[str, str],
 ) -> Config:
@@ -195,7 +195,7 @@ def _by_owner(
 
 
 def _try(
-    library: CompiledLibrary,
+    library: Program,
     world: type[World],
     config: Config,
     tasks: Sequence[Submission],

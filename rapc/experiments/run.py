@@ -15,7 +15,7 @@ from functools import lru_cache
 import msgspec
 
 from rapc.base.source import SourceFile
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.experiments.config import Config, code_of, world_options
 from rapc.experiments.measures import Measures, Tally, outcomes
 from rapc.library.library import link
@@ -118,13 +118,11 @@ def counted(tasks: Sequence[Submission], raps: Sequence[str]) -> list[Submission
 
 
 @lru_cache(maxsize=16)
-def _compiled(
-    name: str, sources: tuple[tuple[str, str], ...], thread: int
-) -> CompiledLibrary:
+def _compiled(name: str, sources: tuple[tuple[str, str], ...], thread: int) -> Program:
     """A library from its texts, which were checked where they were read.
 
     It compiles queries when they are first asked, so each thread has its own.
     """
     files = [SourceFile(file, text) for file, text in sources]
     linked, _ = link([(file, parse(file)) for file in files])
-    return CompiledLibrary(linked, name)
+    return Program(linked, name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.experiments.config import Config
 from rapc.experiments.definition import Experiment
 from rapc.experiments.points import Point, command, points, unit
@@ -34,7 +34,7 @@ class Session:
         self,
         made: Experiment,
         folder: Path,
-        library: CompiledLibrary,
+        library: Program,
         library_path: Path,
         parts: Iterable[str] = (),
         seeds: int | None = None,

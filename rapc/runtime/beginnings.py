@@ -12,7 +12,7 @@ from rapc.compiler.net_plan import StepPlan, WindowPlan
 from rapc.compiler.query.term_value import TermValue
 from rapc.ir.printer import format_formula
 from rapc.runtime.context import QueryContext
-from rapc.runtime.events import TaskBlocked, TaskCreated
+from rapc.runtime.events.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.monitors import time_of
 from rapc.runtime.submission import Submission

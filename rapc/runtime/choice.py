@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 from rapc.base.resources import frozen
-from rapc.compiler.plans import MethodPlan
+from rapc.compiler.rap_plan import MethodPlan
 from rapc.ir import nodes
-from rapc.runtime.events import SolverCalled
+from rapc.runtime.events.events import SolverCalled
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import Env, Task
 

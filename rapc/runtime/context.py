@@ -7,10 +7,10 @@ from typing import Any
 
 from rapc.base.values import Fact, Number, format_atom, number
 from rapc.compiler.query.query import Meetings
-from rapc.runtime.events import QueryFaulted
-from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.events.events import QueryFaulted
+from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.memory import EXTERNAL, Memory
-from rapc.runtime.recorder import Recorder
+from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.task import Task
 from rapc.world import Time
 

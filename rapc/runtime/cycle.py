@@ -18,7 +18,7 @@ from rapc.runtime.endings import (
     succeed,
     until,
 )
-from rapc.runtime.events import FamilySwitched, TaskSelected
+from rapc.runtime.events.events import FamilySwitched, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.methods import try_method
 from rapc.runtime.task import ENDED, Env, Task, Waiting

@@ -11,7 +11,7 @@ from rapc.base.values import Number, format_atom, is_number
 from rapc.compiler.net_plan import EffectPlan, StepPlan
 from rapc.compiler.query.builtin import Fault, add, subtract
 from rapc.runtime.context import QueryContext
-from rapc.runtime.events import ResourceChanged
+from rapc.runtime.events.events import ResourceChanged
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import Env, MethodRun, Task
 

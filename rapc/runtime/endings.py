@@ -19,7 +19,7 @@ from rapc.runtime.beginnings import (
     repeats_ancestor,
 )
 from rapc.runtime.effects import Change, carry_out, changes_of
-from rapc.runtime.events import (
+from rapc.runtime.events.events import (
     MethodEnded,
     TaskFailed,
     TaskRemoved,

@@ -12,18 +12,17 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rapc.base.values import Atom, Fact, match
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.ir.nodes import Formula
 from rapc.parser.parse import parse_formula
 from rapc.runtime import standing
 from rapc.runtime.beginnings import create_top
 from rapc.runtime.endings import remove
-from rapc.runtime.events import Event, RunEnded, TaskResult
+from rapc.runtime.events.events import Event, RunEnded, TaskResult
+from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.machine import ContextListener, Machine
-from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.question import Question
-from rapc.runtime.recorder import Listener
-from rapc.runtime.recording import Recording
 from rapc.runtime.refusals import Refused, refusals, refuse_extension, refuse_tasks
 from rapc.runtime.settings import Settings
 from rapc.runtime.signals import signal
@@ -55,7 +54,7 @@ class Interpreter:
 
     def __init__(
         self,
-        library: CompiledLibrary,
+        library: Program,
         world: World,
         seed: int = 0,
         settings: Settings | None = None,
@@ -195,7 +194,7 @@ class Interpreter:
         """Look at tasks without running anything. Raises Refused as `submit`."""
         refuse_tasks(self._machine.library, [task.goal for task in tasks])
 
-    def extend(self, library: CompiledLibrary) -> None:
+    def extend(self, library: Program) -> None:
         """Go on with more RAPs than before, made by `rapc.extend` (T 4.10.1).
 
         Tasks under way keep the RAPs they began with.

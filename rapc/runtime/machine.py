@@ -14,12 +14,13 @@ from functools import partial
 from typing import Any
 
 from rapc.base.values import Atom
-from rapc.compiler.plans import CompiledLibrary, MethodPlan, RapPlan
+from rapc.compiler.program import Program
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.runtime.agenda import Agenda
 from rapc.runtime.context import QueryContext
-from rapc.runtime.memory.assembly import assemble
+from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.build import assemble
 from rapc.runtime.monitors import Monitors
-from rapc.runtime.recorder import Recorder
 from rapc.runtime.renaming import rename
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import Submission
@@ -45,7 +46,7 @@ class Machine:
 
     def __init__(
         self,
-        library: CompiledLibrary,
+        library: Program,
         world: World,
         rng: random.Random,
         settings: Settings,

@@ -6,7 +6,7 @@ Which method it is is decided in `rapc.runtime.choice`; how methods end is in
 
 from __future__ import annotations
 
-from rapc.compiler.plans import MethodPlan
+from rapc.compiler.rap_plan import MethodPlan
 from rapc.runtime.beginnings import (
     create,
     fill_inputs,
@@ -22,7 +22,7 @@ from rapc.runtime.endings import (
     end_method,
     fail,
 )
-from rapc.runtime.events import MethodChosen
+from rapc.runtime.events.events import MethodChosen
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.requests import ground, request

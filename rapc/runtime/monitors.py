@@ -17,10 +17,10 @@ from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_formula
 from rapc.runtime.agenda import Agenda
 from rapc.runtime.context import QueryContext
-from rapc.runtime.events import DeadlineMissed, TaskBlocked, TaskWoken
+from rapc.runtime.events.events import DeadlineMissed, TaskBlocked, TaskWoken
+from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.listeners import Listeners
 from rapc.runtime.memory.memory import Memory
-from rapc.runtime.recorder import Recorder
 from rapc.runtime.task import (
     BLOCKED,
     ELIGIBLE,

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from rapc.base.names import counted, nearest
 from rapc.base.source import Span
 from rapc.base.values import Fact
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.compiler.vocabulary import CONSTANT_DEFAULTS
 from rapc.ir import nodes
 from rapc.library.library import Library
@@ -121,7 +121,7 @@ def _unsupported(library: Library) -> Iterator[str]:
         yield f"{_place(library, span)}{what} cannot be run yet"
 
 
-def refuse_tasks(library: CompiledLibrary, goals: Iterable[Fact]) -> None:
+def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
     """Refuse goals that no RAP serves or that can reach what cannot be run yet.
 
     Raises:

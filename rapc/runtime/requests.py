@@ -12,7 +12,7 @@ from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.compiler import RequestPlan
 from rapc.runtime.endings import INTERFERENCE, end_method
-from rapc.runtime.events import DataReceived, PrimitiveEnded, PrimitiveRequested
+from rapc.runtime.events.events import DataReceived, PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
 from rapc.runtime.signals import signal

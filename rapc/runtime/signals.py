@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from rapc.base.values import Fact, format_list
 from rapc.compiler.net_plan import WaitPlan
-from rapc.runtime import events
 from rapc.runtime.beginnings import when_time_comes
 from rapc.runtime.endings import end_by_signal, late_recursion, receive
+from rapc.runtime.events import events
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import Env, Task
 

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.values import number
-from rapc.runtime.events import RunStarted, TaskResult
+from rapc.runtime.events.events import RunStarted, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.task import BLOCKED, ELIGIBLE, UNTESTED, WAITING, Given, Task
 from rapc.world import OKAY, Time

@@ -15,7 +15,7 @@ from typing import Final
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import format_atom
 from rapc.compiler.net_plan import StepPlan, WindowPlan
-from rapc.compiler.plans import MethodPlan, RapPlan
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_term
 from rapc.runtime.memory.memory import Notation

@@ -15,7 +15,7 @@ import msgspec
 from rapc.base.files import TEST_SUFFIX
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.testing.patterns import read_value, split_goal
 from rapc.world import OKAY
 

@@ -16,7 +16,7 @@ from rapc.base import files
 from rapc.base.diagnostics import Severity
 from rapc.base.source import SourceFile
 from rapc.compiler.artifact import Artifact
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.ir.tests import DefineTest
 from rapc.library import loader
 from rapc.testing.run import Case
@@ -58,7 +58,7 @@ def find(paths: Iterable[str | Path]) -> Found:
 def _find_in(source: SourceFile) -> Found:
     cases: list[Case] = []
     reports: list[Report] = []
-    libraries: dict[tuple[str, ...], CompiledLibrary | None] = {}
+    libraries: dict[tuple[str, ...], Program | None] = {}
     whole = loader.load_for_test(source, ())
     tests = _own(whole.library.tests, source)
     for test in tests:
@@ -76,11 +76,11 @@ def _find_in(source: SourceFile) -> Found:
 
 def _compiled(
     report: Report, source: SourceFile, reports: list[Report]
-) -> CompiledLibrary | None:
+) -> Program | None:
     """A library without errors; those of another are added to the reports, once."""
     errors = [f for f in report.findings if f.severity is Severity.ERROR]
     if not errors:
-        return CompiledLibrary(report.library, source.name)
+        return Program(report.library, source.name)
     told = [f for earlier in reports for f in earlier.findings]
     new = tuple([finding for finding in errors if finding not in told])
     reports.append(msgspec.structs.replace(report, findings=new))

@@ -13,7 +13,7 @@ import msgspec
 
 from rapc.base.values import Fact, format_atom, format_list, match
 from rapc.ir import nodes, tests, walk
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.testing.patterns import atom, event_matches, flat
 from rapc.testing.record import Record, TaskRecord
 

@@ -13,8 +13,8 @@ import msgspec
 
 from rapc.base.values import Fact, format_atom
 from rapc.ir.nodes import Goal
-from rapc.runtime import events
-from rapc.runtime.trace import TextTrace
+from rapc.runtime.events import events
+from rapc.runtime.events.trace import TextTrace
 from rapc.testing.patterns import goal_matches, read_value, split_goal
 from rapc.world import Time
 

@@ -13,11 +13,11 @@ import msgspec
 
 from rapc.base.source import Span
 from rapc.base.values import format_atom, format_list
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.ir import tests
+from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.checking import FactError
-from rapc.runtime.recorder import Listener
 from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission
 from rapc.testing.coverage import Coverage
@@ -37,7 +37,7 @@ class Case(msgspec.Struct, frozen=True):
     """A test with the library it runs, ready to be run any number of times."""
 
     test: tests.DefineTest
-    library: CompiledLibrary
+    library: Program
 
 
 class Failure(msgspec.Struct, frozen=True):

@@ -11,9 +11,9 @@ import msgspec
 from rapc import api
 from rapc.base.values import Fact
 from rapc.compiler.artifact import Suite, encode
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.library import Library
-from rapc.runtime.events import Event
+from rapc.runtime.events.events import Event
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
 from rapc.world import Handlers, Message, Offer, Option, Reply, Time, World
@@ -62,7 +62,7 @@ class YesWorld(World):
 
     name = "yes"
 
-    def __init__(self, library: CompiledLibrary) -> None:
+    def __init__(self, library: Program) -> None:
         self._offer = offer_of(library.library)
         self._time: Time = 0
 

@@ -11,10 +11,10 @@ from rapc.compiler.query.query import Query
 from rapc.compiler.vocabulary import Relation, Vocabulary
 from rapc.ir import nodes
 from rapc.runtime.context import QueryContext
-from rapc.runtime.events import Event, QueryFaulted
-from rapc.runtime.memory.handling import HandlerAccess
+from rapc.runtime.events.events import Event, QueryFaulted
+from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory
-from rapc.runtime.recorder import Recorder
 from rapc.runtime.task import Task
 
 from .reference import Mind
@@ -53,7 +53,7 @@ class Memories:
     """One and the same memory, as it is in a run and as the reference has it."""
 
     memory: Memory
-    access: HandlerAccess
+    access: Gate
     recorder: Recorder
     context: QueryContext
     mind: Mind
@@ -76,7 +76,7 @@ def memories(changes: list[Change]) -> Memories:
         results={"one": "okay", 2: "dropped"},
         last_result="dropped",
     )
-    access = HandlerAccess(memory, recorder)
+    access = Gate(memory, recorder)
     both = Memories(memory, access, recorder, context, mind)
     for change in changes:
         apply(both, change)

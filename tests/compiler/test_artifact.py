@@ -15,7 +15,7 @@ from rapc.base.files import LoadError
 from rapc.base.version import VERSION
 from rapc.compiler import artifact
 from rapc.compiler.artifact import Artifact, ArtifactError, encode, seal
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.ir.nodes import Node
 from rapc.library.loader import load_text
 from rapc.testing.run import Case, Outcome, run_case
@@ -60,7 +60,7 @@ def test_tests_run_as_they_do_from_sources(path: Path) -> None:
     assert ran > 0
 
 
-def _traced(library: CompiledLibrary, seed: int) -> list[bytes]:
+def _traced(library: Program, seed: int) -> list[bytes]:
     recorded = Recorded()
     run = rapc.Interpreter(library, rapc.open_world("truck", seed=seed), seed)
     run.listen(recorded)

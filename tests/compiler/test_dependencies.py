@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Fact
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.compiler.watches import ANYTHING, watches
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
@@ -20,9 +20,9 @@ from .dice import Dice, dice, sizes
 from .memories import VOCABULARY, Change, Memories, apply, memories, query
 from .test_queries import formula
 
-_NOBODY = CompiledLibrary(
-    load_text("(define-rap (nobody) (succeed nil))").library
-).known_rap("nobody")
+_NOBODY = Program(load_text("(define-rap (nobody) (succeed nil))").library).known_rap(
+    "nobody"
+)
 
 
 class Ear:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rapc.compiler.explain import explain, tell
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.scripted import ScriptedWorld
@@ -74,12 +74,12 @@ context of method `round` at <text>:20
 def test_each_clause_is_told_as_it_is_asked() -> None:
     loaded = load_text(LIBRARY)
     assert loaded.diagnostics == ()
-    lines = tell(explain(CompiledLibrary(loaded.library), "fetch"))
+    lines = tell(explain(Program(loaded.library), "fetch"))
     assert "\n".join(lines) + "\n" == TOLD
 
 
 def test_a_memory_says_how_many_facts_are_to_be_expected() -> None:
-    library = CompiledLibrary(load_text(LIBRARY).library)
+    library = Program(load_text(LIBRARY).library)
     run = Interpreter(
         library, ScriptedWorld([], declared=library.library), functions=FUNCTIONS
     )
@@ -104,6 +104,6 @@ def test_a_memory_says_how_many_facts_are_to_be_expected() -> None:
 
 
 def test_a_name_that_is_no_rap_is_refused() -> None:
-    library = CompiledLibrary(load_text(LIBRARY).library)
+    library = Program(load_text(LIBRARY).library)
     with pytest.raises(ValueError, match="no RAP `fech`; did you mean `fetch`"):
         explain(library, "fech")

@@ -15,7 +15,7 @@ from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.library.library import link
 from rapc.parser.parse import parse
-from rapc.runtime.memory.facts import FactStore, Table
+from rapc.runtime.memory.store import FactStore, Table
 
 from .memories import Faults, Memories, apply, memories, query
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.runtime import events
+from rapc.runtime.events import events
 
 PAGE = Path(__file__).parents[2] / "docs" / "trace.md"
 COMMON = {"n", "cycle", "time"}

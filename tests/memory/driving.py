@@ -7,9 +7,8 @@ from typing import Any
 
 from rapc.base.values import Atom
 from rapc.library.loader import load_text
-from rapc.runtime import events
-from rapc.runtime.memory.bench import MemoryBench
-from rapc.runtime.memory.recognition.views import DescriptionView, SetView
+from rapc.runtime.events import events
+from tests.memory.bench import DescriptionView, MemoryBench, SetView
 
 WORDS = """
 (declare-memory-property class (?item ?class ?value) unknown)

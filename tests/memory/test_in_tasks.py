@@ -6,9 +6,9 @@ import random
 from collections.abc import Mapping, Sequence
 
 from rapc.base.values import Atom, Fact, Number
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.loader import load_text
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
 from rapc.world import (
@@ -142,7 +142,7 @@ def _begun(*goals: str) -> tuple[Yard, Interpreter, list[events.Event]]:
     loaded = load_text(LIBRARY)
     assert loaded.diagnostics == ()
     world = Yard(random.Random(0), {})
-    interpreter = Interpreter(CompiledLibrary(loaded.library), world)
+    interpreter = Interpreter(Program(loaded.library), world)
     seen: list[events.Event] = []
     interpreter.listen(seen.append)
     for goal in goals:

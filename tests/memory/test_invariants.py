@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rapc.base.values import Atom
-from rapc.runtime import events
-from rapc.runtime.memory.bench import MemoryBench
+from rapc.runtime.events import events
 from rapc.runtime.memory.recognition.scoring import Described
+from tests.memory.bench import MemoryBench
 
 from .walking import TEXT, Step, Walk
 

@@ -7,9 +7,9 @@ from itertools import combinations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rapc.runtime.memory.recognition import leaving
-from rapc.runtime.memory.recognition.descriptions import Description, ExpectationSet
+from rapc.runtime.memory.recognition import departure as leaving
 from rapc.runtime.memory.recognition.scoring import plain
+from rapc.runtime.memory.recognition.sets import Description, ExpectationSet
 
 Rows = list[tuple[int, int]]
 

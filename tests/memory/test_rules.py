@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.runtime.memory.checking import FactError
 from rapc.runtime.memory.recognition.scoring import Described
 

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Relation
-from rapc.runtime.memory.facts import FactStore
 from rapc.runtime.memory.mentions import Mentions
+from rapc.runtime.memory.store import FactStore
 
 RELATIONS = {
     "near": Relation("near", 2, False),

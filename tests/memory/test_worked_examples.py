@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from rapc.runtime.memory.bench import MemoryBench
+from tests.memory.bench import MemoryBench
 
 from .driving import BOXES, DRUMS, WORDS, bench, leave, merges, names, see, the_set
 from .driving import values as of

@@ -9,7 +9,7 @@ import random
 from typing import Any
 
 from rapc.base.values import Atom
-from rapc.runtime.memory.bench import MemoryBench
+from tests.memory.bench import MemoryBench
 
 from .driving import WORDS, bench
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from rapc.base.values import Atom, Fact
-from rapc.runtime.memory.bench import MemoryBench
+from tests.memory.bench import MemoryBench
 
 from .plain import Plain
 from .plain_parts import Declared

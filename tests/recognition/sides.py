@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from rapc.base.values import Atom, Fact
 from rapc.library.loader import load_text
-from rapc.runtime.events import ItemEvent
-from rapc.runtime.memory.bench import MemoryBench
-from rapc.runtime.memory.recognition.views import DescriptionView
+from rapc.runtime.events.events import ItemEvent
+from tests.memory.bench import DescriptionView, MemoryBench
 
 from .driving import Pictured, Read, Side, Told
 from .plain import Plain

@@ -10,11 +10,11 @@ import msgspec
 
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact, Text, number
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.library import Library, link
 from rapc.parser.parse import parse, parse_fact
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
@@ -171,7 +171,7 @@ def run_rapc(case: Case) -> Sequence[events.Event]:
     """The trace of rapc's interpreter, without `run-started`."""
     library = read_library(case.text)
     interpreter = Interpreter(
-        CompiledLibrary(library),
+        Program(library),
         _world(case, library),
         case.seed,
         case.settings,

@@ -13,7 +13,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.runtime import events
+from rapc.runtime.events import events
 from tests.reference.case import Case, run_rapc, run_reference
 from tests.reference.generate import generate
 from tests.reference.shrink import shrink

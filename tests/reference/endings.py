@@ -7,7 +7,7 @@ from typing import Any
 from rapc.base.resources import Counter, SetResource, Value, frozen
 from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.world import OKAY
 from tests.reference.run import Run
 from tests.reference.tasks import Place, Running, Task, method_name

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 
 from rapc.base.values import Atom, Fact, match, number
 from rapc.library.library import Library
-from rapc.runtime import events
-from rapc.runtime.events import TaskResult
+from rapc.runtime.events import events
+from rapc.runtime.events.events import TaskResult
 from rapc.runtime.submission import Submission
 from rapc.world import Time, World
 from tests.reference.agenda import choose, tell_family

@@ -8,7 +8,7 @@ from rapc.base.resources import Counter, SetResource, Value, frozen
 from rapc.base.values import Fact, format_atom
 from rapc.ir import nodes
 from rapc.ir.walk import variables
-from rapc.runtime import events
+from rapc.runtime.events import events
 from tests.reference.endings import fail, method_badly, method_well, repeats
 from tests.reference.primitives import request
 from tests.reference.run import Run

@@ -7,7 +7,7 @@ from typing import Any
 from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact, format_atom, format_list
 from rapc.ir import nodes
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.world import OKAY, Datum, Finished, Reply
 from tests.reference.endings import method_badly, method_well
 from tests.reference.run import Run

@@ -14,7 +14,7 @@ from rapc.base.source import NOWHERE, Span
 from rapc.base.values import Fact
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.world import Time, World
 from tests.reference.memory import Memory
 from tests.reference.queries import Asker

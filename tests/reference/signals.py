@@ -5,7 +5,7 @@ from __future__ import annotations
 from rapc.base.resources import Value
 from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
-from rapc.runtime import events
+from rapc.runtime.events import events
 from tests.reference.endings import bindings_repeat, clear, fail, succeed
 from tests.reference.run import Run
 from tests.reference.tasks import Task

@@ -9,7 +9,7 @@ from rapc.base.resources import Counter, SetResource, Value, frozen
 from rapc.base.values import format_atom, is_number, number
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.world import Time
 from tests.reference.run import Run, unbound
 from tests.reference.tasks import Place, Task

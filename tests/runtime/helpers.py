@@ -7,11 +7,11 @@ from typing import Any
 
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.library import link
 from rapc.parser.parse import parse, parse_pattern
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
@@ -74,14 +74,14 @@ ANY = (row("(act ?)"), row("(look ?)"), row("(slow ?)", after=1))
 """The last rows of every script: whatever is asked is okay."""
 
 
-def compiled(text: str) -> CompiledLibrary:
+def compiled(text: str) -> Program:
     """A library from text, with the declarations above."""
     source = SourceFile("t.rap", DECLARATIONS + text)
     parsed = parse(source)
     assert not parsed.diagnostics, parsed.diagnostics
     library, wrong = link([(source, parsed)])
     assert not wrong, wrong
-    return CompiledLibrary(library, "t")
+    return Program(library, "t")
 
 
 class Play:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rapc import api
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.refusals import Refused
@@ -41,16 +41,16 @@ PLAN = """\
 
 def started() -> Interpreter:
     """A run in which a task stands by and walks take three units."""
-    library = CompiledLibrary(load_text(LIBRARY).library)
+    library = Program(load_text(LIBRARY).library)
     walk = Row(("walk", "?place"), takes=3, asserts=(("at", "?place"),))
     run = Interpreter(library, ScriptedWorld([walk], declared=library.library))
     run.submit(read_submission("(stand-by) :background true"))
     return run
 
 
-def compiled() -> CompiledLibrary:
+def compiled() -> Program:
     """The library again."""
-    return CompiledLibrary(load_text(LIBRARY).library)
+    return Program(load_text(LIBRARY).library)
 
 
 def test_a_sketchy_plan_is_taken_up_while_the_run_goes_on() -> None:
@@ -81,7 +81,7 @@ def test_a_library_with_more_than_new_raps_is_refused() -> None:
         run.extend(api.extend(compiled(), "(declare-memory-proposition new (?x))"))
     other = LIBRARY.replace("(duration 7)", "(duration 8)")
     with pytest.raises(Refused, match="`go` is not the one that runs"):
-        run.extend(CompiledLibrary(load_text(other).library))
+        run.extend(Program(load_text(other).library))
 
 
 def test_the_agenda_shows_each_task_with_its_slack() -> None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from rapc.base.values import Atom, Fact
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.submission import Submission
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -28,7 +28,7 @@ def working_by_place(memory: MemoryView, index: Fact) -> Atom:
 def judged(place: str, value: str, *facts: Fact) -> str:
     """What becomes of the question whether a thing at a place works."""
     run = Interpreter(
-        CompiledLibrary(load_text(LIBRARY).library),
+        Program(load_text(LIBRARY).library),
         ScriptedWorld([]),
         functions={"working-by-place": working_by_place},
     )

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from rapc.base.resources import Value
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.scripted import ScriptedWorld
@@ -22,7 +22,7 @@ LIBRARY = """\
 
 def run() -> Interpreter:
     """A run that knows where three boxes are."""
-    library = CompiledLibrary(load_text(LIBRARY).library)
+    library = Program(load_text(LIBRARY).library)
     world = ScriptedWorld([], declared=library.library)
     double = {"double": lambda view, number: number * 2}
     interpreter = Interpreter(library, world, functions=double)

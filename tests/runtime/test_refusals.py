@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import read_submission
@@ -33,7 +33,7 @@ def reasons(
     functions: Mapping[str, Callable[..., Any]] | None = None,
 ) -> tuple[str, ...]:
     """Why a library, or a task of it, is refused; nothing if it is not."""
-    library: CompiledLibrary = compiled(text)
+    library: Program = compiled(text)
     try:
         run = Interpreter(library, WORLD, functions=functions)
         if task:

@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from rapc.runtime import events
+from rapc.runtime.events import events
+from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.refusals import Refused
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
-from rapc.runtime.trace import JsonTrace
 
 from .helpers import Play, at, fact, play, row
 

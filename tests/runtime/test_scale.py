@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from rapc.runtime import events
+from rapc.runtime.events import events
 
 from .helpers import Play, at
 

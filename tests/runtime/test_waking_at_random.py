@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from rapc.base.resources import Counter, SetResource
 from rapc.base.source import SourceFile
 from rapc.compiler.compiler import Compiler
-from rapc.compiler.plans import RapPlan
+from rapc.compiler.rap_plan import RapPlan
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.library.library import link

@@ -13,11 +13,11 @@ from rapc.console.show.beliefs import believed_contents, words
 from rapc.console.show.canvas import folded
 from rapc.console.show.frame import Doings, draw_frame
 from rapc.library.loader import load_text
-from rapc.runtime.memory.bench import MemoryBench
 from rapc.world import Gauge, Picture, Spot, Thing
 from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.picture import lay_out
 from rapc.worlds.truck.world import TruckWorld
+from tests.memory.bench import MemoryBench
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "rock-order.rap"
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from rapc.base.values import Atom, Text
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.loader import load
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
 from rapc.worlds.registry import build_world
@@ -33,11 +33,11 @@ PLENTY: Mapping[str, Atom | bool] = {"fuel": 1000, "fuel-capacity": 1000}
 
 
 @cache
-def library(path: Path = EXAMPLES / "rock-order.rap") -> CompiledLibrary:
+def library(path: Path = EXAMPLES / "rock-order.rap") -> Program:
     """A library, compiled once for all tests; nothing may be wrong with its text."""
     loaded = load([path])
     assert loaded.diagnostics == ()
-    return CompiledLibrary(loaded.library, path.stem)
+    return Program(loaded.library, path.stem)
 
 
 def order(
@@ -77,7 +77,7 @@ class Run:
         *tasks: Submission,
         seed: int = 0,
         options: Mapping[str, Atom | bool] | None = None,
-        compiled: CompiledLibrary | None = None,
+        compiled: Program | None = None,
     ) -> None:
         self.answers: Counter[tuple[str, str]] = Counter()
         self.requests: list[str] = []

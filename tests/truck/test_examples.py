@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rapc.base.values import Fact
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import Submission
 from rapc.worlds.script import Row

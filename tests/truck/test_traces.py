@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.runtime.trace import TextTrace
+from rapc.runtime.events.trace import TextTrace
 from rapc.testing.discover import find
 from rapc.testing.run import Status, run_case
 

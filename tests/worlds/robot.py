@@ -9,9 +9,9 @@ from rapc.base.values import Fact
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.library.library import Library
 from rapc.library.loader import load
-from rapc.runtime.memory.handling import HandlerAccess
+from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory
-from rapc.runtime.recorder import Recorder
 from rapc.world import Datum, World
 
 TRUCK_WORDS = Path(__file__).parents[2] / "stdlib" / "truck" / "world.rap"
@@ -32,7 +32,7 @@ class Robot:
         self.handlers = world.handlers()
         self.recorder = Recorder()
         self.memory = Memory(Vocabulary.of(library), self.recorder)
-        self.access = HandlerAccess(self.memory, self.recorder)
+        self.access = Gate(self.memory, self.recorder)
         for fact in world.facts():
             self.access.assert_fact(*fact)
         self.listen()

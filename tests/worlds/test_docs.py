@@ -7,7 +7,7 @@ import shlex
 from pathlib import Path
 
 from rapc.base.values import Text
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.submission import read_submission
 from rapc.world import HandlerMemory, Option, World
@@ -77,7 +77,7 @@ def test_the_worlds_page_names_all_that_the_port_has() -> None:
 def test_the_script_of_the_worlds_page_works() -> None:
     text = Path(script_of_the_manual.__file__).read_text(encoding="utf-8")
     assert text[text.index("from") :].strip() in WORLDS
-    library = CompiledLibrary(script_of_the_manual.library, "shown")
+    library = Program(script_of_the_manual.library, "shown")
     interpreter = Interpreter(library, script_of_the_manual.world, 0)
     interpreter.submit(read_submission("(take cup)"))
     interpreter.run()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.compiler.plans import CompiledLibrary
+from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.refusals import Refused
@@ -316,4 +316,4 @@ def test_memory_and_world_agree_after_a_long_journey() -> None:
 def test_a_library_without_the_trucks_words_is_refused_beforehand() -> None:
     library = load_text("(define-rap (idle) (succeed t))").library
     with pytest.raises(Refused, match="the world `truck` tells of `place`, `produces`"):
-        Interpreter(CompiledLibrary(library, "idle"), Driver().world)
+        Interpreter(Program(library, "idle"), Driver().world)

@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any
 
 from rapc.compiler.query import builtin
-from rapc.compiler.query.steps import Step
+from rapc.compiler.query.plan_steps import Step
 
 MAX_LOOPS = 12
 """Loops nested in one function; CPython allows 20 blocks."""

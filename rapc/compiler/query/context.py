@@ -16,7 +16,7 @@ class Context(Protocol):
 
     @property
     def facts(self) -> Any:
-        """The facts by name: `rapc.runtime.memory.facts.FactStore`."""
+        """The facts by name: `rapc.runtime.memory.store.FactStore`."""
 
     @property
     def functions(self) -> Mapping[str, Callable[..., Any]]:

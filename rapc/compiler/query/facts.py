@@ -13,8 +13,8 @@ from collections.abc import Iterable, Sequence
 import msgspec
 
 from rapc.compiler.query.code import Scope
-from rapc.compiler.query.steps import Way
-from rapc.compiler.query.terms import (
+from rapc.compiler.query.plan_steps import Way
+from rapc.compiler.query.term_code import (
     Clause,
     arguments,
     bound_value,

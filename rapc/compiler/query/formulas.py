@@ -19,8 +19,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from rapc.base.values import is_number
 from rapc.compiler.query import facts
 from rapc.compiler.query.code import MAX_LOOPS, Ending, Scope
-from rapc.compiler.query.steps import Way
-from rapc.compiler.query.terms import Clause, arguments, attempt, known_value, match
+from rapc.compiler.query.plan_steps import Way
+from rapc.compiler.query.term_code import Clause, arguments, attempt, known_value, match
 from rapc.ir import nodes
 from rapc.ir.walk import CHILDREN
 

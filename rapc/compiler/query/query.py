@@ -15,8 +15,8 @@ from rapc.base.resources import Value
 from rapc.compiler.query import builtin, formulas
 from rapc.compiler.query.code import Emitter, Ending, Scope, made
 from rapc.compiler.query.context import Bindings, Context
-from rapc.compiler.query.steps import Step
-from rapc.compiler.query.terms import Clause
+from rapc.compiler.query.plan_steps import Step
+from rapc.compiler.query.term_code import Clause
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 

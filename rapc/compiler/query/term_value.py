@@ -1,6 +1,6 @@
 """Terms computed in an environment: arguments, amounts, times.
 
-Those within formulas are compiled with them, in `rapc.compiler.query.terms`.
+Those within formulas are compiled with them, in `rapc.compiler.query.term_code`.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from rich.text import Text
 from rapc.base.values import format_atom
 from rapc.console.show.beliefs import Contents, believed_contents, true_contents, words
 from rapc.console.show.canvas import Canvas, fit, folded
-from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.memory.view import MemoryView
 from rapc.world import Gauge, Picture, Spot, Time
 
 _ARROWS: Mapping[str, str] = {

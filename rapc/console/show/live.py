@@ -17,7 +17,7 @@ from rich.text import Text
 
 from rapc.console.findings import write
 from rapc.console.show.frame import Doings, draw_frame
-from rapc.runtime.events import Event, PrimitiveEnded, RunEnded
+from rapc.runtime.events.events import Event, PrimitiveEnded, RunEnded
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import Picture
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
-from rapc.runtime.memory.facts import FactStore
+from rapc.runtime.memory.store import FactStore
 
 Shape = tuple[str | nodes.Const, ...]
 """The arguments of one side: constants, and the names of variables."""

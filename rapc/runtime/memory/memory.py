@@ -12,12 +12,12 @@ from typing import Any
 
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.vocabulary import Vocabulary
-from rapc.runtime.events import FactAsserted, FactErased
+from rapc.runtime.events.events import FactAsserted, FactErased
+from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.checking import FactError, check_prefix, full_form
-from rapc.runtime.memory.facts import FactStore
 from rapc.runtime.memory.items import Items
 from rapc.runtime.memory.mentions import Mentions
-from rapc.runtime.recorder import Recorder
+from rapc.runtime.memory.store import FactStore
 from rapc.world import Time
 
 _BY_HANDLERS = ("class", "location")

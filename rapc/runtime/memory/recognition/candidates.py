@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator
 import msgspec
 
 from rapc.base.values import Atom, Fact
-from rapc.runtime.memory.recognition.descriptions import Description
+from rapc.runtime.memory.recognition.sets import Description
 
 Known = frozenset[tuple[Fact, Atom]]
 

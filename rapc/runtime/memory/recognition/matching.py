@@ -14,12 +14,12 @@ import msgspec
 
 from rapc.base.values import Atom, Fact, Number
 from rapc.runtime.memory.recognition.candidates import Group, Kind, Offer
-from rapc.runtime.memory.recognition.descriptions import (
+from rapc.runtime.memory.recognition.scoring import SHARED, Score
+from rapc.runtime.memory.recognition.sets import (
     Description,
     ExpectationSet,
     View,
 )
-from rapc.runtime.memory.recognition.scoring import SHARED, Score
 
 Profile = tuple[frozenset[tuple[Fact, Atom]], int]
 """What descriptions of one view have in common that stand alike to all others."""

@@ -10,19 +10,20 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 
 from rapc.base.values import Atom, Fact
-from rapc.runtime.events import ItemIntroduced, ItemLost, ItemMoved
+from rapc.runtime.events.events import ItemIntroduced, ItemLost, ItemMoved
+from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.mentions import PREFIX, Mentions
-from rapc.runtime.memory.recognition import leaving, merging
-from rapc.runtime.memory.recognition.descriptions import (
+from rapc.runtime.memory.recognition import departure as leaving
+from rapc.runtime.memory.recognition import merging
+from rapc.runtime.memory.recognition.item_events import Teller
+from rapc.runtime.memory.recognition.matching import Match, best_match
+from rapc.runtime.memory.recognition.scoring import Scores
+from rapc.runtime.memory.recognition.sets import (
     UNKNOWN,
     Description,
     ExpectationSet,
 )
-from rapc.runtime.memory.recognition.matching import Match, best_match
-from rapc.runtime.memory.recognition.scoring import Scores
-from rapc.runtime.memory.recognition.telling import Teller
-from rapc.runtime.recorder import Recorder
 
 MAX_LAYERS = 8
 """How many layers a set keeps, if no setting says otherwise."""

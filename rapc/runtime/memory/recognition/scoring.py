@@ -13,7 +13,7 @@ import msgspec
 
 from rapc.base.values import Atom, Fact, Number
 from rapc.ir import nodes
-from rapc.runtime.memory.recognition.descriptions import Description
+from rapc.runtime.memory.recognition.sets import Description
 
 SHARED = 10
 """What the class counts, and each shared property."""

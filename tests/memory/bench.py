@@ -1,7 +1,16 @@
 """A memory that recognises, without an interpreter or a world.
 
-For tests, measurements and tools; `rapc.runtime.memory.recognition.views` shows how
-it is driven.
+For tests and measurements:
+
+    bench = MemoryBench(library, comparators={"by-eye": compare}, max_layers=8)
+    bench.time = 5                       # stamps of what follows
+    with bench.batch():                  # results and data of one primitive
+        name = bench.introduce("s-1", "box", "bay")
+        bench.assert_fact("color", name, "red")
+        bench.fix_cardinality("bay")     # takes effect at the end of the batch
+    bench.move(name, "dock")             # outside a batch: one of its own
+    bench.sets()                         # tuple of SetView
+    bench.events                         # list of events, item-merged among them
 """
 
 from __future__ import annotations
@@ -9,20 +18,47 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
+import msgspec
+
 from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.library.library import Library
-from rapc.runtime.events import Event
-from rapc.runtime.memory.assembly import assemble
-from rapc.runtime.memory.facts import NEVER
-from rapc.runtime.memory.handling import MemoryView
+from rapc.runtime.events.events import Event
+from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.build import assemble
 from rapc.runtime.memory.memory import Memory
-from rapc.runtime.memory.recognition.descriptions import Description, ExpectationSet
 from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS
 from rapc.runtime.memory.recognition.scoring import Comparator
-from rapc.runtime.memory.recognition.views import DescriptionView, SetView
-from rapc.runtime.recorder import Recorder
+from rapc.runtime.memory.recognition.sets import Description, ExpectationSet
+from rapc.runtime.memory.store import NEVER
+from rapc.runtime.memory.view import MemoryView
 from rapc.world import Time
+
+
+class DescriptionView(msgspec.Struct, frozen=True):
+    """One description as it stands in a view of a set.
+
+    `name` is None for an empty description. `number` tells descriptions apart, empty
+    ones too: one that stands in several views has one number; the older, the smaller.
+    `sensor` is None out of reach. `properties` maps a property's index without the
+    item (`("contains", "papers")`, `("color",)`) to its value and stamp, without
+    location and introducing class; the stamp is None for what became unknown.
+    """
+
+    name: str | None
+    number: int
+    sensor: str | None
+    properties: Mapping[Fact, tuple[Atom, Time | None]]
+
+
+class SetView(msgspec.Struct, frozen=True):
+    """An expectation set: the local model's part, and the layers, oldest first."""
+
+    kind: str
+    place: Atom
+    size: int
+    local: tuple[DescriptionView, ...]
+    layers: tuple[tuple[DescriptionView, ...], ...]
 
 
 class MemoryBench:

@@ -12,7 +12,7 @@ from typing import Any, TextIO
 import msgspec
 
 from rapc.base.values import format_atom
-from rapc.runtime import events
+from rapc.runtime.events import events
 
 
 class JsonTrace:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from rapc.base.values import format_list
-from rapc.runtime.events import Event
+from rapc.runtime.events.events import Event
 from rapc.world import Time
 
 Listener = Callable[[Event], None]
@@ -77,3 +77,20 @@ def made(told: Told, serial: int) -> Event:
         if type(fact) is tuple:
             keys = {**keys, name: format_list(fact)}
     return what(n=serial, cycle=cycle, time=time, **keys)
+
+
+class Recording:
+    """The events of a run from a moment on; it may be read while the run goes on."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._tape = recorder.keep()
+        self._start = len(self._tape)
+        self._first = recorder.serial
+
+    def __len__(self) -> int:
+        return len(self._tape) - self._start
+
+    def __iter__(self) -> Iterator[Event]:
+        """The events, in order: what a listener would have been called with."""
+        for at in range(len(self)):
+            yield made(self._tape[self._start + at], self._first + at)

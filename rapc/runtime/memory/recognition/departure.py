@@ -15,13 +15,13 @@ from itertools import islice
 import msgspec
 
 from rapc.base.values import Number
-from rapc.runtime.memory.recognition.descriptions import (
+from rapc.runtime.memory.recognition.scoring import Score
+from rapc.runtime.memory.recognition.sets import (
     Description,
     ExpectationSet,
     Key,
     View,
 )
-from rapc.runtime.memory.recognition.scoring import Score
 
 EXACT = 14
 """Up to so many candidate groups the smallest collection is searched exactly."""

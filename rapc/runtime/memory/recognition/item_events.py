@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from rapc.base.values import Atom, Number, format_atom
-from rapc.runtime.events import ItemEvent, ItemMerged
-from rapc.runtime.memory.recognition.descriptions import Description
-from rapc.runtime.memory.recognition.leaving import Collection
+from rapc.runtime.events.events import ItemEvent, ItemMerged
+from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.recognition.departure import Collection
 from rapc.runtime.memory.recognition.matching import Match
-from rapc.runtime.recorder import Recorder
+from rapc.runtime.memory.recognition.sets import Description
 
 
 class Teller:

@@ -11,7 +11,7 @@ from typing import Any
 
 from rapc.compiler.query import builtin
 from rapc.compiler.query.code import Emitter, Scope
-from rapc.compiler.query.steps import Step, Way
+from rapc.compiler.query.plan_steps import Step, Way
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 

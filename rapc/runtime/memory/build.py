@@ -8,12 +8,12 @@ import msgspec
 
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.library.library import Library
+from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.exclusions import Exclusions
-from rapc.runtime.memory.handling import HandlerAccess
+from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS, Recognizer
 from rapc.runtime.memory.recognition.scoring import Comparator, Scores
-from rapc.runtime.recorder import Recorder
 
 
 class Assembled(msgspec.Struct, frozen=True):
@@ -21,7 +21,7 @@ class Assembled(msgspec.Struct, frozen=True):
 
     memory: Memory
     recognizer: Recognizer
-    access: HandlerAccess
+    access: Gate
 
 
 def assemble(
@@ -42,4 +42,4 @@ def assemble(
     classes = library.indistinct
     scores = Scores(classes.values(), library.comparators, comparators)
     recognizer = Recognizer(memory, recorder, tuple(classes), scores, max_layers)
-    return Assembled(memory, recognizer, HandlerAccess(memory, recorder, recognizer))
+    return Assembled(memory, recognizer, Gate(memory, recorder, recognizer))

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from rapc.base.values import format_atom
-from rapc.runtime import events
+from rapc.runtime.events import events
 from rapc.world import OKAY
 
 _LEFT_OVER = 20

@@ -10,11 +10,9 @@ from rapc.compiler.compiler import Compiler, RequestPlan, variables_of
 from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, users_of
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.compiler.watches import Watch, watches
 from rapc.ir import nodes
 from rapc.ir.walk import subformulas
-from rapc.library.library import Library
 
 
 class MethodPlan:
@@ -175,49 +173,3 @@ def _used(node: nodes.DefineRap) -> frozenset[str]:
     if node.monitor_time is not None:
         used += [node.monitor_time.start, node.monitor_time.stop]
     return variables_of(used)
-
-
-class CompiledLibrary:
-    """A checked library in executable form: what the interpreter is given.
-
-    Args:
-        library: linked, and free of findings of severity error.
-        name: what traces call it.
-    """
-
-    def __init__(self, library: Library, name: str = "library") -> None:
-        self.library = library
-        self.name = name
-        self._compiler = Compiler(library)
-        self._plans: dict[str, RapPlan] = {}
-
-    @property
-    def vocabulary(self) -> Vocabulary:
-        """What the declarations say."""
-        return self._compiler.vocabulary
-
-    @property
-    def compiler(self) -> Compiler:
-        """For compiling what comes later: methods of problem solvers."""
-        return self._compiler
-
-    def rap(self, name: str) -> RapPlan | None:
-        """The plan of a RAP, compiled the first time it is asked for."""
-        plan = self._plans.get(name)
-        if plan is None:
-            node = self.library.raps.get(name)
-            if node is None:
-                return None
-            plan = self._plans[name] = RapPlan(self._compiler, node)
-        return plan
-
-    def known_rap(self, name: str) -> RapPlan:
-        """The plan of a RAP that a checked library cannot lack.
-
-        Raises:
-            LookupError: if it does.
-        """
-        plan = self.rap(name)
-        if plan is None:
-            raise LookupError(f"no RAP is named `{name}`")
-        return plan

@@ -1,0 +1,54 @@
+"""A checked library in executable form."""
+
+from __future__ import annotations
+
+from rapc.compiler.compiler import Compiler
+from rapc.compiler.rap_plan import RapPlan
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.library.library import Library
+
+
+class Program:
+    """A checked library in executable form: what the interpreter is given.
+
+    Args:
+        library: linked, and free of findings of severity error.
+        name: what traces call it.
+    """
+
+    def __init__(self, library: Library, name: str = "library") -> None:
+        self.library = library
+        self.name = name
+        self._compiler = Compiler(library)
+        self._plans: dict[str, RapPlan] = {}
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What the declarations say."""
+        return self._compiler.vocabulary
+
+    @property
+    def compiler(self) -> Compiler:
+        """For compiling what comes later: methods of problem solvers."""
+        return self._compiler
+
+    def rap(self, name: str) -> RapPlan | None:
+        """The plan of a RAP, compiled the first time it is asked for."""
+        plan = self._plans.get(name)
+        if plan is None:
+            node = self.library.raps.get(name)
+            if node is None:
+                return None
+            plan = self._plans[name] = RapPlan(self._compiler, node)
+        return plan
+
+    def known_rap(self, name: str) -> RapPlan:
+        """The plan of a RAP that a checked library cannot lack.
+
+        Raises:
+            LookupError: if it does.
+        """
+        plan = self.rap(name)
+        if plan is None:
+            raise LookupError(f"no RAP is named `{name}`")
+        return plan
