@@ -41,7 +41,7 @@ def compile_library(*paths: str | Path) -> Program:
 
     Raises:
         LoadError: for what cannot be read.
-        ArtifactError: for a compiled library that this rapc cannot run.
+        SavedError: for a compiled library that this rapc cannot run.
         CheckError: if anything of severity error is found.
     """
     artifact = read_artifact(*paths)
@@ -55,7 +55,7 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
 
     Raises:
         LoadError: for what cannot be read.
-        ArtifactError: for a compiled library that this rapc cannot run.
+        SavedError: for a compiled library that this rapc cannot run.
     """
     paths = list(paths)
     artifact = read_artifact(*paths)
@@ -69,7 +69,7 @@ def read_artifact(*paths: str | Path) -> Artifact | None:
 
     Raises:
         LoadError: if it cannot be read.
-        ArtifactError: if this rapc cannot run it.
+        SavedError: if this rapc cannot run it.
     """
     data = files.read_compiled(paths[0]) if len(paths) == 1 else None
     return None if data is None else Artifact(data, str(paths[0]))

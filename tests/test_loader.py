@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from rapc.base.diagnostics import Diagnostic
-from rapc.base.files import LoadError
+from rapc.errors import LoadError
 from rapc.library.loader import load, load_text, standard_libraries
 
 

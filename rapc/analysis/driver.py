@@ -20,9 +20,10 @@ import msgspec
 from rapc.analysis import suite, suppressions
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
-from rapc.base.gc_paused import undisturbed
+from rapc.base.gc_paused import gc_paused
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
+from rapc.errors import Error
 from rapc.ir import nodes
 from rapc.library import loader
 from rapc.library.library import Library
@@ -62,12 +63,12 @@ class Report(msgspec.Struct, frozen=True):
         return max((finding.severity for finding in self.findings), default=None)
 
 
-class UnknownRuleError(Exception):
+class UnknownRuleError(Error):
     """A word that is neither a rule's name nor its code; `near` may be meant."""
 
     def __init__(self, word: str, near: str | None) -> None:
-        super().__init__(f"no rule is called `{word}`")
-        self.near = near
+        meant = f"did you mean `{near}`?" if near else ""
+        super().__init__(f"no rule is called `{word}`", meant)
 
 
 def check(*paths: str | Path) -> Report:
@@ -79,7 +80,7 @@ def check(*paths: str | Path) -> Report:
     return check_library(loader.load(paths))
 
 
-@undisturbed()
+@gc_paused()
 def check_library(loaded: Loaded, enabled: Collection[str] | None = None) -> Report:
     """Check a loaded library; its own diagnostics are part of the report.
 

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from rapc.errors import LoadError
+
 SUFFIX = ".rap"
 TEST_SUFFIX = ".test.rap"
 
@@ -28,10 +30,6 @@ Identity = tuple[int, int]
 
 _Entry = tuple[Path, tuple[Identity, ...] | None]
 """A folder with those that it lies in, or a file with None."""
-
-
-class LoadError(Exception):
-    """A path that cannot be read, or is no text; the message is one line."""
 
 
 # --- which files --------------------------------------------------------------------

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def undisturbed() -> Iterator[None]:
+def gc_paused() -> Iterator[None]:
     """Hold the search for reference cycles back while a library is read or checked.
 
     What is made then is kept and holds no cycles, so the search would find nothing,

@@ -75,7 +75,7 @@ def check(
             _words(select) if select else None, _words(extend_select), _words(ignore)
         )
     except driver.UnknownRuleError as error:
-        fail(f"{error}{f'; did you mean `{error.near}`?' if error.near else ''}")
+        fail(f"{error}{f'; {error.help}' if error.help else ''}")
     report = driver.check_library(read_paths(paths), enabled)
     say(f"ran {len(driver.passes())} passes")
     print_findings(report, output_format)

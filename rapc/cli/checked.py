@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from rapc.api import CheckError, compile_loaded, read_artifact
-from rapc.base.files import LoadError
-from rapc.base.gc_paused import undisturbed
+from rapc.base.gc_paused import gc_paused
 from rapc.cli.common import USAGE, fail, print_findings, read_paths, say
-from rapc.compiler.artifact import ArtifactError
 from rapc.compiler.program import Program
+from rapc.errors import LoadError, SavedError
 
 
 def load_checked(path: str) -> Program:
@@ -17,13 +16,13 @@ def load_checked(path: str) -> Program:
     do not stop it.
     """
     try:
-        with undisturbed():
+        with gc_paused():
             artifact = read_artifact(path)
             if artifact is None:
                 return compile_loaded(read_paths([path]), path)
             say(f"read {path}")
             return artifact.library
-    except (ArtifactError, LoadError) as error:
+    except (SavedError, LoadError) as error:
         fail(str(error))
     except CheckError as error:
         print_findings(error.report, "full")

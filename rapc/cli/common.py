@@ -16,8 +16,8 @@ from collections.abc import Iterable
 import click
 
 from rapc.analysis.driver import Report
-from rapc.base.files import LoadError
 from rapc.cli.options import USAGE, common_options, fail, say, settings
+from rapc.errors import LoadError
 from rapc.library.loader import Loaded, load
 
 __all__ = (

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import click
 
-from rapc.base.files import LoadError, read_compiled
-from rapc.base.gc_paused import undisturbed
+from rapc.base.files import read_compiled
+from rapc.base.gc_paused import gc_paused
 from rapc.cli.checked import load_checked
 from rapc.cli.common import (
     USAGE,
@@ -19,9 +19,10 @@ from rapc.cli.common import (
     print_findings,
     say,
 )
-from rapc.compiler.artifact import ArtifactError, Suite, encode
+from rapc.compiler.artifact import Suite, encode
 from rapc.compiler.explain import explain, tell
 from rapc.compiler.program import Program
+from rapc.errors import LoadError, SavedError
 from rapc.testing import discover
 
 EXAMPLES = """\b
@@ -73,7 +74,7 @@ def compile(path: str, output: str | None, explained: tuple[str, ...]) -> None:
 def _explain(library: Program, name: str) -> None:
     try:
         askings = explain(library, name)
-    except (ValueError, ArtifactError) as error:
+    except (ValueError, SavedError) as error:
         fail(str(error))
     for line in tell(askings):
         click.echo(line)
@@ -82,13 +83,13 @@ def _explain(library: Program, name: str) -> None:
 def _encoded(library: Program, path: str, output: str) -> bytes:
     """The library with its tests, none of which lies where it is to be written."""
     try:
-        with undisturbed():
+        with gc_paused():
             suites = list(_suites(path))
             for used in (library, *(used for _, used in suites)):
                 if any(_same_file(output, name) for name in used.library.files):
                     fail(f"-o: `{output}` is a file of the library")
             return encode(library, suites)
-    except (ArtifactError, LoadError) as error:
+    except (SavedError, LoadError) as error:
         fail(str(error))
 
 

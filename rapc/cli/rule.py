@@ -58,7 +58,7 @@ def _find(word: str) -> Rule:
     try:
         (name,) = driver.enabled_rules([word], (), ())
     except driver.UnknownRuleError as error:
-        fail(f"{error}{f'; did you mean `{error.near}`?' if error.near else ''}")
+        fail(f"{error}{f'; {error.help}' if error.help else ''}")
     return suite.rules()[name]
 
 

@@ -16,16 +16,21 @@ from rapc.base.values import Fact, number
 from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, settings
 from rapc.cli.options import show_traceback
-from rapc.compiler.artifact import ArtifactError
 from rapc.compiler.program import Program
-from rapc.parser.parse import TextError, parse_fact
+from rapc.errors import (
+    FactError,
+    PortError,
+    RefusedError,
+    SavedError,
+    SettingError,
+    TextError,
+    WorldError,
+)
+from rapc.parser.parse import parse_fact
 from rapc.runtime.events.report import Report
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.memory.checking import FactError
-from rapc.runtime.refusals import Refused
-from rapc.runtime.requests import PortError
-from rapc.runtime.settings import SettingError, Settings, read_settings
+from rapc.runtime.settings import Settings, read_settings
 from rapc.runtime.submission import Submission, read_submission
 from rapc.testing.faults import read_fault
 from rapc.world import Time, World
@@ -149,7 +154,7 @@ def _run(interpreter: Interpreter, until: Time | None, world_name: str) -> None:
         interpreter.run(until=until)
     except KeyboardInterrupt:
         interpreter.end("cancelled")
-    except ArtifactError as error:
+    except SavedError as error:
         fail(str(error))
     except (PortError, FactError) as error:
         fail(f"the world `{world_name}` does not keep to the port: {error}")
@@ -239,11 +244,11 @@ def _build(
         options = registry.read_options(world_class, texts)
         world = registry.build_world(world_class, seed, options)
         world = _with_faults(world, faults, seed)
-    except registry.WorldError as error:
+    except WorldError as error:
         fail(error.message, error.help)
     try:
         return Interpreter(library, world, seed, _settings(own)), options, world
-    except Refused as refused:
+    except RefusedError as refused:
         fail(*refused.reasons)
 
 
@@ -314,9 +319,9 @@ def _refuse(
         interpreter.check(submissions)
         for fact in facts:
             interpreter.check_fact(*fact)
-    except Refused as refused:
+    except RefusedError as refused:
         fail(*refused.reasons)
     except FactError as error:
         fail(f"--fact: {error}")
-    except ArtifactError as error:
+    except SavedError as error:
         fail(str(error))

@@ -11,12 +11,10 @@ from typing import Any
 
 import click
 
-from rapc.base.files import LoadError
 from rapc.cli.common import USAGE, common_options, fail, print_findings, settings
 from rapc.cli.options import Count
-from rapc.compiler.artifact import ArtifactError
 from rapc.console.findings import visible
-from rapc.parser.parse import TextError
+from rapc.errors import LoadError, SavedError, TextError
 from rapc.testing import coverage_table, discover, explain
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
@@ -138,7 +136,7 @@ def _faults(texts: Iterable[str]) -> tuple[Fault, ...]:
 def _find(paths: Sequence[str]) -> tuple[Case, ...]:
     try:
         found = discover.find(paths)
-    except (ArtifactError, LoadError) as error:
+    except (SavedError, LoadError) as error:
         fail(str(error))
     for report in found.reports:
         print_findings(report, "full")

@@ -8,6 +8,7 @@ import click
 
 from rapc.cli.common import common_options, fail
 from rapc.console.worlds import describe_world, list_worlds, summary
+from rapc.errors import WorldError
 from rapc.worlds import registry
 
 EXAMPLES = """\b
@@ -37,8 +38,8 @@ def worlds(name: str | None) -> None:
         return
     try:
         world = registry.build_world(registry.find_world(name), 0, {})
-    except registry.WorldError as error:
-        fail(error.message, error.help or "")
+    except WorldError as error:
+        fail(error.message, error.help)
     click.echo(describe_world(world, width))
 
 
@@ -46,5 +47,5 @@ def _summary(name: str) -> str:
     """What an installed world is, or why it cannot be had."""
     try:
         return summary(registry.find_world(name))
-    except registry.WorldError as error:
+    except WorldError as error:
         return error.message

@@ -28,6 +28,7 @@ from rapc.base.version import VERSION
 from rapc.compiler.program import Program
 from rapc.compiler.verify import UnsoundError, Verifier
 from rapc.compiler.vocabulary import Vocabulary
+from rapc.errors import SavedError
 from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
 from rapc.library.library import Library, link
@@ -40,12 +41,8 @@ _MOST_SAID = 200
 _HEAD = re.compile(rb"rapc-library (\d{1,9}) ([!-~]{1,40}) ([0-9a-f]{64})\n")
 
 
-class ArtifactError(Exception):
-    """Bytes that hold no compiled library this rapc can run; the text is one line."""
-
-
 class _WrongError(Exception):
-    """As `ArtifactError`, the name of the file left out."""
+    """As `SavedError`, the name of the file left out."""
 
 
 class _Rap(msgspec.Struct, frozen=True, array_like=True):
@@ -94,12 +91,12 @@ def encode(library: Program, suites: Iterable[Suite] = ()) -> bytes:
     """A checked library with the tests that came with it; the same for the same.
 
     Raises:
-        ArtifactError: for a library that could not be read back: one in which errors
+        SavedError: for a library that could not be read back: one in which errors
             were silenced that keep it from being run, one with a file whose name
             cannot be printed, or one that was read from a compiled library.
     """
     if len(library.library.raps) > len(library.library.forms):
-        raise ArtifactError(f"`{library.name}` is a compiled library already")
+        raise SavedError(f"`{library.name}` is a compiled library already")
     units: dict[str, _Unit] = {}
     listed = _units(library.library, units)
     tests = tuple(
@@ -158,7 +155,7 @@ class Artifact:
         file: its name, for what is wrong with it.
 
     Raises:
-        ArtifactError: for bytes that are none, are damaged, come from another version,
+        SavedError: for bytes that are none, are damaged, come from another version,
             or hold what no source is compiled to. Whatever is asked of it later, and
             reading a RAP of its library, may raise this too.
     """
@@ -215,7 +212,7 @@ class Artifact:
 class _Raps(Mapping[str, nodes.DefineRap]):
     """The RAPs of a library by name, each decoded and looked at when asked for.
 
-    Reading one raises ArtifactError if it cannot be run.
+    Reading one raises SavedError if it cannot be run.
     """
 
     def __init__(
@@ -262,7 +259,7 @@ def _look_at_names(body: _Body) -> None:
 
 
 def _look_at_all(library: Program) -> None:
-    """Read every RAP once. Raises ArtifactError."""
+    """Read every RAP once. Raises SavedError."""
     deque(library.library.raps.values(), 0)
 
 
@@ -272,12 +269,12 @@ def _blaming(file: str) -> Iterator[None]:
     try:
         yield
     except _WrongError as error:
-        raise ArtifactError(f"`{file}` {error}") from None
+        raise SavedError(f"`{file}` {error}") from None
     except UnsoundError as error:
-        raise ArtifactError(f"`{file}` holds what cannot be run: {error}") from None
+        raise SavedError(f"`{file}` holds what cannot be run: {error}") from None
     except RecursionError:
         reason = "holds what no library has: something is nested too deeply"
-        raise ArtifactError(f"`{file}` {reason}") from None
+        raise SavedError(f"`{file}` {reason}") from None
 
 
 def _declarations(unit: _Unit) -> Iterator[int]:

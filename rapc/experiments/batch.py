@@ -14,6 +14,7 @@ from typing import Protocol
 
 import msgspec
 
+from rapc.errors import Error
 from rapc.experiments.config import Config
 from rapc.experiments.run import Job, Result
 
@@ -21,8 +22,8 @@ ATTEMPTS = 3
 """How often a run is given out before it is given up."""
 
 
-class WorkersLost(Exception):
-    """Nobody is there any more to do the runs; one line."""
+class WorkersLost(Error):
+    """All workers that do the runs are gone."""
 
 
 class Workers(Protocol):

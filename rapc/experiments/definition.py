@@ -15,8 +15,9 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
-from rapc.base.files import LoadError, read_text
+from rapc.base.files import read_text
 from rapc.base.names import nearest
+from rapc.errors import Error, LoadError
 
 SUFFIX = ".toml"
 
@@ -31,13 +32,8 @@ _Time = Annotated[int, Meta(gt=0, le=10**9)] | Annotated[float, Meta(gt=0, le=10
 _Settings = Mapping[str, Mapping[str, Value]]
 
 
-class ExperimentError(Exception):
-    """An experiment that cannot be: one line, and perhaps a remedy."""
-
-    def __init__(self, message: str, help_: str | None = None) -> None:
-        super().__init__(message)
-        self.message = message
-        self.help = help_
+class ExperimentError(Error):
+    """An experiment that cannot be run as it is written down."""
 
 
 class Reference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -115,10 +111,10 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return named[name]
 
 
-def meant(name: str, names: Sequence[str] | Mapping[str, Any]) -> str | None:
-    """A suggestion for a mistyped name, or None."""
+def meant(name: str, names: Sequence[str] | Mapping[str, Any]) -> str:
+    """Return a suggestion for a mistyped name, or an empty text."""
     near = nearest(name, names)
-    return f"did you mean `{near}`?" if near else None
+    return f"did you mean `{near}`?" if near else ""
 
 
 def shipped() -> Mapping[str, Path]:

@@ -15,14 +15,13 @@ import msgspec
 from rapc.base.values import format_atom
 from rapc.base.version import VERSION
 from rapc.compiler.program import Program
+from rapc.errors import RefusedError, SettingError, TextError, WorldError
 from rapc.experiments.config import Config, code_of, plain_options, world_options
 from rapc.experiments.definition import Experiment, ExperimentError, Part, Value, meant
 from rapc.experiments.measures import LABELS
 from rapc.experiments.run import counted
-from rapc.parser.parse import TextError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.refusals import Refused
-from rapc.runtime.settings import SettingError, read_settings
+from rapc.runtime.settings import read_settings
 from rapc.runtime.submission import Submission, read_submission
 from rapc.world import World
 from rapc.worlds import registry
@@ -87,7 +86,7 @@ def command(experiment: Experiment, point: Point, library: Path, seed: int) -> s
 def _world(experiment: Experiment) -> type[World]:
     try:
         return registry.find_world(experiment.world)
-    except registry.WorldError as error:
+    except WorldError as error:
         raise ExperimentError(error.message, error.help) from error
 
 
@@ -159,7 +158,7 @@ def _config(
     try:
         options = registry.read_options(world, theirs)
         settings = read_settings(own)
-    except registry.WorldError as error:
+    except WorldError as error:
         raise ExperimentError(error.message, error.help) from error
     except SettingError as error:
         raise ExperimentError(str(error)) from error
@@ -205,11 +204,11 @@ def _try(
     try:
         made = registry.build_world(world, 0, options)
         Interpreter(library, made).check(tasks)
-    except registry.WorldError as error:
+    except WorldError as error:
         raise ExperimentError(error.message, error.help) from error
-    except Refused as refused:
+    except RefusedError as refused:
         first, *more = refused.reasons
-        raise ExperimentError(first, "; ".join(more) or None) from refused
+        raise ExperimentError(first, "; ".join(more)) from refused
 
 
 def unit(world: type[World], vary: str) -> str:

@@ -16,6 +16,7 @@ import msgspec
 
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
+from rapc.errors import Error
 from rapc.experiments.config import Config, code_of, world_options
 from rapc.experiments.measures import Measures, Tally, outcomes
 from rapc.library.library import link
@@ -47,7 +48,7 @@ class Result(msgspec.Struct, frozen=True):
     seconds: float = 0
 
 
-class OtherCode(Exception):
+class OtherCode(Error):
     """A worker has another rapc than the one that gave it the job."""
 
 

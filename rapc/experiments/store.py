@@ -14,6 +14,7 @@ from types import TracebackType
 
 import msgspec
 
+from rapc.errors import Error
 from rapc.experiments.config import Config
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import Result
@@ -48,8 +49,8 @@ from result where config = ? and seed >= ? and seed < ? order by seed
 """
 
 
-class StoreError(Exception):
-    """A file that results cannot be kept in; one line."""
+class StoreError(Error):
+    """A file that results cannot be kept in."""
 
 
 class Store:

@@ -26,7 +26,7 @@ from rapc.base.files import (
     read_standard_input,
     read_text,
 )
-from rapc.base.gc_paused import undisturbed
+from rapc.base.gc_paused import gc_paused
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
@@ -76,7 +76,7 @@ class Loaded(msgspec.Struct, frozen=True):
         return self.library.files
 
 
-@undisturbed()
+@gc_paused()
 def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
     """Read files and folders, all they require, and link them into one library.
 
@@ -98,7 +98,7 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
     return reading.finish()
 
 
-@undisturbed()
+@gc_paused()
 def load_for_test(source: SourceFile, requires: Iterable[nodes.Require]) -> Loaded:
     """Link what a test runs: its file, and what that and the test itself require.
 
@@ -131,7 +131,7 @@ def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
                 yield SourceFile(str(file), read_text(file))
 
 
-@undisturbed()
+@gc_paused()
 def load_text(text: str, name: str = "<text>") -> Loaded:
     """Link one text as if it were a file in the working folder; see `load`."""
     reading = _Reading(tests=False)

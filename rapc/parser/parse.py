@@ -14,6 +14,7 @@ from rapc.base.diagnostics import Diagnostic
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
 from rapc.base.values import Atom, Fact
+from rapc.errors import TextError
 from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
 from rapc.parser.forms.context import Context, head_of, kind_of
@@ -27,7 +28,6 @@ from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
 __all__ = (
     "Comment",
     "Parsed",
-    "TextError",
     "parse",
     "parse_fact",
     "parse_formula",
@@ -96,10 +96,6 @@ def _form(ctx: Context, datum: Datum) -> nodes.TopForm | DefineTest | None:
         meant = ctx.unknown("unknown-form", "top-level form", word, FORMS)
         return FORMS[meant](ctx, datum) if meant else None
     return FORMS[name](ctx, datum)
-
-
-class TextError(ValueError):
-    """A small text that is not what it should be; the message is one line."""
 
 
 def parse_fact(text: str) -> Fact:

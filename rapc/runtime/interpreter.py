@@ -13,6 +13,7 @@ from typing import Any
 
 from rapc.base.values import Atom, Fact, match
 from rapc.compiler.program import Program
+from rapc.errors import RefusedError
 from rapc.ir.nodes import Formula
 from rapc.parser.parse import parse_formula
 from rapc.runtime import standing
@@ -23,7 +24,7 @@ from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.question import Question
-from rapc.runtime.refusals import Refused, refusals, refuse_extension, refuse_tasks
+from rapc.runtime.refusals import refusals, refuse_extension, refuse_tasks
 from rapc.runtime.settings import Settings
 from rapc.runtime.signals import signal
 from rapc.runtime.standing import AgendaEntry
@@ -49,7 +50,7 @@ class Interpreter:
             those of the world: see `World.comparators`.
 
     Raises:
-        Refused: if the library cannot run in this world, before anything happens.
+        RefusedError: if the library cannot run in this world, before anything happens.
     """
 
     def __init__(
@@ -76,7 +77,7 @@ class Interpreter:
         functions = self._machine.context.functions
         found = refusals(library.library, world, functions, compare)
         if found:
-            raise Refused(found)
+            raise RefusedError(found)
         self._turns = Turns(self._machine)
         self._serial = 0
         self._at_the_end: list[Callable[[], None]] = []
@@ -163,8 +164,8 @@ class Interpreter:
         """Give the robot a task, now or for a later time.
 
         Raises:
-            Refused: for an unknown RAP, a wrong number of inputs, or a task that can
-                reach something this version cannot run.
+            RefusedError: for an unknown RAP, a wrong number of inputs, or a task that
+                can reach something this version cannot run.
         """
         self.check([task])
         self.start()
@@ -191,7 +192,7 @@ class Interpreter:
         return len(found)
 
     def check(self, tasks: Sequence[Submission]) -> None:
-        """Look at tasks without running anything. Raises Refused as `submit`."""
+        """Look at tasks without running anything. Raises RefusedError as `submit`."""
         refuse_tasks(self._machine.library, [task.goal for task in tasks])
 
     def extend(self, library: Program) -> None:
@@ -200,7 +201,7 @@ class Interpreter:
         Tasks under way keep the RAPs they began with.
 
         Raises:
-            Refused: if the library is not the one that runs with some RAPs added.
+            RefusedError: if the library is not the one that runs with some RAPs added.
         """
         refuse_extension(self._machine.library.library, library.library)
         self._machine.library = library

@@ -7,6 +7,7 @@ Which method it is is decided in `rapc.runtime.choice`; how methods end is in
 from __future__ import annotations
 
 from rapc.compiler.rap_plan import MethodPlan
+from rapc.errors import FactError
 from rapc.runtime.beginnings import (
     create,
     fill_inputs,
@@ -24,7 +25,6 @@ from rapc.runtime.endings import (
 )
 from rapc.runtime.events.events import MethodChosen
 from rapc.runtime.machine import Machine
-from rapc.runtime.memory.checking import FactError
 from rapc.runtime.requests import ground, request
 from rapc.runtime.task import RUNNING, Env, MethodRun, Task, in_words
 from rapc.world import OKAY

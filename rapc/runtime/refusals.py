@@ -6,13 +6,14 @@ parts of the language whose behaviour this version does not have yet.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 
 from rapc.base.names import counted, nearest
 from rapc.base.source import Span
 from rapc.base.values import Fact
 from rapc.compiler.program import Program
 from rapc.compiler.vocabulary import CONSTANT_DEFAULTS
+from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.world import World
@@ -23,14 +24,6 @@ _Offered = (
     | nodes.DeclareSkill
     | nodes.DeclareEvent
 )
-
-
-class Refused(Exception):
-    """A library, world or task that cannot be run; `reasons` are lines of text."""
-
-    def __init__(self, reasons: Sequence[str]) -> None:
-        super().__init__("; ".join(reasons))
-        self.reasons = tuple(reasons)
 
 
 def refusals(
@@ -125,7 +118,7 @@ def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
     """Refuse goals that no RAP serves or that can reach what cannot be run yet.
 
     Raises:
-        Refused: with one line for each thing found.
+        RefusedError: with one line for each thing found.
     """
     reasons: list[str] = []
     raps = library.library.raps
@@ -144,14 +137,14 @@ def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
         else:
             reasons.extend(_reached(library.library, rap))
     if reasons:
-        raise Refused(list(dict.fromkeys(reasons)))
+        raise RefusedError(list(dict.fromkeys(reasons)))
 
 
 def refuse_extension(old: Library, new: Library) -> None:
     """Refuse a library that is not another one with some RAPs added.
 
     Raises:
-        Refused: with one line for each thing that differs.
+        RefusedError: with one line for each thing that differs.
     """
     reasons = [
         f"the RAP `{name}` is not the one that runs"
@@ -163,7 +156,7 @@ def refuse_extension(old: Library, new: Library) -> None:
         if not same and getattr(old, field) != getattr(new, field):
             reasons.append(f"a run takes up new RAPs, but no other {field}")
     if reasons:
-        raise Refused(reasons)
+        raise RefusedError(reasons)
 
 
 def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:

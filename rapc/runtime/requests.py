@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.compiler import RequestPlan
+from rapc.errors import PortError
 from rapc.runtime.endings import INTERFERENCE, end_method
 from rapc.runtime.events.events import DataReceived, PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
@@ -20,10 +21,6 @@ from rapc.runtime.task import MethodRun, Task
 from rapc.world import OKAY, Datum, Finished, Message, Reply, Signal
 
 _RESOURCES = (Counter, SetResource)
-
-
-class PortError(Exception):
-    """A world that does not keep to the port; the text says how."""
 
 
 def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:

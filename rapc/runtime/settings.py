@@ -9,6 +9,7 @@ import msgspec
 
 from rapc.base.names import nearest
 from rapc.base.values import number
+from rapc.errors import SettingError
 
 _Count = Annotated[int, msgspec.Meta(ge=1)]
 _Cost = Annotated[int, msgspec.Meta(ge=0)] | Annotated[float, msgspec.Meta(ge=0)]
@@ -27,10 +28,6 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     idle_cycles: _Count = 100_000
     cycle_cost: _Cost = 0
     max_layers: _Count = 8
-
-
-class SettingError(ValueError):
-    """A setting that does not exist or takes another value; one line of text."""
 
 
 def read_settings(texts: Mapping[str, str]) -> Settings:

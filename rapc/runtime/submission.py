@@ -7,8 +7,9 @@ from collections.abc import Mapping
 import msgspec
 
 from rapc.base.values import Atom, Fact
+from rapc.errors import TextError
 from rapc.ir.nodes import Const
-from rapc.parser.parse import TextError, parse_goal_options
+from rapc.parser.parse import parse_goal_options
 from rapc.world import Time
 
 

@@ -36,7 +36,7 @@ def find(paths: Iterable[str | Path]) -> Found:
 
     Raises:
         LoadError: for what cannot be read.
-        ArtifactError: for a compiled library that this rapc cannot run.
+        SavedError: for a compiled library that this rapc cannot run.
     """
     cases: list[Case] = []
     reports: list[Report] = []

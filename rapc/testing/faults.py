@@ -10,8 +10,9 @@ from typing import Any
 
 from rapc.base.names import nearest
 from rapc.base.values import Number, number
+from rapc.errors import TextError
 from rapc.ir import nodes
-from rapc.parser.parse import TextError, parse_pattern
+from rapc.parser.parse import parse_pattern
 from rapc.testing.patterns import end_of_list, flat
 from rapc.worlds.faults import Fault
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rapc.base.files import LoadError
+from rapc.errors import LoadError
 from rapc.testing import discover, explain
 from rapc.testing.run import Case, Outcome, Status, run_case
 

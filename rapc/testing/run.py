@@ -14,11 +14,10 @@ import msgspec
 from rapc.base.source import Span
 from rapc.base.values import format_atom, format_list
 from rapc.compiler.program import Program
+from rapc.errors import FactError, RefusedError, WorldError
 from rapc.ir import tests
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.memory.checking import FactError
-from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Scene, judge
@@ -101,9 +100,9 @@ def run_case(
         if found:
             return _error(case, seed, found)
         running = _Run(case, seed, helper, wrap)
-    except registry.WorldError as error:
+    except WorldError as error:
         return _error(case, seed, [Problem(place, str(error))])
-    except Refused as error:
+    except RefusedError as error:
         return _error(case, seed, [Problem(place, line) for line in error.reasons])
     if coverage is not None:
         coverage.begin(case.library.library)
@@ -131,7 +130,7 @@ class _Run:
     """One run of a test: its interpreter, and what was found so far.
 
     Raises:
-        Refused: if the library or a task cannot be run.
+        RefusedError: if the library or a task cannot be run.
     """
 
     def __init__(

@@ -13,11 +13,11 @@ import msgspec
 from rapc.base.names import counted, nearest
 from rapc.base.source import Span
 from rapc.compiler.vocabulary import Vocabulary
+from rapc.errors import FactError
 from rapc.ir import nodes, tests, walk
 from rapc.library.library import Library
 from rapc.runtime.events import events
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.checking import FactError
 from rapc.runtime.memory.memory import Memory
 from rapc.testing.patterns import flat
 from rapc.worlds.script import Row, offer_of, row_problems

@@ -17,9 +17,10 @@ from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from rapc.base.files import LoadError, named, read_text
+from rapc.base.files import named, read_text
 from rapc.base.names import nearest
 from rapc.base.values import Atom, Text, number
+from rapc.errors import LoadError, WorldError
 from rapc.world import Option, World
 
 GROUP = "rapc.worlds"
@@ -28,15 +29,6 @@ GROUP = "rapc.worlds"
 _PLACE = re.compile(r"\w+(\.\w+)*:\w+(\.\w+)*")
 _NUMBER = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?")
 _SYMBOL = re.compile(r"[^\s()\";?]+")
-
-
-class WorldError(Exception):
-    """A world or an option that is not to be had: one line, and perhaps a remedy."""
-
-    def __init__(self, message: str, help_: str | None = None) -> None:
-        super().__init__(message)
-        self.message = message
-        self.help = help_
 
 
 def available() -> tuple[str, ...]:
@@ -206,6 +198,6 @@ def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
     return build_world(world, seed, given)
 
 
-def _did_you_mean(name: str, names: Iterable[str]) -> str | None:
+def _did_you_mean(name: str, names: Iterable[str]) -> str:
     near = nearest(name, names)
-    return f"did you mean `{near}`?" if near else None
+    return f"did you mean `{near}`?" if near else ""

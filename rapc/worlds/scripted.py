@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 import msgspec
 
 from rapc.base.values import Fact, format_list, match, number
+from rapc.errors import Error
 from rapc.world import (
     Datum,
     DatumHandler,
@@ -40,7 +41,7 @@ AT = "at"
 """The datum by which an `At` reaches its handler; no library declares it."""
 
 
-class UnansweredRequest(Exception):
+class UnansweredRequest(Error):
     """A request that no row of the script answers; `request` is it."""
 
     def __init__(self, request: Fact) -> None:

@@ -124,7 +124,7 @@ def test_selection_by_names_and_codes() -> None:
     }
     with pytest.raises(UnknownRuleError, match="`unknown-rup`") as caught:
         enabled_rules(None, (), ["unknown-rup"])
-    assert caught.value.near == "unknown-rap"
+    assert caught.value.help == "did you mean `unknown-rap`?"
 
 
 def test_suppressions_of_rules_that_do_not_run_are_not_called_unused() -> None:

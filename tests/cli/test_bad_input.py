@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.base.files import LoadError
+from rapc.errors import LoadError
 from rapc.library.loader import load
 
 from .command import COMMAND, HOME, rapc

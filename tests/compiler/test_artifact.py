@@ -11,11 +11,11 @@ import pytest
 
 import rapc
 from rapc import api
-from rapc.base.files import LoadError
 from rapc.base.version import VERSION
 from rapc.compiler import artifact
-from rapc.compiler.artifact import Artifact, ArtifactError, encode, seal
+from rapc.compiler.artifact import Artifact, encode, seal
 from rapc.compiler.program import Program
+from rapc.errors import LoadError, SavedError
 from rapc.ir.nodes import Node
 from rapc.library.loader import load_text
 from rapc.testing.run import Case, Outcome, run_case
@@ -151,7 +151,7 @@ HEAD, PAYLOAD = GOOD.split(b"\n", 1)
     ],
 )
 def test_what_is_no_library_of_this_rapc_is_refused(data: bytes, said: str) -> None:
-    with pytest.raises(ArtifactError) as caught:
+    with pytest.raises(SavedError) as caught:
         Artifact(data, "odd.rapc").look_at_all()
     assert str(caught.value).startswith("`odd.rapc` ")
     assert said in str(caught.value)
@@ -165,28 +165,28 @@ def test_a_rap_that_cannot_be_run_is_refused_before_the_first_cycle() -> None:
     said = (
         "`odd.rapc` holds what cannot be run: in `push-all` there is no RAP `push-none`"
     )
-    with pytest.raises(ArtifactError, match=said):
+    with pytest.raises(SavedError, match=said):
         run.submit(rapc.task("(push-all a b)"))
 
 
 def test_what_was_silenced_and_cannot_be_run_is_not_compiled() -> None:
     text = """(define-rap (go) ; rapc: ignore[undeclared-predicate] it may come yet
       (succeed (nowhere declared)))"""
-    with pytest.raises(ArtifactError, match="in `go` `nowhere` is not declared"):
+    with pytest.raises(SavedError, match="in `go` `nowhere` is not declared"):
         encode(api.compile_loaded(load_text(text), "go"))
 
 
 def test_a_name_that_cannot_be_printed_is_refused() -> None:
     loaded = load_text("(define-rap (go) (method (task-net)))", "a\x1b[2Jb.rap")
-    with pytest.raises(ArtifactError, match="a file whose name cannot be printed"):
+    with pytest.raises(SavedError, match="a file whose name cannot be printed"):
         encode(api.compile_loaded(loaded, "go"))
     odd = seal(PAYLOAD.replace(b'kitchen.rap"', b'kitchen\\u001b.rap"'))
-    with pytest.raises(ArtifactError, match="a file whose name cannot be printed"):
+    with pytest.raises(SavedError, match="a file whose name cannot be printed"):
         Artifact(odd, "odd.rapc")
 
 
 def test_a_compiled_library_is_not_compiled_again() -> None:
-    with pytest.raises(ArtifactError, match="is a compiled library already"):
+    with pytest.raises(SavedError, match="is a compiled library already"):
         encode(Artifact(GOOD, "file").library)
 
 

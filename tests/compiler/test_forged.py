@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rapc.compiler.artifact import Artifact, ArtifactError, seal
+from rapc.compiler.artifact import Artifact, seal
+from rapc.errors import RefusedError, SavedError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import read_submission
 from rapc.testing import run as testing
 from rapc.testing.run import Case, run_case
@@ -55,7 +55,7 @@ def _use(payload: bytes) -> bool:
         for tests, library in artifact.suites():
             for test in tests:
                 run_case(Case(test, library))
-    except (ArtifactError, Refused) as error:
+    except (SavedError, RefusedError) as error:
         refused = str(error)
     assert refused.count("\n") == 0
     return refused == ""
@@ -85,7 +85,7 @@ def _nested(depth: int) -> bytes:
 
 @pytest.mark.parametrize("depth", [150, 900, 100_000])
 def test_what_is_nested_too_deeply_is_refused(depth: int) -> None:
-    with pytest.raises(ArtifactError, match=r"nested too deeply|recursion depth"):
+    with pytest.raises(SavedError, match=r"nested too deeply|recursion depth"):
         Artifact(seal(_nested(depth)), "forged").look_at_all()
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rapc.errors import FactError
 from rapc.runtime.events import events
-from rapc.runtime.memory.checking import FactError
 from rapc.runtime.memory.recognition.scoring import Described
 
 from .driving import DRUMS, WORDS, bench, leave, merges, names, see, the_set, values

@@ -5,13 +5,9 @@ from __future__ import annotations
 import pytest
 
 from rapc.base.values import Text
+from rapc.errors import TextError
 from rapc.ir import nodes
-from rapc.parser.parse import (
-    TextError,
-    parse_fact,
-    parse_goal_options,
-    parse_pattern,
-)
+from rapc.parser.parse import parse_fact, parse_goal_options, parse_pattern
 
 
 def test_fact() -> None:

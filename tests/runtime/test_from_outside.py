@@ -6,9 +6,9 @@ import pytest
 
 from rapc import api
 from rapc.compiler.program import Program
+from rapc.errors import RefusedError
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import Submission, read_submission
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
@@ -77,10 +77,10 @@ def test_a_plan_with_a_mistake_is_found_before_it_is_taken_up() -> None:
 
 def test_a_library_with_more_than_new_raps_is_refused() -> None:
     run = started()
-    with pytest.raises(Refused, match="no other propositions"):
+    with pytest.raises(RefusedError, match="no other propositions"):
         run.extend(api.extend(compiled(), "(declare-memory-proposition new (?x))"))
     other = LIBRARY.replace("(duration 7)", "(duration 8)")
-    with pytest.raises(Refused, match="`go` is not the one that runs"):
+    with pytest.raises(RefusedError, match="`go` is not the one that runs"):
         run.extend(Program(load_text(other).library))
 
 

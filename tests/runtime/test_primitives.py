@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from rapc.base.values import Fact
+from rapc.errors import PortError
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.requests import PortError
 from rapc.runtime.submission import read_submission
 from rapc.world import (
     Datum,

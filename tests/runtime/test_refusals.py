@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from rapc.compiler.program import Program
+from rapc.errors import RefusedError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.refusals import Refused
 from rapc.runtime.submission import read_submission
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
@@ -38,7 +38,7 @@ def reasons(
         run = Interpreter(library, WORLD, functions=functions)
         if task:
             run.check([read_submission(task)])
-    except Refused as refused:
+    except RefusedError as refused:
         return refused.reasons
     return ()
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from rapc.errors import RefusedError
 from rapc.runtime.events import events
 from rapc.runtime.events.trace import JsonTrace
-from rapc.runtime.refusals import Refused
 from rapc.runtime.settings import Settings
 from rapc.runtime.submission import read_submission
 
@@ -58,7 +58,7 @@ def test_a_task_given_in_the_past_is_given_now() -> None:
     [("(fly)", "no RAP"), ("(use)", "1 input"), ("(use a b)", "not 2")],
 )
 def test_a_task_that_no_rap_serves_is_refused(task: str, words: str) -> None:
-    with pytest.raises(Refused, match=words):
+    with pytest.raises(RefusedError, match=words):
         Play(USE, task)
 
 

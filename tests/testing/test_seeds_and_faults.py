@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rapc.base.values import Text
-from rapc.parser.parse import TextError
+from rapc.errors import TextError
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Status
 from rapc.testing.session import Session, exit_status, summary

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from rapc.base.values import Text
+from rapc.errors import WorldError
 from rapc.world import Option, World
 from rapc.worlds import registry
-from rapc.worlds.registry import WorldError
 from rapc.worlds.truck import TruckWorld
 
 
@@ -53,17 +53,17 @@ def test_the_truck_is_found_by_name_and_by_place() -> None:
     ("name", "message", "help_"),
     [
         ("trcuk", "unknown world `trcuk`", "did you mean `truck`?"),
-        ("moon", "unknown world `moon`", None),
-        ("no_such_module:World", "cannot be loaded: ModuleNotFoundError", None),
-        ("rapc.worlds.truck:Nothing", "cannot be loaded: AttributeError", None),
-        ("rapc.base.values:number", "is not a subclass of `rapc.World`", None),
-        (f"{__name__}:Half", "does not define", None),
-        (":", "cannot be loaded: it is not `module:Class`", None),
-        ("rapc:", "cannot be loaded: it is not `module:Class`", None),
+        ("moon", "unknown world `moon`", ""),
+        ("no_such_module:World", "cannot be loaded: ModuleNotFoundError", ""),
+        ("rapc.worlds.truck:Nothing", "cannot be loaded: AttributeError", ""),
+        ("rapc.base.values:number", "is not a subclass of `rapc.World`", ""),
+        (f"{__name__}:Half", "does not define", ""),
+        (":", "cannot be loaded: it is not `module:Class`", ""),
+        ("rapc:", "cannot be loaded: it is not `module:Class`", ""),
     ],
 )
 def test_what_is_no_world_is_refused_in_a_line(
-    name: str, message: str, help_: str | None
+    name: str, message: str, help_: str
 ) -> None:
     with pytest.raises(WorldError) as caught:
         registry.find_world(name)

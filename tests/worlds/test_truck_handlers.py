@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from rapc.compiler.program import Program
+from rapc.errors import RefusedError
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.refusals import Refused
 from rapc.worlds.truck.handlers import HANDLERS
 from rapc.worlds.truck.primitives import OFFER
 
@@ -315,5 +315,6 @@ def test_memory_and_world_agree_after_a_long_journey() -> None:
 
 def test_a_library_without_the_trucks_words_is_refused_beforehand() -> None:
     library = load_text("(define-rap (idle) (succeed t))").library
-    with pytest.raises(Refused, match="the world `truck` tells of `place`, `produces`"):
+    told = "the world `truck` tells of `place`, `produces`"
+    with pytest.raises(RefusedError, match=told):
         Interpreter(Program(library, "idle"), Driver().world)

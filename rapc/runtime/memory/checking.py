@@ -10,13 +10,10 @@ from collections.abc import Mapping
 from rapc.base.names import counted
 from rapc.base.values import Atom, Fact, Text, format_list, number
 from rapc.compiler.vocabulary import Relation
+from rapc.errors import FactError
 
 _KINDS = frozenset((str, int, float, Text))
 """The types of what may stand in a fact."""
-
-
-class FactError(ValueError):
-    """A fact that memory refuses; the text says why, in one line."""
 
 
 def full_form(fact: Fact, relations: Mapping[str, Relation]) -> Fact:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rapc.base.values import Atom, format_atom
+from rapc.errors import FactError
 from rapc.runtime.events.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.checking import FactError
 from rapc.runtime.memory.items import Item
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.recognition.recognizer import Recognizer

@@ -12,9 +12,10 @@ from typing import Any
 
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.vocabulary import Vocabulary
+from rapc.errors import FactError
 from rapc.runtime.events.events import FactAsserted, FactErased
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.checking import FactError, check_prefix, full_form
+from rapc.runtime.memory.checking import check_prefix, full_form
 from rapc.runtime.memory.items import Items
 from rapc.runtime.memory.mentions import Mentions
 from rapc.runtime.memory.store import FactStore

@@ -42,7 +42,7 @@ def truck_speed(scene: Scene, speed: Atom) -> Reply:
 def truck_move(scene: Scene) -> Reply:
     """Travel down the road ahead to its end, or to where the eye has it stop.
 
-    Refused with no road ahead or an arm outside. Without fuel enough for the trip,
+    RefusedError with no road ahead or an arm outside. Without fuel enough for the trip,
     or in a mishap, the truck is left on the road and the run is over; a captured
     truck goes nowhere.
     """
