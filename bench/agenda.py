@@ -16,7 +16,7 @@ from rapc.compiler.program import Program
 from rapc.library import loader
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -54,7 +54,7 @@ def _run(library: Program, depth: int, traced: bool = False) -> None:
         interpreter.listen(JsonTrace(io.StringIO()))
     interpreter.start()
     interpreter.assert_fact("ready", "yes")
-    interpreter.submit(Submission(("inner", depth)))
+    interpreter.submit(TaskRequest(("inner", depth)))
     interpreter.run()
     [result] = interpreter.results()
     if result.outcome != "succeeded":

@@ -15,7 +15,7 @@ from bench.common import Figure, compiled, seconds
 from rapc.library import loader
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -58,7 +58,7 @@ def _asleep(count: int) -> Interpreter:
     world = ScriptedWorld([row], declared=library.library)
     interpreter = Interpreter(library, world, settings=PATIENCE)
     for number in range(count):
-        interpreter.submit(Submission(("watch", f"s{number}")))
+        interpreter.submit(TaskRequest(("watch", f"s{number}")))
     _until_quiet(interpreter)
     return interpreter
 
@@ -80,7 +80,7 @@ def _growth(cycles: int) -> tuple[float, float]:
     world = ScriptedWorld([Row(("tick", "?name"))], declared=library.library)
     interpreter = Interpreter(library, world)
     for number in range(5):
-        interpreter.submit(Submission(("clock", f"c{number}")))
+        interpreter.submit(TaskRequest(("clock", f"c{number}")))
     found = []
     for part in (cycles // 10, cycles - cycles // 10):
         for _ in range(part):

@@ -18,7 +18,7 @@ from rapc.compiler.program import Program
 from rapc.library import loader
 from rapc.runtime.events.events import Event
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.worlds import registry
 
 LIBRARY = '(require "truck")\n'
@@ -36,7 +36,7 @@ def _fill(library: Program, seed: int) -> tuple[float, float, Event]:
     last: deque[Event] = deque(maxlen=1)
     interpreter.listen(last.append)
     wall, cpu = time.perf_counter(), time.process_time()
-    interpreter.submit(Submission(GOAL))
+    interpreter.submit(TaskRequest(GOAL))
     interpreter.run()
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     [result] = interpreter.results()

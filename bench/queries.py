@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 from bench.common import Figure, compiled, seconds
 from rapc.library import loader
+from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.question import Question
 from rapc.worlds.scripted import ScriptedWorld
 
 LIBRARY = """\
@@ -28,7 +28,7 @@ SITES = 64
 """How many sites are asked about in turn."""
 
 
-def _setup(items: int) -> tuple[Question, Interpreter]:
+def _setup(items: int) -> tuple[HostQuery, Interpreter]:
     """The query, made ready, and a run whose memory holds so many items."""
     library = compiled(loader.load_text(LIBRARY))
     run = Interpreter(library, ScriptedWorld([], declared=library.library))
@@ -52,7 +52,7 @@ def figures(quick: bool = False) -> Iterator[Figure]:
             yield Figure("queries", what, size, taken * 1e6, "us")
 
 
-def _asked(ask: Question, items: int) -> Iterator[tuple[str, float]]:
+def _asked(ask: HostQuery, items: int) -> Iterator[tuple[str, float]]:
     sites = max(items // 40, 1)
     places = [f"site-{n * sites // SITES}" for n in range(SITES)]
 

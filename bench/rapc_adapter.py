@@ -195,7 +195,7 @@ class Rapc(Peer):
     note = "everything real; no trace"
 
     def available(self) -> str:
-        for name in ("Interpreter", "JsonTrace", "Submission", "compile"):
+        for name in ("Interpreter", "JsonTrace", "TaskRequest", "compile"):
             getattr(rapc, name)  # each is imported when it is first asked for
         return rapc.__version__
 
@@ -231,8 +231,8 @@ class Rapc(Peer):
         self.record()
         self.sensors = [f"s_{i}" for i in range(n)]
         for sensor in self.sensors:
-            self.run.submit(rapc.Submission(("watch", sensor)))
-        self.run.settle()
+            self.run.submit(rapc.TaskRequest(("watch", sensor)))
+        self.run.run_ready()
 
     def woken(self, sensor: str) -> None:
         """What the primitive `reset` calls."""
@@ -240,11 +240,11 @@ class Rapc(Peer):
 
     def w3_fire(self, i: int) -> None:
         self.run.assert_fact("sensor", self.sensors[i], "on")
-        self.run.settle()
+        self.run.run_ready()
 
     def w4_setup(self, b: int, d: int) -> None:
         self.library = _compiled(_levels(b, d))
-        self.goal = rapc.Submission((f"level-{d}",))
+        self.goal = rapc.TaskRequest((f"level-{d}",))
 
     def nothing(self) -> None:
         """What the primitive `nothing` calls."""
@@ -308,7 +308,7 @@ class RapcInputs(Rapc):
         steps = _in_order(["(inner (- ?depth 1))"] * b)
         text = INPUTS.format(steps=steps, leaves=_in_order(["(leaf)"] * b))
         self.library = _compiled(text)
-        self.goal = rapc.Submission(("inner", d))
+        self.goal = rapc.TaskRequest(("inner", d))
 
 
 @peer

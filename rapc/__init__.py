@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from rapc.runtime.events.trace import TextTrace as TextTrace
     from rapc.runtime.interpreter import Interpreter as Interpreter
     from rapc.runtime.settings import Settings as Settings
-    from rapc.runtime.submission import Submission as Submission
-    from rapc.runtime.submission import read_submission as task
+    from rapc.runtime.task_request import TaskRequest as TaskRequest
+    from rapc.runtime.task_request import read_task_request as task
     from rapc.world import World as World
     from rapc.worlds.registry import open_world as open_world
 
@@ -32,7 +32,7 @@ __all__ = (
     "Interpreter",
     "JsonTrace",
     "Settings",
-    "Submission",
+    "TaskRequest",
     "TextTrace",
     "World",
     "__version__",
@@ -49,7 +49,7 @@ _HOMES = {
     "Interpreter": ("rapc.runtime.interpreter", "Interpreter"),
     "JsonTrace": ("rapc.runtime.events.trace", "JsonTrace"),
     "Settings": ("rapc.runtime.settings", "Settings"),
-    "Submission": ("rapc.runtime.submission", "Submission"),
+    "TaskRequest": ("rapc.runtime.task_request", "TaskRequest"),
     "TextTrace": ("rapc.runtime.events.trace", "TextTrace"),
     "World": ("rapc.world", "World"),
     "check": ("rapc.analysis.driver", "check"),
@@ -57,7 +57,7 @@ _HOMES = {
     "extend": ("rapc.api", "extend"),
     "load": ("rapc.api", "load"),
     "open_world": ("rapc.worlds.registry", "open_world"),
-    "task": ("rapc.runtime.submission", "read_submission"),
+    "task": ("rapc.runtime.task_request", "read_task_request"),
 }
 
 

@@ -31,7 +31,7 @@ from rapc.runtime.events.report import Report
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings, read_settings
-from rapc.runtime.submission import Submission, read_submission
+from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.testing.faults import read_fault
 from rapc.world import Time, World
 from rapc.worlds import registry
@@ -183,9 +183,9 @@ def _place_in(world: type[World], error: Exception) -> str | None:
     return places[-1] if places else None
 
 
-def _submission(text: str) -> Submission:
+def _submission(text: str) -> TaskRequest:
     try:
-        return read_submission(text)
+        return read_task_request(text)
     except TextError as error:
         fail(f"--task: {error}")
 
@@ -312,7 +312,7 @@ def _same_file(one: str, other: str) -> bool:
 
 
 def _refuse(
-    interpreter: Interpreter, submissions: Sequence[Submission], facts: Sequence[Fact]
+    interpreter: Interpreter, submissions: Sequence[TaskRequest], facts: Sequence[Fact]
 ) -> None:
     """Refuse tasks and facts that cannot be, before anything is run or written."""
     try:

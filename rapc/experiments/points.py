@@ -22,7 +22,7 @@ from rapc.experiments.measures import LABELS
 from rapc.experiments.run import counted
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
-from rapc.runtime.submission import Submission, read_submission
+from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.world import World
 from rapc.worlds import registry
 
@@ -90,18 +90,18 @@ def _world(experiment: Experiment) -> type[World]:
         raise ExperimentError(error.message, error.help) from error
 
 
-def _tasks(experiment: Experiment) -> list[Submission]:
+def _tasks(experiment: Experiment) -> list[TaskRequest]:
     tasks = []
     for number, text in enumerate(experiment.tasks, 1):
         try:
-            tasks.append(read_submission(text))
+            tasks.append(read_task_request(text))
         except TextError as error:
             raise ExperimentError(f"task {number}: {error}") from error
     return tasks
 
 
 def _unknown(
-    experiment: Experiment, library: Program, tasks: Sequence[Submission]
+    experiment: Experiment, library: Program, tasks: Sequence[TaskRequest]
 ) -> Iterator[ExperimentError]:
     """What is to be counted, or has figures, and is not there."""
     given = [str(task.goal[0]) for task in tasks if not task.background]
@@ -197,7 +197,7 @@ def _try(
     library: Program,
     world: type[World],
     config: Config,
-    tasks: Sequence[Submission],
+    tasks: Sequence[TaskRequest],
 ) -> None:
     """See that a world can be made so, and that the tasks can be run in it."""
     options = world_options(world, config.options)

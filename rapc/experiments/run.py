@@ -23,7 +23,7 @@ from rapc.library.library import link
 from rapc.parser.parse import parse
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
-from rapc.runtime.submission import Submission, read_submission
+from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.worlds import registry
 
 
@@ -86,7 +86,7 @@ def measure(config: Config, seed: int) -> Measures:
     interpreter = Interpreter(library, world, seed, settings)
     tally = Tally(world.offer(), config.count)
     interpreter.listen(tally, *Tally.kinds)
-    tasks = [read_submission(task) for task in config.tasks]
+    tasks = [read_task_request(task) for task in config.tasks]
     interpreter.start()
     for task in tasks:
         interpreter.submit(task)
@@ -109,7 +109,7 @@ def measure(config: Config, seed: int) -> Measures:
     )
 
 
-def counted(tasks: Sequence[Submission], raps: Sequence[str]) -> list[Submission]:
+def counted(tasks: Sequence[TaskRequest], raps: Sequence[str]) -> list[TaskRequest]:
     """The tasks that are counted: those of some RAPs, or all in the foreground."""
     return [
         task

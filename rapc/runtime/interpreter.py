@@ -1,7 +1,7 @@
 """The interpreter: a library, a world and tasks put together and run.
 
 Wiring only: what a host may do to a run, before it and while it goes on. How it goes
-on is in `rapc.runtime.turns`.
+on is in `rapc.runtime.loop`.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import heapq
 import random
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from rapc.base.values import Atom, Fact, match
@@ -16,20 +17,21 @@ from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.ir.nodes import Formula
 from rapc.parser.parse import parse_formula
-from rapc.runtime import standing
-from rapc.runtime.beginnings import create_top
-from rapc.runtime.endings import remove
+from rapc.runtime import snapshot
+from rapc.runtime.admission import refusals, refuse_extension, refuse_tasks
 from rapc.runtime.events.events import Event, RunEnded, TaskResult
 from rapc.runtime.events.recorder import Listener, Recording
+from rapc.runtime.host_query import HostQuery
+from rapc.runtime.loop import Loop
 from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.view import MemoryView
-from rapc.runtime.question import Question
-from rapc.runtime.refusals import refusals, refuse_extension, refuse_tasks
 from rapc.runtime.settings import Settings
-from rapc.runtime.signals import signal
-from rapc.runtime.standing import AgendaEntry
-from rapc.runtime.submission import Submission
-from rapc.runtime.turns import Turns
+from rapc.runtime.snapshot import AgendaEntry
+from rapc.runtime.task_request import TaskRequest
+from rapc.runtime.tasks.finish import remove
+from rapc.runtime.tasks.rename_items import rename
+from rapc.runtime.tasks.signals import signal
+from rapc.runtime.tasks.start import create_top
 from rapc.world import Time, World
 
 
@@ -74,11 +76,12 @@ class Interpreter:
             {**world.solvers(), **(solvers or {})},
             compare,
         )
+        self._machine.recognizer.renamed = partial(rename, self._machine)
         functions = self._machine.context.functions
         found = refusals(library.library, world, functions, compare)
         if found:
             raise RefusedError(found)
-        self._turns = Turns(self._machine)
+        self._loop = Loop(self._machine)
         self._serial = 0
         self._at_the_end: list[Callable[[], None]] = []
         self._started = False
@@ -147,20 +150,20 @@ class Interpreter:
         """Send a signal `(:name arg...)` now."""
         signal(self._machine, self._machine.memory.canonical(content))
 
-    def at(self, time: Time, action: Callable[[], None]) -> None:
+    def call_at(self, time: Time, action: Callable[[], None]) -> None:
         """Do something at a time: first of all that falls on it.
 
         In the course of an atomic primitive it is done when that ends, before its
         result. The run goes on until it is done, or is ended for another reason.
         """
         self._serial += 1
-        heapq.heappush(self._machine.appointments, (time, self._serial, action))
+        heapq.heappush(self._machine.host_timers, (time, self._serial, action))
 
-    def at_the_end(self, action: Callable[[], None]) -> None:
+    def call_at_end(self, action: Callable[[], None]) -> None:
         """Do something when the run is over, before live tasks are removed."""
         self._at_the_end.append(action)
 
-    def submit(self, task: Submission) -> None:
+    def submit(self, task: TaskRequest) -> None:
         """Give the robot a task, now or for a later time.
 
         Raises:
@@ -184,14 +187,14 @@ class Interpreter:
         goal = self._machine.memory.canonical(goal)
         found = [
             task
-            for task in (given.task for given in self._machine.given)
+            for task in (given.task for given in self._machine.top_level)
             if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
         ]
         for task in found:
             remove(self._machine, task, "cancelled")
         return len(found)
 
-    def check(self, tasks: Sequence[Submission]) -> None:
+    def check(self, tasks: Sequence[TaskRequest]) -> None:
         """Look at tasks without running anything. Raises RefusedError as `submit`."""
         refuse_tasks(self._machine.library, [task.goal for task in tasks])
 
@@ -218,8 +221,8 @@ class Interpreter:
         self.start()
         if self._reason is None:
             most = None if cycles is None else max(cycles, 0)
-            reason = self._turns.go(most, wait=True)
-            self.end(reason or self._turns.reason() or "cycles")
+            reason = self._loop.run(most, wait=True)
+            self.end(reason or self._loop.reason() or "cycles")
         return self._reason or "done"
 
     def step(self, wait: bool = True) -> bool:
@@ -229,7 +232,7 @@ class Interpreter:
         """
         return self._go(1, wait) == 1
 
-    def settle(self) -> int:
+    def run_ready(self) -> int:
         """Run cycles until no task can go on now; how many they were."""
         return self._go(None, wait=False)
 
@@ -238,7 +241,7 @@ class Interpreter:
         recorder = self._machine.recorder
         before = recorder.cycle
         if self._reason is None:
-            reason = self._turns.go(most, wait)
+            reason = self._loop.run(most, wait)
             if reason is not None:
                 self.end(reason)
         return recorder.cycle - before
@@ -259,7 +262,7 @@ class Interpreter:
             return
         self._started = True
         machine = self._machine
-        standing.tell_start(machine, self.seed, options or {}, tasks, faults)
+        snapshot.tell_start(machine, self.seed, options or {}, tasks, faults)
         for fact in machine.world.facts():
             self.assert_fact(*fact)
 
@@ -276,7 +279,7 @@ class Interpreter:
             action()
         results = self.results()
         waiting = () if reason == "done" else self.waiting()
-        for given in machine.given:
+        for given in machine.top_level:
             if given.task.live:
                 remove(machine, given.task, "run-over")
         if machine.recorder.on:
@@ -290,17 +293,17 @@ class Interpreter:
 
     def results(self) -> tuple[TaskResult, ...]:
         """What has become of each task given so far, in the order in which it came."""
-        return standing.results(self._machine.given)
+        return snapshot.results(self._machine.top_level)
 
     def agenda(self) -> tuple[AgendaEntry, ...]:
         """All live tasks as they stand now, by number, each with its slack."""
-        return standing.agenda(self._machine)
+        return snapshot.agenda(self._machine)
 
     def goals(self) -> dict[int, str]:
         """The goals of all live tasks by number, with the inputs that are known."""
-        return standing.goals(self._machine)
+        return snapshot.goals(self._machine)
 
-    def question(self, formula: Formula | str, *given: str) -> Question:
+    def question(self, formula: Formula | str, *given: str) -> HostQuery:
         """A formula, or its text, made ready to be asked of memory again and again.
 
         `given` are the variables whose values come with each asking, in that order.
@@ -311,8 +314,8 @@ class Interpreter:
         """
         if isinstance(formula, str):
             formula = parse_formula(formula)
-        return Question(self._machine, formula, given)
+        return HostQuery(self._machine, formula, given)
 
     def waiting(self) -> tuple[str, ...]:
         """Each task that is not done, and what it waits for, for a person to read."""
-        return standing.waiting(self._machine)
+        return snapshot.waiting(self._machine)

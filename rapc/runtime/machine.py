@@ -10,21 +10,19 @@ import heapq
 import random
 from collections import Counter
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Any
 
 from rapc.base.values import Atom
 from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
-from rapc.runtime.agenda import Agenda
-from rapc.runtime.context import QueryContext
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
-from rapc.runtime.monitors import Monitors
-from rapc.runtime.renaming import rename
+from rapc.runtime.monitors.monitors import Monitors
+from rapc.runtime.query_context import QueryContext
 from rapc.runtime.settings import Settings
-from rapc.runtime.submission import Submission
-from rapc.runtime.task import Given, Task
+from rapc.runtime.state.agenda import Agenda
+from rapc.runtime.state.task import Task, TopLevelTask
+from rapc.runtime.task_request import TaskRequest
 from rapc.world import ResultHandler, Time, World
 
 ContextListener = Callable[[str, str, bool], None]
@@ -34,14 +32,15 @@ ContextListener = Callable[[str, str, bool], None]
 class Machine:
     """The shared state of one run.
 
-    `tops` are the live top-level tasks by number; `pending` those with requests under
-    way, by ticket (None once the task is gone); `listening` the steps that wait for a
-    signal, by the signal's name; `under_way` how many tasks of each identity are at
-    work on a method. `given` are the top-level tasks so far and `scheduled` those for
-    later, of which `expected` are to keep the run going; `foreground` counts the live
-    ones that do, `succeeded` the tasks of all levels that have ended well. `numbers`
-    tasks and `tickets` requests were counted so far, from 1. The choice of a method
-    `is_plain` if no solver may help and `context_asked` is not to be told of it.
+    `live_top` are the live top-level tasks by number; `pending` those with requests
+    under way, by ticket (None once the task is gone); `listening` the steps that wait
+    for a signal, by the signal's name; `active_identities` how many tasks of each
+    identity are at work on a method. `top_level` are the top-level tasks so far and
+    `scheduled` those for later, of which `expected` are to keep the run going;
+    `foreground` counts the live ones that do, `succeeded` the tasks of all levels that
+    have ended well. `numbers` tasks and `tickets` requests were counted so far, from 1.
+    The choice of a method `is_plain` if no solver may help and `context_asked` is not
+    to be told of it.
     """
 
     def __init__(
@@ -71,23 +70,22 @@ class Machine:
         self.memory = parts.memory
         self.access = parts.access
         self.recognizer = parts.recognizer
-        parts.recognizer.renamed = partial(rename, self)
         self.context = QueryContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng)
         self.monitors = Monitors(self.memory, self.context, self.recorder, self.agenda)
-        self.tops: dict[int, Given] = {}
+        self.live_top: dict[int, TopLevelTask] = {}
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}
-        self.under_way: dict[object, int] = {}
-        self.given: list[Given] = []
-        self.scheduled: list[tuple[Time, int, Submission]] = []
+        self.active_identities: dict[object, int] = {}
+        self.top_level: list[TopLevelTask] = []
+        self.scheduled: list[tuple[Time, int, TaskRequest]] = []
         self.expected = 0
         self.foreground = 0
         self.succeeded = 0
         self.over = False
         self.until: Time | None = None
-        self.late = False
-        self.appointments: list[tuple[Time, int, Callable[[], None]]] = []
+        self.past_until = False
+        self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
         self.context_asked: ContextListener | None = None
         self.is_plain = not solvers
         self.handlers = world.handlers()
@@ -97,7 +95,7 @@ class Machine:
         self.tickets = 0
         self._overlay: dict[str, list[MethodPlan]] = {}
 
-    def look_at_clock(self) -> None:
+    def sync_clock(self) -> None:
         """Take the time from the world; for the run it stops at `until`."""
         now = self.world.now()
         if now != self.recorder.time or self.until is not None:
@@ -105,29 +103,30 @@ class Machine:
 
     def set_clock(self, now: Time) -> None:
         """It is so late in the world; for the run time stops at `until`."""
-        self.late = self.until is not None and now > self.until
-        self.recorder.time = self.until if self.late and self.until is not None else now
+        until = self.until
+        self.past_until = until is not None and now > until
+        self.recorder.time = now if until is None else min(now, until)
 
-    def keep_appointments(self) -> None:
+    def run_host_timers(self) -> None:
         """Do what the host wants done by now, in the order of its times."""
-        due = self.appointments
+        due = self.host_timers
         while due and due[0][0] <= self.recorder.time:
             heapq.heappop(due)[2]()
 
     def live_tasks(self) -> list[Task]:
         """All tasks of the run that have not ended, by number."""
-        found = [given.task for given in self.tops.values()]
+        found = [given.task for given in self.live_top.values()]
         for task in found:
             if task.run is not None:
                 found.extend(s for s in task.run.steps if s.number and s.live)
         found.sort(key=lambda task: task.number)
         return found
 
-    def recount(self) -> None:
+    def recount_identities(self) -> None:
         """Count anew which identities are at work: items have got other names."""
         at_work = [task for task in self.live_tasks() if task.run is not None]
         counted = [task for task in at_work if self.may_recur(task.plan)]
-        self.under_way = dict(Counter(task.identity for task in counted))
+        self.active_identities = dict(Counter(task.identity for task in counted))
 
     def may_recur(self, plan: RapPlan) -> bool:
         """Whether a RAP can come up among its own subtasks; solvers may bring it in."""

@@ -18,7 +18,7 @@ from rapc.errors import FactError, RefusedError, WorldError
 from rapc.ir import tests
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Scene, judge
 from rapc.testing.patterns import flat
@@ -166,7 +166,7 @@ class _Run:
         """Run the test to its end."""
         interpreter, test = self.interpreter, self.test
         interpreter.listen(self._record)
-        interpreter.at_the_end(self._judge_at_the_end)
+        interpreter.call_at_end(self._judge_at_the_end)
         until = test.until or tests.Until(None, None)
         cycles = until.cycles
         if cycles is None and until.time is None:
@@ -176,7 +176,7 @@ class _Run:
             for fact in test.facts:
                 interpreter.assert_fact(*flat(fact))
             for number, at in enumerate(test.ats):
-                interpreter.at(at.time, self._action(number, at))
+                interpreter.call_at(at.time, self._action(number, at))
             for task in test.tasks:
                 interpreter.submit(submission(task))
             interpreter.run(until=until.time, cycles=cycles)
@@ -263,15 +263,15 @@ class _Run:
         return Outcome(self._case, self._seed, status, tuple(self._failures), trace)
 
 
-def _all_tasks(test: tests.DefineTest) -> list[Submission]:
+def _all_tasks(test: tests.DefineTest) -> list[TaskRequest]:
     actions = [action for at in test.ats for action in at.actions]
     later = [action for action in actions if isinstance(action, tests.GivenTask)]
     return [submission(task) for task in (*test.tasks, *later)]
 
 
-def submission(task: tests.GivenTask) -> Submission:
+def submission(task: tests.GivenTask) -> TaskRequest:
     """A task of a test as the interpreter takes it."""
-    return Submission(
+    return TaskRequest(
         goal=flat(task.goal),
         priority=task.priority,
         deadline=task.deadline,

@@ -10,12 +10,12 @@ from typing import Any, cast
 from rapc.compiler.query.query import Query
 from rapc.compiler.vocabulary import Relation, Vocabulary
 from rapc.ir import nodes
-from rapc.runtime.context import QueryContext
 from rapc.runtime.events.events import Event, QueryFaulted
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory
-from rapc.runtime.task import Task
+from rapc.runtime.query_context import QueryContext
+from rapc.runtime.state.task import Task
 
 from .reference import Mind
 

@@ -13,8 +13,8 @@ from rapc.compiler.watches import ANYTHING, watches
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.library.loader import load_text
-from rapc.runtime.listeners import Listeners
-from rapc.runtime.task import Task
+from rapc.runtime.monitors.listeners import Listeners
+from rapc.runtime.state.task import Task
 
 from .dice import Dice, dice, sizes
 from .memories import VOCABULARY, Change, Memories, apply, memories, query

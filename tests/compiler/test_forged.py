@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rapc.compiler.artifact import Artifact, seal
 from rapc.errors import RefusedError, SavedError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import read_submission
+from rapc.runtime.task_request import read_task_request
 from rapc.testing import run as testing
 from rapc.testing.run import Case, run_case
 
@@ -50,7 +50,7 @@ def _use(payload: bytes) -> bool:
         artifact = Artifact(seal(payload), "forged")
         run = Interpreter(artifact.library, YesWorld(artifact.library))
         for goal in ("(push-all ball cube)", "(push-one ball) :priority 1"):
-            run.submit(read_submission(goal))
+            run.submit(read_task_request(goal))
         run.run(until=500, cycles=CYCLES)
         for tests, library in artifact.suites():
             for test in tests:

@@ -10,7 +10,7 @@ from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.world import (
     OKAY,
     HandlerMemory,
@@ -146,7 +146,7 @@ def _begun(*goals: str) -> tuple[Yard, Interpreter, list[events.Event]]:
     seen: list[events.Event] = []
     interpreter.listen(seen.append)
     for goal in goals:
-        interpreter.submit(Submission((goal,), priority=5 * (goal == "watch")))
+        interpreter.submit(TaskRequest((goal,), priority=5 * (goal == "watch")))
     return world, interpreter, seen
 
 

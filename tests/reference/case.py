@@ -17,7 +17,7 @@ from rapc.parser.parse import parse, parse_fact
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
-from rapc.runtime.submission import read_submission
+from rapc.runtime.task_request import read_task_request
 from rapc.world import HandlerMemory, Time
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
@@ -135,7 +135,7 @@ def _solve(methods: Sequence[nodes.Method], _: Fact, view: Any) -> list[nodes.Me
 def _act(interpreter: Any, kind: str, text: str) -> None:
     """What a host does to either interpreter in the course of a run."""
     if kind == "submit":
-        interpreter.submit(read_submission(text))
+        interpreter.submit(read_task_request(text))
     elif kind == "cancel":
         interpreter.cancel(read_words(text))
     else:
@@ -184,9 +184,9 @@ def run_rapc(case: Case) -> Sequence[events.Event]:
     for fact in case.facts:
         interpreter.assert_fact(*parse_fact(fact))
     for time, kind, what in case.host:
-        interpreter.at(time, functools.partial(_act, interpreter, kind, what))
+        interpreter.call_at(time, functools.partial(_act, interpreter, kind, what))
     for task in case.tasks:
-        interpreter.submit(read_submission(task))
+        interpreter.submit(read_task_request(task))
     interpreter.run(case.until, case.cycles)
     return found[1:]
 
@@ -209,6 +209,6 @@ def run_reference(case: Case) -> Sequence[events.Event]:
     for time, kind, what in case.host:
         reference.at(time, functools.partial(_act, reference, kind, what))
     for task in case.tasks:
-        reference.submit(read_submission(task))
+        reference.submit(read_task_request(task))
     reference.run()
     return reference.events

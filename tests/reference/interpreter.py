@@ -12,7 +12,7 @@ from rapc.base.values import Atom, Fact, match, number
 from rapc.library.library import Library
 from rapc.runtime.events import events
 from rapc.runtime.events.events import TaskResult
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.world import Time, World
 from tests.reference.agenda import choose, tell_family
 from tests.reference.cycle import process
@@ -39,7 +39,7 @@ class Reference:
         solvers: Functions,
     ) -> None:
         self._run = Run(library, world, seed, limits, functions, solvers)
-        self._later: list[Submission] = []
+        self._later: list[TaskRequest] = []
 
     @property
     def events(self) -> list[events.Event]:
@@ -68,7 +68,7 @@ class Reference:
             if task.live and match(goal, (task.rap.name, *task.args)) is not None:
                 remove(self._run, task, "cancelled")
 
-    def submit(self, submission: Submission) -> None:
+    def submit(self, submission: TaskRequest) -> None:
         """Give a task, now or for later."""
         if submission.at is not None and submission.at > self._run.time:
             self._later.append(submission)

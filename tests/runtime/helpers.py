@@ -14,7 +14,7 @@ from rapc.parser.parse import parse, parse_pattern
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
-from rapc.runtime.submission import read_submission
+from rapc.runtime.task_request import read_task_request
 from rapc.world import Time
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
@@ -113,7 +113,7 @@ class Play:
         for one in facts:
             self.interpreter.assert_fact(*fact(one))
         for task in tasks:
-            self.interpreter.submit(read_submission(task))
+            self.interpreter.submit(read_task_request(task))
 
     def run(self, until: Time | None = None, cycles: int | None = None) -> Play:
         """Run to the end, and return this."""

@@ -9,7 +9,7 @@ from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import Submission, read_submission
+from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -44,7 +44,7 @@ def started() -> Interpreter:
     library = Program(load_text(LIBRARY).library)
     walk = Row(("walk", "?place"), takes=3, asserts=(("at", "?place"),))
     run = Interpreter(library, ScriptedWorld([walk], declared=library.library))
-    run.submit(read_submission("(stand-by) :background true"))
+    run.submit(read_task_request("(stand-by) :background true"))
     return run
 
 
@@ -55,10 +55,10 @@ def compiled() -> Program:
 
 def test_a_sketchy_plan_is_taken_up_while_the_run_goes_on() -> None:
     run = started()
-    run.submit(Submission(("go", "park")))
+    run.submit(TaskRequest(("go", "park")))
     run.step()
     run.extend(api.extend(compiled(), PLAN))
-    run.submit(Submission(("round-trip", "den", "park")))
+    run.submit(TaskRequest(("round-trip", "den", "park")))
     assert run.run() == "done"
     assert [result.outcome for result in run.results()] == [
         "unfinished",
@@ -86,7 +86,7 @@ def test_a_library_with_more_than_new_raps_is_refused() -> None:
 
 def test_the_agenda_shows_each_task_with_its_slack() -> None:
     run = started()
-    run.submit(read_submission("(go park) :deadline 20 :priority 3"))
+    run.submit(read_task_request("(go park) :deadline 20 :priority 3"))
     run.step()
     sleeper, walker = run.agenda()
     assert (sleeper.task, sleeper.state, sleeper.slack) == (1, "blocked", None)

@@ -7,7 +7,7 @@ from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.view import MemoryView
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.worlds.scripted import ScriptedWorld
 
 LIBRARY = """\
@@ -36,7 +36,7 @@ def judged(place: str, value: str, *facts: Fact) -> str:
     run.assert_fact("lies", "drill", place)
     for fact in facts:
         run.assert_fact(*fact)
-    run.submit(Submission(("judge", "drill", value)))
+    run.submit(TaskRequest(("judge", "drill", value)))
     run.run()
     return run.results()[0].outcome
 

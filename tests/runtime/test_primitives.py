@@ -11,7 +11,7 @@ from rapc.base.values import Fact
 from rapc.errors import PortError
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import read_submission
+from rapc.runtime.task_request import read_task_request
 from rapc.world import (
     Datum,
     Finished,
@@ -130,7 +130,7 @@ def items_run() -> tuple[Interpreter, list[events.Event]]:
     interpreter = Interpreter(library, world)
     heard: list[events.Event] = []
     interpreter.listen(heard.append)
-    interpreter.submit(read_submission("(top)"))
+    interpreter.submit(read_task_request("(top)"))
     interpreter.run()
     return interpreter, heard
 
@@ -192,7 +192,7 @@ def test_a_world_that_does_not_keep_to_the_port_is_an_error(
 ) -> None:
     library = compiled(USE)
     interpreter = Interpreter(library, Rude([message], declared=library.library))
-    interpreter.submit(read_submission("(use a)"))
+    interpreter.submit(read_task_request("(use a)"))
     with pytest.raises(PortError, match=words):
         interpreter.run()
 
@@ -200,7 +200,7 @@ def test_a_world_that_does_not_keep_to_the_port_is_an_error(
 def test_a_primitive_that_ends_after_until_stays_unended() -> None:
     times: list[Time] = []
     ran = Play(USE, "(use a)", rows=[row("(act a)", takes=10)])
-    ran.interpreter.at_the_end(lambda: times.append(ran.interpreter.now))
+    ran.interpreter.call_at_end(lambda: times.append(ran.interpreter.now))
     ran.run(until=5)
     assert ran.told("asked", "done", "over") == ["asked (act a)", "over until"]
     assert times == [5]

@@ -10,7 +10,7 @@ import pytest
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import read_submission
+from rapc.runtime.task_request import read_task_request
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -37,7 +37,7 @@ def reasons(
     try:
         run = Interpreter(library, WORLD, functions=functions)
         if task:
-            run.check([read_submission(task)])
+            run.check([read_task_request(task)])
     except RefusedError as refused:
         return refused.reasons
     return ()

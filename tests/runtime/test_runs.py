@@ -12,7 +12,7 @@ from rapc.errors import RefusedError
 from rapc.runtime.events import events
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.settings import Settings
-from rapc.runtime.submission import read_submission
+from rapc.runtime.task_request import read_task_request
 
 from .helpers import Play, at, fact, play, row
 
@@ -39,7 +39,7 @@ def test_a_task_may_be_given_for_later() -> None:
 def test_a_task_may_be_given_while_the_run_goes_on() -> None:
     ran = Play(USE, "(use a)")
     ran.interpreter.step()
-    ran.interpreter.submit(read_submission("(use b) :priority 3"))
+    ran.interpreter.submit(read_task_request("(use b) :priority 3"))
     ran.run()
     assert ran.told("asked") == ["asked (act a)", "asked (act b)"]
     assert [r.outcome for r in ran.interpreter.results()] == ["succeeded"] * 2
@@ -48,7 +48,7 @@ def test_a_task_may_be_given_while_the_run_goes_on() -> None:
 def test_a_task_given_in_the_past_is_given_now() -> None:
     ran = Play(USE, "(use a)", rows=[row("(act a)", takes=9)])
     ran.interpreter.step()
-    ran.interpreter.submit(read_submission("(use b) :at 4"))
+    ran.interpreter.submit(read_task_request("(use b) :at 4"))
     ran.run()
     assert ran.told("created", times=True)[-1] == "9 created (use b)"
 

@@ -20,9 +20,9 @@ from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.library.library import link
 from rapc.parser.parse import parse
-from rapc.runtime.agenda import Agenda
-from rapc.runtime.monitors import Monitors
-from rapc.runtime.task import Task
+from rapc.runtime.monitors.monitors import Monitors
+from rapc.runtime.state.agenda import Agenda
+from rapc.runtime.state.task import Task
 from tests.compiler.dice import ATOMS, Dice, dice, sizes
 from tests.compiler.memories import VOCABULARY, Memories, apply, memories, query
 
@@ -58,13 +58,13 @@ class Sleepers:
             self.tasks.append(task)
             self.monitors.first_test(task)
 
-    def settle(self) -> None:
+    def test_changed(self) -> None:
         """What a turn does before its choice."""
         monitors, now = self.monitors, self.both.recorder.time
-        if monitors.dirty or now >= monitors.next_look:
+        if monitors.to_test or now >= monitors.next_look:
             if now >= monitors.next_look:
                 assert monitors.due() == []
-            monitors.settle()
+            monitors.test_changed()
 
     def compare(self, after: object) -> None:
         """Each task stands where its formula, asked anew, says it has to."""
@@ -94,7 +94,7 @@ def test_who_waits_stands_where_its_formula_says(
 ) -> None:
     both = memories(thrown.changes(size))
     sleepers = Sleepers(thrown, both, leaves)
-    sleepers.settle()
+    sleepers.test_changed()
     sleepers.compare("the beginning")
     for _ in range(CHANGES):
         if thrown.odds(0.2):
@@ -103,5 +103,5 @@ def test_who_waits_stands_where_its_formula_says(
         else:
             change = thrown.change()
             apply(both, change)
-        sleepers.settle()
+        sleepers.test_changed()
         sleepers.compare(change)

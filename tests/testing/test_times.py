@@ -148,8 +148,8 @@ def test_a_failure_at_a_time_shows_the_trace_up_to_it(tmp_path: Path) -> None:
 def test_until_lets_happen_what_is_due_then(tmp_path: Path) -> None:
     assert passes(tmp_path, f"{SLOW} (until 10) (expect (succeeds (fetch box)))")
     assert passes(tmp_path, f"{LONG} (until 10) (expect (succeeds (fetch box)))")
-    at_the_end = "(at 7 (asserts (have cup))) (expect (memory (have cup)))"
-    assert passes(tmp_path, f"(until 7) {at_the_end}")
+    call_at_end = "(at 7 (asserts (have cup))) (expect (memory (have cup)))"
+    assert passes(tmp_path, f"(until 7) {call_at_end}")
 
 
 def test_what_ends_after_until_stays_unended(tmp_path: Path) -> None:

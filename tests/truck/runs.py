@@ -14,7 +14,7 @@ from rapc.compiler.program import Program
 from rapc.library.loader import load
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP
@@ -42,15 +42,15 @@ def library(path: Path = EXAMPLES / "rock-order.rap") -> Program:
 
 def order(
     color: str, rocks: int = 4, factory: str | None = None, **how: Any
-) -> Submission:
+) -> TaskRequest:
     """The task of an order; `how` is said of the submission."""
     goal = ("fill-order", color, rocks, factory or FACTORIES.get(color, "factory-1"))
-    return Submission(goal, **how)
+    return TaskRequest(goal, **how)
 
 
-def task(*goal: Atom, **how: Any) -> Submission:
+def task(*goal: Atom, **how: Any) -> TaskRequest:
     """Any other task."""
-    return Submission(goal, **how)
+    return TaskRequest(goal, **how)
 
 
 def map_with(*items: tuple[str, str, int, str | None]) -> Text:
@@ -74,7 +74,7 @@ class Run:
 
     def __init__(
         self,
-        *tasks: Submission,
+        *tasks: TaskRequest,
         seed: int = 0,
         options: Mapping[str, Atom | bool] | None = None,
         compiled: Program | None = None,

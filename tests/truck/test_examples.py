@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rapc.base.values import Fact
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import Submission
+from rapc.runtime.task_request import TaskRequest
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -22,7 +22,7 @@ class Scripted:
         name: str,
         script: Sequence[Row],
         facts: Sequence[Fact],
-        *tasks: Submission,
+        *tasks: TaskRequest,
         until: float | None = None,
     ) -> None:
         compiled = library(EXAMPLES / f"{name}.rap")

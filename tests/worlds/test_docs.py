@@ -9,7 +9,7 @@ from pathlib import Path
 from rapc.base.values import Text
 from rapc.compiler.program import Program
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.submission import read_submission
+from rapc.runtime.task_request import read_task_request
 from rapc.world import HandlerMemory, Option, World
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map_text import read_map
@@ -79,7 +79,7 @@ def test_the_script_of_the_worlds_page_works() -> None:
     assert text[text.index("from") :].strip() in WORLDS
     library = Program(script_of_the_manual.library, "shown")
     interpreter = Interpreter(library, script_of_the_manual.world, 0)
-    interpreter.submit(read_submission("(take cup)"))
+    interpreter.submit(read_task_request("(take cup)"))
     interpreter.run()
     assert interpreter.now == 2
     assert interpreter.memory.query("holding", None, None) == [

@@ -1,24 +1,22 @@
 """Primitives: requests to the world, its replies, and the handlers (T 3.3).
 
 Names are translated on the way out and on the way in; a result and its data go
-through their handlers as one batch, result first (semantics 3 and 7).
+through their handlers as one batch, result first [L 5]. What a result does to the
+method that asked is for `rapc.runtime.tasks.try_method` and `rapc.runtime.intake`.
 """
 
 from __future__ import annotations
-
-from collections.abc import Iterable
 
 from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.compiler import RequestPlan
 from rapc.errors import PortError
-from rapc.runtime.endings import INTERFERENCE, end_method
-from rapc.runtime.events.events import DataReceived, PrimitiveEnded, PrimitiveRequested
+from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
-from rapc.runtime.signals import signal
-from rapc.runtime.task import MethodRun, Task
-from rapc.world import OKAY, Datum, Finished, Message, Reply, Signal
+from rapc.runtime.state.states import INTERFERENCE
+from rapc.runtime.state.task import MethodRun, Task
+from rapc.world import OKAY, Reply
 
 _RESOURCES = (Counter, SetResource)
 
@@ -41,15 +39,17 @@ def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
     return tuple(parts)
 
 
-def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
-    """Send a method's request; an atomic one has ended when this returns."""
+def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> str | None:
+    """Send the request of the method `run`; return the result that ends the method.
+
+    None: the end comes later, or the method has left meanwhile.
+    """
     asked = ground(machine, run, plan) if plan.args else plan.bare
     sent, items = asked, machine.memory.items
     if asked is not None and (items.known or items.gone):
         sent = _sensed(items, asked)
     if asked is None or sent is None:
-        end_method(machine, run, INTERFERENCE)
-        return
+        return INTERFERENCE
     task = run.task
     if machine.recorder.on:
         machine.recorder.emit(
@@ -65,12 +65,12 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> None:
     now = world.now()
     if now != machine.recorder.time or machine.until is not None:
         machine.set_clock(now)
-    if reply is None or machine.late:
+    if reply is None or machine.past_until:
         machine.pending[ticket] = (task if task.run is run else None, asked)
-        return
-    if machine.appointments:
-        machine.keep_appointments()
-    _finish(machine, task if task.run is run else None, asked, reply)
+        return None
+    if machine.host_timers:
+        machine.run_host_timers()
+    return take_reply(machine, task if task.run is run else None, asked, reply)
 
 
 def _sensed(items: Items, request: Fact) -> Fact | None:
@@ -84,19 +84,17 @@ def _sensed(items: Items, request: Fact) -> Fact | None:
     return tuple(parts)
 
 
-def finish(machine: Machine, ticket: int, reply: Reply) -> None:
-    """A primitive has ended: run its handlers, then end its method.
+def take_reply(
+    machine: Machine, task: Task | None, asked: Fact, reply: Reply
+) -> str | None:
+    """Run the handlers of a reply to the request `asked`.
+
+    `task` is the one that asked, None if it has left. Returns the result if a method
+    of `task` is to end with it, else None.
 
     Raises:
-        PortError: for a ticket that is not under way, or a datum nobody handles.
+        PortError: for a datum that the world has no handler for.
     """
-    if ticket not in machine.pending:
-        raise PortError(f"the world ended a request that is not under way: {ticket}")
-    task, asked = machine.pending.pop(ticket)
-    _finish(machine, task, asked, reply)
-
-
-def _finish(machine: Machine, task: Task | None, asked: Fact, reply: Reply) -> None:
     handler, result = machine.result_handlers.get(asked[0]), reply.result
     if handler is not None or reply.data or machine.recognizer.unsettled:
         canonical = machine.memory.canonical
@@ -104,7 +102,7 @@ def _finish(machine: Machine, task: Task | None, asked: Fact, reply: Reply) -> N
             if handler is not None:
                 handler(machine.access, canonical(asked), result)
             for content in reply.data:
-                _handle(machine, content)
+                handle(machine, content)
         asked = canonical(asked)
     if machine.recorder.on:
         machine.recorder.emit(
@@ -114,10 +112,11 @@ def _finish(machine: Machine, task: Task | None, asked: Fact, reply: Reply) -> N
             result=result,
             data=tuple([format_list(_named(machine, d)) for d in reply.data]),
         )
-    if task is not None and task.run is not None:
-        if result != OKAY:
-            task.remember().failure = result
-        end_method(machine, task.run, result)
+    if task is None or task.run is None:
+        return None
+    if result != OKAY:
+        task.remember().failure = result
+    return result
 
 
 def _named(machine: Machine, content: Fact) -> Fact:
@@ -127,33 +126,15 @@ def _named(machine: Machine, content: Fact) -> Fact:
     return (name, *(name_of(p) if isinstance(p, str) else p for p in parts))
 
 
-def _handle(machine: Machine, content: Fact) -> Fact:
+def handle(machine: Machine, content: Fact) -> Fact:
+    """Hand the datum `content` to its handler; return it in memory names.
+
+    Raises:
+        PortError: if the world has no handler for it.
+    """
     handler = machine.handlers.data.get(str(content[0]))
     if handler is None:
         raise PortError(f"the world has no handler for its datum {content[0]}")
     named = _named(machine, content)
     handler(machine.access, named)
     return named
-
-
-def take_in(machine: Machine, messages: Iterable[Message]) -> None:
-    """Take in what the world has sent: ends of primitives first, then the rest.
-
-    Raises:
-        PortError: as `finish`.
-    """
-    others: list[Message] = []
-    for message in messages:
-        if isinstance(message, Finished):
-            finish(machine, message.ticket, message.reply)
-        else:
-            others.append(message)
-    for message in others:
-        if isinstance(message, Datum):
-            with machine.access.batch():
-                named = _handle(machine, message.content)
-            named = machine.memory.canonical(named)
-            if machine.recorder.on:
-                machine.recorder.emit(DataReceived, data=format_list(named))
-        elif isinstance(message, Signal):
-            signal(machine, message.content)

@@ -1,7 +1,7 @@
 """Who listens to which change, found from what has changed without looking at others.
 
 What a formula listens to is said by `rapc.compiler.watches`; when its task is
-tested is for `rapc.runtime.monitors` to say (semantics 5).
+tested is for `rapc.runtime.monitors.monitors` to say (semantics 5).
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact
 from rapc.compiler.watches import ANYTHING, WatchKey
-from rapc.runtime.task import RUNNING, Task
+from rapc.runtime.state.states import RUNNING
+from rapc.runtime.state.task import Task
 
 _Found = dict[int, Task]
 _Table = dict[object, "Task | _Found"]

@@ -2,7 +2,7 @@
 
 One turn takes in what the world has sent, tests what has changed, and processes one
 task (T figure 3.3, semantics 4). What a cycle does to its task is in
-`rapc.runtime.cycle`; turns look at nothing that has not changed.
+`rapc.runtime.tasks.cycle`; turns look at nothing that has not changed.
 """
 
 from __future__ import annotations
@@ -10,18 +10,18 @@ from __future__ import annotations
 import heapq
 
 from rapc.base.values import number
-from rapc.runtime.beginnings import create_top, when_time_comes
-from rapc.runtime.cycle import run_cycle
+from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
-from rapc.runtime.requests import take_in
+from rapc.runtime.tasks.cycle import run_cycle
+from rapc.runtime.tasks.start import create_top, release_at_start_time
 from rapc.world import Time, World
 
 _QUIET = ""
 """No reason to be over, only for not turning on."""
 
 
-class Turns:
-    """The turns of one run."""
+class Loop:
+    """The turns of one run, one after another."""
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
@@ -35,15 +35,15 @@ class Turns:
         ended = self._machine.world.ended
         return getattr(ended, "__func__", None) is not World.ended
 
-    def go(self, most: int | None, wait: bool) -> str | None:
+    def run(self, most: int | None, wait: bool) -> str | None:
         """Turn until the run is over, and say why; or until so `most` cycles are done.
 
         Without `wait` also until no task can go on now.
         """
         machine, left = self._machine, -1 if most is None else most
         recorder, monitors, agenda = machine.recorder, machine.monitors, machine.agenda
-        dirty, unsettled = monitors.dirty, machine.recognizer.unsettled
-        appointments, scheduled = machine.appointments, machine.scheduled
+        dirty, unsettled = monitors.to_test, machine.recognizer.unsettled
+        host_timers, scheduled = machine.host_timers, machine.scheduled
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
         may_end, limited = self._may_end, machine.until is not None
         idle, patience = self._idle, self._patience
@@ -51,10 +51,10 @@ class Turns:
             now = clock()
             if limited or now != recorder.time:
                 machine.set_clock(now)
-                if machine.late:
+                if machine.past_until:
                     return "until"
-            if appointments or unsettled:
-                machine.keep_appointments()
+            if host_timers or unsettled:
+                machine.run_host_timers()
                 machine.access.settle()
             messages = receive()
             if messages:
@@ -87,11 +87,11 @@ class Turns:
     def reason(self) -> str | None:
         """Why the run is over, or None if it is not."""
         machine = self._machine
-        if machine.late:
+        if machine.past_until:
             return "until"
         if machine.world.ended() is not None:
             return "world"
-        if not (machine.foreground or machine.expected or machine.appointments):
+        if not (machine.foreground or machine.expected or machine.host_timers):
             return "done"
         return "runaway" if self._idle > machine.settings.idle_cycles else None
 
@@ -108,15 +108,15 @@ class Turns:
         machine, monitors = self._machine, self._machine.monitors
         if machine.recorder.time >= monitors.next_look:
             for task in monitors.due():
-                if task.wait is None or not task.wait.held:
-                    when_time_comes(machine, task)
-        monitors.settle()
+                if task.wait is None or not task.wait.awaits_signal:
+                    release_at_start_time(machine, task)
+        monitors.test_changed()
 
     def _spend(self, cost: Time) -> None:
         """Let a cycle take its time."""
         world = self._machine.world
         world.advance(number(world.now() + cost))
-        self._machine.look_at_clock()
+        self._machine.sync_clock()
 
     def _wait(self) -> str | None:
         """Nothing is eligible: move time on to what comes next, or say what ends."""
@@ -125,8 +125,8 @@ class Turns:
         times = [machine.monitors.next_time(), machine.world.next_time()]
         if machine.scheduled:
             times.append(machine.scheduled[0][0])
-        if machine.appointments:
-            times.append(machine.appointments[0][0])
+        if machine.host_timers:
+            times.append(machine.host_timers[0][0])
         known = [time for time in times if time is not None]
         if not known:
             return "stuck"

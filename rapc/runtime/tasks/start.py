@@ -1,7 +1,7 @@
 """How tasks begin: inputs, resources, times, and when they may be considered.
 
-What a task's end sets off is in `rapc.runtime.endings`; what it does when it is
-selected in `rapc.runtime.cycle` (semantics 3 and 4).
+What a task's end sets off is in `rapc.runtime.tasks.finish`; what it does when it is
+selected in `rapc.runtime.tasks.cycle` (semantics 3 and 4).
 """
 
 from __future__ import annotations
@@ -11,40 +11,40 @@ from rapc.base.values import number
 from rapc.compiler.net_plan import StepPlan, WindowPlan
 from rapc.compiler.query.term_value import TermValue
 from rapc.ir.printer import format_formula
-from rapc.runtime.context import QueryContext
 from rapc.runtime.events.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
-from rapc.runtime.monitors import time_of
-from rapc.runtime.submission import Submission
-from rapc.runtime.task import ELIGIBLE, Env, Given, MethodRun, Task, Waiting
+from rapc.runtime.query_context import QueryContext, time_of
+from rapc.runtime.state.states import ELIGIBLE
+from rapc.runtime.state.task import Env, MethodRun, Task, TopLevelTask, WaitState
+from rapc.runtime.task_request import TaskRequest
 
 
-def create_top(machine: Machine, submission: Submission) -> None:
+def create_top(machine: Machine, submission: TaskRequest) -> None:
     """A top-level task joins the run; its goal was looked at when it was given."""
     name, *args = machine.memory.canonical(submission.goal)
     plan = machine.library.rap(str(name))
     assert plan is not None
     task = Task(plan, None, None)
     task.goal_args = tuple(args)
-    fix_inputs(task)
+    bind_inputs(task)
     repeats_ancestor(machine, task)
     task.priority = submission.priority
     machine.foreground += not submission.background
-    given = Given(task, submission.background)
-    machine.given.append(given)
+    given = TopLevelTask(task, submission.background)
+    machine.top_level.append(given)
     create(machine, task)
-    machine.tops[task.number] = given
+    machine.live_top[task.number] = given
     if submission.deadline is not None:
-        task.wait = task.wait or Waiting()
+        task.wait = task.wait or WaitState()
         task.wait.given_deadline = submission.deadline
         machine.monitors.state_deadline(task)
-    let_go(machine, task)
+    release(machine, task)
 
 
 def create(machine: Machine, task: Task) -> None:
     """A task joins the run, told of with its inputs as they are now."""
     if task.step is not None and task.step.computes:
-        fill_inputs(machine, task)
+        read_inputs(machine, task)
     machine.numbers += 1
     task.number = machine.numbers
     task.family = task.family or task.number
@@ -63,7 +63,7 @@ def create(machine: Machine, task: Task) -> None:
         _prepare(machine, task, task.wait)
 
 
-def _prepare(machine: Machine, task: Task, wait: Waiting) -> None:
+def _prepare(machine: Machine, task: Task, wait: WaitState) -> None:
     """Make resources, duration and delay as soon as the inputs they use are bound."""
     plan = task.plan
     if wait.prepared or any(
@@ -76,7 +76,7 @@ def _prepare(machine: Machine, task: Task, wait: Waiting) -> None:
     for resource, initial in plan.resources:
         made = _make(machine.context, resource.kind, initial, task.env)
         if made is None:
-            wait.spoilt = True
+            wait.setup_failed = True
         else:
             task.env[resource.variable.name] = made
     if plan.duration is not None:
@@ -102,7 +102,7 @@ def _make(
     return None
 
 
-def fix_inputs(task: Task) -> None:
+def bind_inputs(task: Task) -> None:
     """Keep the inputs of a task that are bound, and the resources it has."""
     plan, args = task.plan, task.goal_args
     if None not in args:
@@ -134,14 +134,14 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
     above = task.parent
     if above is not None and above.identity == identity:
         return True
-    if identity not in machine.under_way:
+    if identity not in machine.active_identities:
         return False
     while above is not None and above.identity != identity:
         above = above.parent
     return above is not None
 
 
-def let_go(machine: Machine, task: Task) -> None:
+def release(machine: Machine, task: Task) -> None:
     """All that a task was ordered after has ended: it runs when its time comes.
 
     A step with `wait-for` listens from now; one that is to wait for its signal
@@ -150,45 +150,45 @@ def let_go(machine: Machine, task: Task) -> None:
     wait, step = task.wait, task.step
     if wait is None:
         if step is not None and step.computes:
-            fill_inputs(machine, task)
+            read_inputs(machine, task)
         task.state = ELIGIBLE
         machine.agenda.add(task)
         return
     if step is not None:
         read_windows(machine, task, last=True)
         _listen(machine, task, wait, step)
-    if not wait.held:
-        when_time_comes(machine, task)
+    if not wait.awaits_signal:
+        release_at_start_time(machine, task)
 
 
-def _listen(machine: Machine, task: Task, wait: Waiting, step: StepPlan) -> None:
+def _listen(machine: Machine, task: Task, wait: WaitState, step: StepPlan) -> None:
     env = task.within.env if task.within is not None else {}
     for signal in step.waits:
         machine.listening.setdefault(signal.signal, {})[task.number] = task
-        if signal.mode == "proceed" and not wait.held:
-            wait.held = True
+        if signal.mode == "proceed" and not wait.awaits_signal:
+            wait.awaits_signal = True
             wait.blocked_on = on = format_formula(signal.pattern, env)
             if machine.recorder.on:
                 machine.recorder.emit(TaskBlocked, task=task.number, on=on)
 
 
-def when_time_comes(machine: Machine, task: Task) -> None:
+def release_at_start_time(machine: Machine, task: Task) -> None:
     """A task may run as soon as its start times have come."""
     wait = task.wait
-    if wait is not None and wait.opens > machine.recorder.time:
-        machine.monitors.at(wait.opens, task)
+    if wait is not None and wait.earliest_start > machine.recorder.time:
+        machine.monitors.at(wait.earliest_start, task)
     else:
-        make_ready(machine, task)
+        test_or_enqueue(machine, task)
 
 
-def make_ready(machine: Machine, task: Task) -> None:
+def test_or_enqueue(machine: Machine, task: Task) -> None:
     """Order and start times let a task run: test its monitors or make it eligible.
 
     What its step computes for it is what it comes to now.
     """
     if task.step is not None and task.step.computes:
-        fill_inputs(machine, task)
-    spoilt = task.wait is not None and task.wait.spoilt
+        read_inputs(machine, task)
+    spoilt = task.wait is not None and task.wait.setup_failed
     if task.plan.monitored and task.bound and not spoilt:
         machine.monitors.first_test(task)
     else:
@@ -216,7 +216,7 @@ def read_windows(machine: Machine, task: Task, last: bool = False) -> None:
 
 
 def _open(
-    machine: Machine, task: Task, wait: Waiting, window: WindowPlan, base: float
+    machine: Machine, task: Task, wait: WaitState, window: WindowPlan, base: float
 ) -> None:
     context = machine.context
     context.task = task.parent
@@ -224,9 +224,9 @@ def _open(
     start = time_of(context, window.start, env)
     stop = None if start is None else time_of(context, window.stop, env)
     if start is None or stop is None:
-        wait.spoilt = True
+        wait.setup_failed = True
         return
-    wait.opens = max(wait.opens, number(base + start))
+    wait.earliest_start = max(wait.earliest_start, number(base + start))
     if base + stop < wait.given_deadline:
         wait.given_deadline = base + stop
         machine.monitors.state_deadline(task)
@@ -240,7 +240,7 @@ def _base(run: MethodRun, window: WindowPlan) -> float | None:
     return None if run.ends is None else run.ends.times[int(window.reference)]
 
 
-def fill_inputs(machine: Machine, task: Task) -> None:
+def read_inputs(machine: Machine, task: Task) -> None:
     """Read a step's inputs from its method's environment, as far as they are there."""
     step, run = task.step, task.within
     if step is None or run is None:
@@ -252,6 +252,6 @@ def fill_inputs(machine: Machine, task: Task) -> None:
         name = arg.name
         values.append(arg.value(context, env) if name is None else env.get(name))
     task.goal_args = tuple(values)
-    fix_inputs(task)
+    bind_inputs(task)
     if task.number and task.plan.prepares and task.wait is not None:
         _prepare(machine, task, task.wait)

@@ -11,26 +11,17 @@ import heapq
 import math
 
 from rapc.base.resources import Resource
-from rapc.base.values import Fact, Number, format_atom, number
-from rapc.compiler.query.term_value import TermValue
+from rapc.base.values import Fact, format_atom, number
 from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_formula
-from rapc.runtime.agenda import Agenda
-from rapc.runtime.context import QueryContext
 from rapc.runtime.events.events import DeadlineMissed, TaskBlocked, TaskWoken
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.listeners import Listeners
 from rapc.runtime.memory.memory import Memory
-from rapc.runtime.task import (
-    BLOCKED,
-    ELIGIBLE,
-    UNTESTED,
-    WAITING,
-    Env,
-    Task,
-    Waiting,
-    in_words,
-)
+from rapc.runtime.monitors.listeners import Listeners
+from rapc.runtime.query_context import QueryContext, time_of
+from rapc.runtime.state.agenda import Agenda
+from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
+from rapc.runtime.state.task import Task, WaitState, in_words
 from rapc.world import Time
 
 _CROWD = 256
@@ -59,7 +50,7 @@ class Monitors:
         self._recorder = recorder
         self._agenda = agenda
         self._listeners = Listeners()
-        self.dirty: dict[int, Task] = {}
+        self.to_test: dict[int, Task] = {}
         self.next_look: float = _NEVER
         self._aging: dict[int, Task] = {}
         self._tested_at: Time = -1
@@ -75,16 +66,16 @@ class Monitors:
     # --- listening -------------------------------------------------------------
 
     def _fact_changed(self, fact: Fact) -> None:
-        self._listeners.of_fact(fact, self.dirty)
+        self._listeners.of_fact(fact, self.to_test)
 
     def _word_changed(self, word: str) -> None:
-        self._listeners.of_word(word, self.dirty)
+        self._listeners.of_word(word, self.to_test)
 
     def resource_changed(self, resource: Resource) -> None:
         """A set or counter has changed: who asks about it is tested again."""
-        self._listeners.of(resource, self.dirty)
+        self._listeners.of(resource, self.to_test)
 
-    def _listen(self, task: Task, wait: Waiting) -> None:
+    def _listen(self, task: Task, wait: WaitState) -> None:
         keys: dict[WatchKey, None] = {}
         for watch in task.plan.watches:
             key = watch.resolve(task.env)
@@ -105,8 +96,8 @@ class Monitors:
             self._missed.pop(task.number, None)
             self._ignore(task, wait)
 
-    def _ignore(self, task: Task, wait: Waiting) -> None:
-        self.dirty.pop(task.number, None)
+    def _ignore(self, task: Task, wait: WaitState) -> None:
+        self.to_test.pop(task.number, None)
         self._aging.pop(task.number, None)
         for key in wait.keys or ():
             self._listeners.drop(key, task)
@@ -120,7 +111,7 @@ class Monitors:
         wait.formula = None
         self._ignore(task, wait)
         self._listen(task, wait)
-        self.dirty[task.number] = task
+        self.to_test[task.number] = task
         if task.state is BLOCKED and self._recorder.on:
             wait.blocked_on = self.reason(task)
 
@@ -185,7 +176,7 @@ class Monitors:
             if task.state is WAITING:
                 started.append(task)
             elif task.state is BLOCKED or task.state is ELIGIBLE:
-                self.dirty[task.number] = task
+                self.to_test[task.number] = task
         return started
 
     def arm(self, task: Task, since: Time) -> None:
@@ -199,7 +190,7 @@ class Monitors:
         start = time_of(self._context, plan.start, task.env)
         stop = None if start is None else time_of(self._context, plan.stop, task.env)
         if start is None or stop is None:
-            wait.spoilt = True
+            wait.setup_failed = True
             return
         wait.ready_at = number(base + start)
         wait.monitor_deadline = base + stop
@@ -210,29 +201,29 @@ class Monitors:
     def first_test(self, task: Task) -> None:
         """A monitored task may run as far as order and time go: test it first."""
         task.state = UNTESTED
-        self.dirty[task.number] = task
+        self.to_test[task.number] = task
 
-    def settle(self) -> None:
+    def test_changed(self) -> None:
         """Test all that may have changed, by task number; tell missed deadlines."""
         if self._aging and self._recorder.time != self._tested_at:
-            self.dirty.update(self._aging)
+            self.to_test.update(self._aging)
         self._tested_at = self._recorder.time
         if self._deadlines:
             self._look_for_missed()
         if self._missed:
-            self._settle_with_missed()
-        elif len(self.dirty) == 1:
-            self._test(self.dirty.popitem()[1])
-        elif self.dirty:
-            dirty = dict(self.dirty)
-            self.dirty.clear()
+            self._test_with_missed()
+        elif len(self.to_test) == 1:
+            self._test(self.to_test.popitem()[1])
+        elif self.to_test:
+            dirty = dict(self.to_test)
+            self.to_test.clear()
             for tasknumber in sorted(dirty):
                 self._test(dirty[tasknumber])
         self._look_ahead()
 
-    def _settle_with_missed(self) -> None:
-        dirty = dict(self.dirty)
-        self.dirty.clear()
+    def _test_with_missed(self) -> None:
+        dirty = dict(self.to_test)
+        self.to_test.clear()
         missed, self._missed = self._missed, {}
         for tasknumber in sorted(dirty.keys() | missed.keys()):
             if tasknumber in dirty:
@@ -290,13 +281,13 @@ class Monitors:
             self._agenda.discard(task)
             self.block(task)
 
-    def still_hold(self, task: Task, wait: Waiting) -> bool:
+    def still_hold(self, task: Task, wait: WaitState) -> bool:
         """Whether the monitors of a task that was selected hold.
 
         Most were tested before the choice; again only if something has changed since,
         or if the task comes up after its method.
         """
-        if wait.after_method or wait.keys is None or task.number in self.dirty:
+        if wait.after_method or wait.keys is None or task.number in self.to_test:
             wait.after_method = False
             return self.holds(task)
         return True
@@ -307,7 +298,7 @@ class Monitors:
         assert wait is not None
         if wait.keys is None:
             self._listen(task, wait)
-        self.dirty.pop(task.number, None)
+        self.to_test.pop(task.number, None)
         wait.timer = None
         if self._recorder.time < wait.ready_at:
             self.at(wait.ready_at, task)
@@ -356,12 +347,3 @@ def _awaited(entry: tuple[Time, int, Task]) -> bool:
 def _stated(task: Task) -> float:
     """The deadline that a task itself states."""
     return math.inf if task.wait is None else task.wait.deadline
-
-
-def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:
-    """A term as a time; None, with a fault traced, if it is unbound or no number."""
-    value = term.needed(context, env)
-    if value is None or isinstance(value, int | float):
-        return value
-    context.unfit(term.where, value, "a number")
-    return None

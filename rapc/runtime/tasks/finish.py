@@ -11,14 +11,6 @@ from collections.abc import Iterable
 
 from rapc.base.resources import Value
 from rapc.compiler.net_plan import ReceiverPlan, StepPlan
-from rapc.runtime.beginnings import (
-    fill_inputs,
-    let_go,
-    make_ready,
-    read_windows,
-    repeats_ancestor,
-)
-from rapc.runtime.effects import Change, carry_out, changes_of
 from rapc.runtime.events.events import (
     MethodEnded,
     TaskFailed,
@@ -26,13 +18,24 @@ from rapc.runtime.events.events import (
     TaskSucceeded,
 )
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import ELIGIBLE, ENDED, WAITING, Env, MethodRun, Task, in_words
+from rapc.runtime.state.states import (
+    ELIGIBLE,
+    ENDED,
+    FUTILE_LOOP,
+    INTERFERENCE,
+    SIGNAL,
+    WAITING,
+)
+from rapc.runtime.state.task import Env, MethodRun, Task, in_words
+from rapc.runtime.tasks.effects import Change, carry_out, changes_of
+from rapc.runtime.tasks.start import (
+    read_inputs,
+    read_windows,
+    release,
+    repeats_ancestor,
+    test_or_enqueue,
+)
 from rapc.world import OKAY
-
-INTERFERENCE = "interference"
-NO_METHOD = "no-method"
-FUTILE_LOOP = "futile-loop"
-SIGNAL = "signal"
 
 # --- good endings ----------------------------------------------------------------
 
@@ -53,7 +56,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     machine.succeeded += 1
     if machine.recorder.on:
         _tell_success(machine, task, {})
-    step_ended(machine, run, step)
+    finish_step(machine, run, step)
 
 
 def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
@@ -70,7 +73,7 @@ def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
         fail(machine, task, INTERFERENCE)
         return
     if step is None:
-        given = machine.tops[task.number]
+        given = machine.live_top[task.number]
         given.outcome, given.outputs = OKAY, outputs
     _leave(machine, task)
     machine.succeeded += 1
@@ -81,7 +84,7 @@ def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
     run.env.update(bound)
     for change in changes:
         carry_out(machine, task, change)
-    step_ended(machine, run, step, bound)
+    finish_step(machine, run, step, bound)
 
 
 def _tell_success(machine: Machine, task: Task, outputs: Env) -> None:
@@ -122,46 +125,48 @@ def receive(
     return bound
 
 
-def step_ended(
+def finish_step(
     machine: Machine, run: MethodRun, step: StepPlan, bound: Iterable[str] = ()
 ) -> None:
     """A step has ended by itself: `until`s, then its followers or the method's end.
 
     `bound` are the variables of its method that its outputs have bound.
     """
-    run.left -= 1
+    run.steps_left -= 1
     if run.ends is not None or bound:
-        _step_ended_with(machine, run, step, bound)
-    elif run.left == 0:
+        _finish_step_with(machine, run, step, bound)
+    elif run.steps_left == 0:
         end_method(machine, run, OKAY)
     elif step.next is not None:
         task = run.steps[step.next]
         if task.waiting == 1 and task.wait is None and task.state is WAITING:
             task.waiting = 0
-            let_go(machine, task)
+            release(machine, task)
         else:
-            followers(machine, run, (step,))
+            release_followers(machine, run, (step,))
     elif step.after:
-        followers(machine, run, (step,))
+        release_followers(machine, run, (step,))
 
 
-def _step_ended_with(
+def _finish_step_with(
     machine: Machine, run: MethodRun, step: StepPlan, bound: Iterable[str]
 ) -> None:
-    """As `step_ended`, where the end of a step or its outputs mean something."""
+    """As `finish_step`, where the end of a step or its outputs mean something."""
     ended = [step]
     if run.ends is not None:
         run.ends.times[step.position] = machine.recorder.time
-        ended += until(machine, run, step, at_end=True)
-    if late_recursion(machine, run, bound):
+        ended += apply_until(machine, run, step, at_end=True)
+    if recheck_bound_steps(machine, run, bound):
         return
-    if run.left:
-        followers(machine, run, ended)
+    if run.steps_left:
+        release_followers(machine, run, ended)
     else:
         end_method(machine, run, OKAY)
 
 
-def followers(machine: Machine, run: MethodRun, ended: Iterable[StepPlan]) -> None:
+def release_followers(
+    machine: Machine, run: MethodRun, ended: Iterable[StepPlan]
+) -> None:
     """Let go what follows steps that have ended, in the order of the text."""
     freed = []
     for step in ended:
@@ -177,10 +182,10 @@ def followers(machine: Machine, run: MethodRun, ended: Iterable[StepPlan]) -> No
     if len(freed) > 1:
         freed.sort()
     for behind in freed:
-        let_go(machine, run.steps[behind])
+        release(machine, run.steps[behind])
 
 
-def until(
+def apply_until(
     machine: Machine, run: MethodRun, step: StepPlan, *, at_end: bool
 ) -> list[StepPlan]:
     """A step's start or end ends others by `until`: they leave and count as ended.
@@ -194,14 +199,14 @@ def until(
             continue
         remove(machine, task, "until")
         if run.ends is not None:
-            run.ends.lapsed.add(target)
+            run.ends.ended_by_until.add(target)
             run.ends.times[target] = machine.recorder.time
-        run.left -= 1
+        run.steps_left -= 1
         ended.append(run.plan.steps[target])
     return ended
 
 
-def late_recursion(
+def recheck_bound_steps(
     machine: Machine, run: MethodRun, bound: Iterable[str], *positions: int
 ) -> bool:
     """New bindings reach the steps that use them; one may repeat an ancestor.
@@ -220,7 +225,7 @@ def late_recursion(
         if task.bound and task.identity is not None:
             continue
         if not task.bound:
-            fill_inputs(machine, task)
+            read_inputs(machine, task)
         if task.bound and task.identity is None and repeats_ancestor(machine, task):
             end_method(machine, run, FUTILE_LOOP, "parent-failed")
             machine.agenda.discard(run.task)
@@ -228,7 +233,7 @@ def late_recursion(
             return True
         if task.bound and task in machine.agenda:
             machine.agenda.discard(task)
-            make_ready(machine, task)
+            test_or_enqueue(machine, task)
     return False
 
 
@@ -240,7 +245,7 @@ def fail(machine: Machine, task: Task, reason: str) -> None:
     world_failure = task.world_failure
     result = world_failure or reason
     if task.step is None:
-        machine.tops[task.number].outcome = result
+        machine.live_top[task.number].outcome = result
     _leave(machine, task)
     if machine.recorder.on:
         machine.recorder.emit(
@@ -266,7 +271,7 @@ def end_method(
     task.run = None
     if task.plan.recursive or machine.solvers:
         _discount(machine, task)
-    if run.left:
+    if run.steps_left:
         for step in run.steps:
             if step.state is not ENDED:
                 remove(machine, step, cause)
@@ -309,7 +314,7 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
             machine.recorder.emit(TaskRemoved, task=gone.number, cause=why)
 
 
-def end_by_signal(machine: Machine, task: Task, mode: str) -> None:
+def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
     """A signal ends a step, waiting or running; what it spawned leaves."""
     run = _stop(machine, task)
     if run is not None:
@@ -333,11 +338,11 @@ def _stop(machine: Machine, task: Task) -> MethodRun | None:
 
 
 def _discount(machine: Machine, task: Task) -> None:
-    others = machine.under_way[task.identity] - 1
+    others = machine.active_identities[task.identity] - 1
     if others:
-        machine.under_way[task.identity] = others
+        machine.active_identities[task.identity] = others
     else:
-        del machine.under_way[task.identity]
+        del machine.active_identities[task.identity]
 
 
 def _drop(machine: Machine, run: MethodRun) -> None:
@@ -352,7 +357,7 @@ def _drop(machine: Machine, run: MethodRun) -> None:
 def _leave(machine: Machine, task: Task) -> None:
     task.state = ENDED
     if task.step is None:
-        machine.foreground -= not machine.tops.pop(task.number).background
+        machine.foreground -= not machine.live_top.pop(task.number).background
     if task.wait is not None:
         if task.step is not None:
             for signal in task.step.waits:

@@ -1,8 +1,8 @@
 """Tasks and the methods they are carrying out: state only, no behaviour of its own.
 
-What happens to a task in a cycle is in `rapc.runtime.cycle`, what happens when
-something ends in `rapc.runtime.endings` (T 3.4.1, semantics 3). A task is made for
-every step of every method, so what few tasks have stands apart: `Waiting` for times,
+What happens to a task in a cycle is in `rapc.runtime.tasks.cycle`, what happens when
+something ends in `rapc.runtime.tasks.finish` (T 3.4.1, semantics 3). A task is made for
+every step of every method, so what few tasks have stands apart: `WaitState` for times,
 signals and monitors, `History` from the second method or the first failure on.
 """
 
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Final
 
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import format_atom
@@ -19,6 +18,7 @@ from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_term
 from rapc.runtime.memory.memory import Notation
+from rapc.runtime.state.states import ENDED, WAITING
 from rapc.world import OKAY, Time
 
 Env = dict[str, Value]
@@ -32,19 +32,10 @@ def in_words(env: Env) -> dict[str, str]:
     return {name: format_atom(value) for name, value in env.items()}
 
 
-WAITING: Final = "waiting"
-UNTESTED: Final = "untested"
-ELIGIBLE: Final = "eligible"
-BLOCKED: Final = "blocked"
-RUNNING: Final = "running"
-ENDED: Final = "ended"
-"""Where a task stands between its cycles."""
-
-
 _RESOURCES = (Counter, SetResource)
 
 
-class Waiting:
+class WaitState:
     """What a task may have to wait for besides its turn, and what its inputs make.
 
     `opens` is the latest start of its windows, `windows` those whose times are not
@@ -61,28 +52,28 @@ class Waiting:
 
     __slots__ = (
         "after_method",
-        "begun",
+        "awaits_signal",
         "blocked_on",
         "duration",
+        "earliest_start",
+        "first_selected",
         "formula",
         "given_deadline",
-        "held",
         "keys",
         "made",
         "missed",
         "monitor_deadline",
-        "opens",
         "prepared",
         "ready_at",
-        "spoilt",
+        "setup_failed",
         "timer",
         "windows",
     )
 
     def __init__(self, windows: tuple[WindowPlan, ...] = ()) -> None:
         self.windows = windows
-        self.opens: Time = 0
-        self.held = False
+        self.earliest_start: Time = 0
+        self.awaits_signal = False
         self.ready_at: Time = 0
         self.made: Time = 0
         self.keys: tuple[WatchKey, ...] | None = None
@@ -92,10 +83,10 @@ class Waiting:
         self.given_deadline: float = math.inf
         self.monitor_deadline: float = math.inf
         self.missed: float | None = None
-        self.begun = False
+        self.first_selected = False
         self.after_method = False
         self.prepared = False
-        self.spoilt = False
+        self.setup_failed = False
         self.duration: Time = 0
 
     @property
@@ -122,7 +113,7 @@ class History:
         self.success: Env | None = None
 
 
-class Given:
+class TopLevelTask:
     """What a top-level task has besides: `outcome` is `okay` or what it handed up.
 
     It is None unless the task has ended by itself; so are the `outputs`.
@@ -183,7 +174,7 @@ class Task:
             self.limit: float = math.inf
             self.priority = 0
             self.waiting = 0
-            self.wait = Waiting() if plan.waits else None
+            self.wait = WaitState() if plan.waits else None
         else:
             parent = within.task
             self.family = parent.family
@@ -191,7 +182,7 @@ class Task:
             self.priority = parent.priority + step.priority
             self.waiting = step.before
             waits = plan.waits or step.timed
-            self.wait = Waiting(step.windows) if waits else None
+            self.wait = WaitState(step.windows) if waits else None
         self.goal_args: tuple[Value | None, ...] = ()
         self.env: Env = {}
         self.identity: tuple[object, ...] | None = plan.known
@@ -340,11 +331,11 @@ class Ends:
     an `until` has ended.
     """
 
-    __slots__ = ("lapsed", "times")
+    __slots__ = ("ended_by_until", "times")
 
     def __init__(self, steps: int) -> None:
         self.times: list[Time | None] = [None] * steps
-        self.lapsed: set[int] = set()
+        self.ended_by_until: set[int] = set()
 
 
 class MethodRun:
@@ -361,12 +352,12 @@ class MethodRun:
         "constrained",
         "ends",
         "env",
-        "guarded",
-        "left",
+        "has_conditions",
         "notations",
         "plan",
         "started",
         "steps",
+        "steps_left",
         "task",
         "ticket",
     )
@@ -377,7 +368,7 @@ class MethodRun:
         self.env = env
         self.started = started
         self.steps: list[Task] | tuple[()] = ()
-        self.left = left = plan.size
+        self.steps_left = left = plan.size
         self.ends = Ends(left) if plan.dated else None
         self.notations: tuple[Notation, ...] = ()
         self.ticket: int | None = None
@@ -386,8 +377,8 @@ class MethodRun:
             self.constrained: Task | None = task
         else:
             self.constrained = None if outer is None else outer.constrained
-        self.guarded = plan.conditions or self.constrained is not None
+        self.has_conditions = plan.conditions or self.constrained is not None
 
-    def has_lapsed(self, position: int) -> bool:
+    def was_ended_by_until(self, position: int) -> bool:
         """Whether a step was ended by an `until`."""
-        return self.ends is not None and position in self.ends.lapsed
+        return self.ends is not None and position in self.ends.ended_by_until

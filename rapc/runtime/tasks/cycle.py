@@ -7,21 +7,21 @@ ends the cycle.
 from __future__ import annotations
 
 from rapc.compiler.query.query import Query
-from rapc.runtime.beginnings import (
-    fill_inputs,
-)
-from rapc.runtime.endings import (
-    INTERFERENCE,
-    fail,
-    followers,
-    late_recursion,
-    succeed,
-    until,
-)
 from rapc.runtime.events.events import FamilySwitched, TaskSelected
 from rapc.runtime.machine import Machine
-from rapc.runtime.methods import try_method
-from rapc.runtime.task import ENDED, Env, Task, Waiting
+from rapc.runtime.state.states import ENDED, INTERFERENCE
+from rapc.runtime.state.task import Env, Task, WaitState
+from rapc.runtime.tasks.finish import (
+    apply_until,
+    fail,
+    recheck_bound_steps,
+    release_followers,
+    succeed,
+)
+from rapc.runtime.tasks.start import (
+    read_inputs,
+)
+from rapc.runtime.tasks.try_method import try_method
 from rapc.world import OKAY
 
 
@@ -31,10 +31,10 @@ def run_cycle(machine: Machine, task: Task) -> None:
     recorder.cycle += 1
     wait = task.wait
     special = task.identity is None or (
-        wait is not None and (wait.spoilt or not wait.begun)
+        wait is not None and (wait.setup_failed or not wait.first_selected)
     )
     if special and not task.bound:
-        fill_inputs(machine, task)
+        read_inputs(machine, task)
     if recorder.on:
         _tell_selected(machine, task)
     machine.agenda.last_family = task.family
@@ -50,7 +50,7 @@ def run_cycle(machine: Machine, task: Task) -> None:
         succeed(machine, task, found)
     elif plan.monitored and not _monitors_hold(machine, task):
         machine.monitors.block(task)
-    elif (plan.conditional or (run is not None and run.guarded)) and not (
+    elif (plan.conditional or (run is not None and run.has_conditions)) and not (
         _conditions_hold(machine, task)
     ):
         if task.state is not ENDED:
@@ -62,14 +62,14 @@ def run_cycle(machine: Machine, task: Task) -> None:
 def _first_of_all(machine: Machine, task: Task) -> None:
     """Step 1, and what sets off others at the first selection; may end the task."""
     wait = task.wait
-    if wait is not None and not (wait.begun or task.plan.monitored):
+    if wait is not None and not (wait.first_selected or task.plan.monitored):
         _begin(machine, task, wait)
     if task.identity is None and _misses_inputs(machine, task):
         return
     if wait is not None:
-        if wait.spoilt:
+        if wait.setup_failed:
             fail(machine, task, INTERFERENCE)
-        elif not wait.begun:
+        elif not wait.first_selected:
             _begin(machine, task, wait)
 
 
@@ -83,7 +83,9 @@ def _found(machine: Machine, task: Task, succeed: Query) -> Env | None:
 
 def _monitors_hold(machine: Machine, task: Task) -> bool:
     wait = task.wait
-    return wait is None or (wait.begun and machine.monitors.still_hold(task, wait))
+    return wait is None or (
+        wait.first_selected and machine.monitors.still_hold(task, wait)
+    )
 
 
 def _tell_selected(machine: Machine, task: Task) -> None:
@@ -93,16 +95,16 @@ def _tell_selected(machine: Machine, task: Task) -> None:
     recorder.emit(TaskSelected, task=task.number, goal=task.goal())
 
 
-def _begin(machine: Machine, task: Task, wait: Waiting) -> None:
+def _begin(machine: Machine, task: Task, wait: WaitState) -> None:
     """The first selection with monitors holding sets off `until-start`."""
     step, run = task.step, task.within
     if step is None or run is None or not step.until:
-        wait.begun = True
+        wait.first_selected = True
         return
     if task.plan.monitored and not machine.monitors.still_hold(task, wait):
         return
-    wait.begun = True
-    followers(machine, run, until(machine, run, step, at_end=False))
+    wait.first_selected = True
+    release_followers(machine, run, apply_until(machine, run, step, at_end=False))
 
 
 def _misses_inputs(machine: Machine, task: Task) -> bool:
@@ -112,11 +114,11 @@ def _misses_inputs(machine: Machine, task: Task) -> bool:
         machine.context.task = run.task
         bound: list[str] = []
         for carrier, query in step.conditions:
-            if not run.has_lapsed(carrier):
+            if not run.was_ended_by_until(carrier):
                 found = query.first(machine.context, run.env) or {}
                 run.env.update(found)
                 bound.extend(found)
-        if late_recursion(machine, run, bound, step.position):
+        if recheck_bound_steps(machine, run, bound, step.position):
             return True
         machine.context.task = run.task
         for arg, value in zip(step.args, task.goal_args, strict=True):
@@ -135,7 +137,7 @@ def _conditions_hold(machine: Machine, task: Task) -> bool:
     run, step, context = task.within, task.step, machine.context
     if run is not None and step is not None:
         for carrier, query in step.conditions:
-            if run.has_lapsed(carrier):
+            if run.was_ended_by_until(carrier):
                 continue
             context.task = run.task
             found = query.first(context, run.env)
@@ -143,7 +145,7 @@ def _conditions_hold(machine: Machine, task: Task) -> bool:
                 return False
             if found:
                 run.env.update(found)
-                if late_recursion(machine, run, found):
+                if recheck_bound_steps(machine, run, found):
                     return False
     context.task = task
     own = task.plan.preconditions

@@ -11,7 +11,8 @@ import msgspec
 from rapc.base.values import number
 from rapc.runtime.events.events import RunStarted, TaskResult
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import BLOCKED, ELIGIBLE, UNTESTED, WAITING, Given, Task
+from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
+from rapc.runtime.state.task import Task, TopLevelTask
 from rapc.world import OKAY, Time
 
 FORMAT = 1
@@ -69,7 +70,7 @@ def _entry(machine: Machine, task: Task) -> AgendaEntry:
 def _obstacle(machine: Machine, task: Task) -> str:
     if task.run is not None:
         return "its method"
-    if task.wait is not None and task.wait.held:
+    if task.wait is not None and task.wait.awaits_signal:
         return task.wait.blocked_on
     if task.waiting:
         return "steps before it"
@@ -105,12 +106,12 @@ def tell_start(
     )
 
 
-def results(given: Iterable[Given]) -> tuple[TaskResult, ...]:
+def results(given: Iterable[TopLevelTask]) -> tuple[TaskResult, ...]:
     """What has become of each top-level task, in the order in which they came."""
     return tuple([_result(one) for one in given])
 
 
-def _result(given: Given) -> TaskResult:
+def _result(given: TopLevelTask) -> TaskResult:
     outcome = "unfinished"
     if given.outcome is not None:
         outcome = "succeeded" if given.outcome == OKAY else "failed"
@@ -137,7 +138,7 @@ def waiting(machine: Machine) -> tuple[str, ...]:
         f"{task.goal()} [{task.number}] {_awaited(machine, task)}"
         for task in machine.live_tasks()
         if task.run is None
-        and (not task.waiting or (task.wait is not None and task.wait.held))
+        and (not task.waiting or (task.wait is not None and task.wait.awaits_signal))
     )
 
 

@@ -13,8 +13,8 @@ from typing import Any, Protocol
 from rapc.base.resources import SetResource
 from rapc.base.values import Atom
 from rapc.ir import nodes
-from rapc.runtime.monitors import Monitors
-from rapc.runtime.task import Env, Task
+from rapc.runtime.monitors.monitors import Monitors
+from rapc.runtime.state.task import Env, Task
 
 
 class Tasks(Protocol):
@@ -25,7 +25,7 @@ class Tasks(Protocol):
     def live_tasks(self) -> list[Task]:
         """All tasks that have not ended."""
 
-    def recount(self) -> None:
+    def recount_identities(self) -> None:
         """Tasks at work are known by other identities than before."""
 
 
@@ -42,7 +42,7 @@ def rename(run: Tasks, lost: str, kept: str) -> None:
             sets.update((id(v), v) for v in env.values() if isinstance(v, SetResource))
         if _in_task(task, environments, lost, kept):
             run.monitors.rebind(task)
-    run.recount()
+    run.recount_identities()
     for resource in sets.values():
         if lost in resource.members:
             _in_set(resource, lost, kept)

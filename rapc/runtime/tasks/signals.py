@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from rapc.base.values import Fact, format_list
 from rapc.compiler.net_plan import WaitPlan
-from rapc.runtime.beginnings import when_time_comes
-from rapc.runtime.endings import end_by_signal, late_recursion, receive
 from rapc.runtime.events import events
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import Env, Task
+from rapc.runtime.state.task import Env, Task
+from rapc.runtime.tasks.finish import finish_by_signal, receive, recheck_bound_steps
+from rapc.runtime.tasks.start import release_at_start_time
 
 
 def signal(machine: Machine, content: Fact) -> None:
@@ -31,18 +31,18 @@ def _decide(machine: Machine, task: Task, content: Fact) -> None:
     assert task.step is not None
     assert run is not None
     for wait in task.step.waits:
-        if wait.mode == "proceed" and not (task.wait and task.wait.held):
+        if wait.mode == "proceed" and not (task.wait and task.wait.awaits_signal):
             continue
         found = _matched(machine, task, wait, content)
         if found is None:
             continue
         run.env.update(found)
-        if late_recursion(machine, run, found):
+        if recheck_bound_steps(machine, run, found):
             return
         if wait.mode == "proceed":
             _proceed(machine, task, content)
         else:
-            end_by_signal(machine, task, wait.mode)
+            finish_by_signal(machine, task, wait.mode)
         return
 
 
@@ -57,8 +57,8 @@ def _matched(machine: Machine, task: Task, wait: WaitPlan, content: Fact) -> Env
 
 def _proceed(machine: Machine, task: Task, content: Fact) -> None:
     if task.wait is not None:
-        task.wait.held = False
+        task.wait.awaits_signal = False
     if machine.recorder.on:
         on = format_list(content)
         machine.recorder.emit(events.TaskWoken, task=task.number, on=on)
-    when_time_comes(machine, task)
+    release_at_start_time(machine, task)

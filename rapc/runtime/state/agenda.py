@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 from bisect import bisect_left, insort
 
-from rapc.runtime.task import Task
+from rapc.runtime.state.task import Task
 
 _Key = tuple[float, float, bool]
 

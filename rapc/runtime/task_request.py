@@ -13,7 +13,7 @@ from rapc.parser.parse import parse_goal_options
 from rapc.world import Time
 
 
-class Submission(msgspec.Struct, frozen=True):
+class TaskRequest(msgspec.Struct, frozen=True):
     """A top-level task: a goal `(rap args...)` and how it is to be run.
 
     `deadline` and `at` are absolute times; a task that stands in the `background`
@@ -27,7 +27,7 @@ class Submission(msgspec.Struct, frozen=True):
     background: bool = False
 
 
-def read_submission(text: str) -> Submission:
+def read_task_request(text: str) -> TaskRequest:
     """A task from text: `(rap args) :priority 4 :deadline 290 :at 120`.
 
     Raises:
@@ -43,7 +43,7 @@ def read_submission(text: str) -> Submission:
     priority = options.get("priority", 0)
     if not isinstance(priority, int):
         raise TextError(f"`:priority` takes a whole number, not `{priority}`")
-    return Submission(
+    return TaskRequest(
         goal=(goal.name, *args),
         priority=priority,
         deadline=_time(options, "deadline"),

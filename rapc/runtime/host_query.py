@@ -18,15 +18,15 @@ from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.ir.nodes import Formula
 from rapc.ir.walk import subformulas, subterms, terms
-from rapc.runtime.context import QueryContext
 from rapc.runtime.machine import Machine
-from rapc.runtime.renaming import with_names
+from rapc.runtime.query_context import QueryContext
+from rapc.runtime.tasks.rename_items import with_names
 
 Answer = dict[str, Value]
 """What an answer binds besides what was given; a variable it leaves free is absent."""
 
 
-class Question:
+class HostQuery:
     """A formula that can be asked again and again; made by `Interpreter.question`.
 
     Each way to ask takes the values of the variables in `given`, in their order, and

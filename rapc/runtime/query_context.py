@@ -7,11 +7,12 @@ from typing import Any
 
 from rapc.base.values import Fact, Number, format_atom, number
 from rapc.compiler.query.query import Meetings
+from rapc.compiler.query.term_value import TermValue
 from rapc.runtime.events.events import QueryFaulted
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.view import MemoryView
-from rapc.runtime.task import Task
+from rapc.runtime.state.task import Env, Task
 from rapc.world import Time
 
 
@@ -91,3 +92,12 @@ class QueryContext:
     def count(self, kind: object, place: Any) -> Number:
         """How many items of a class memory expects at a place."""
         return self.view.count(str(kind), place)
+
+
+def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:
+    """A term as a time; None, with a fault traced, if it is unbound or no number."""
+    value = term.needed(context, env)
+    if value is None or isinstance(value, int | float):
+        return value
+    context.unfit(term.where, value, "a number")
+    return None

@@ -13,7 +13,7 @@ from rapc.compiler.rap_plan import MethodPlan
 from rapc.ir import nodes
 from rapc.runtime.events.events import SolverCalled
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import Env, Task
+from rapc.runtime.state.task import Env, Task
 
 _Any = TypeVar("_Any")
 

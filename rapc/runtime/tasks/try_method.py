@@ -1,32 +1,27 @@
 """A task tries a method: from the choice to the method's start (semantics 3, 5 to 9).
 
-Which method it is is decided in `rapc.runtime.choice`; how methods end is in
-`rapc.runtime.endings`.
+Which method it is is decided in `rapc.runtime.tasks.choose`; how methods end is in
+`rapc.runtime.tasks.finish`.
 """
 
 from __future__ import annotations
 
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.errors import FactError
-from rapc.runtime.beginnings import (
-    create,
-    fill_inputs,
-    let_go,
-    read_windows,
-    repeats_ancestor,
-)
-from rapc.runtime.choice import Key, choose, key_of
-from rapc.runtime.endings import (
-    FUTILE_LOOP,
-    INTERFERENCE,
-    NO_METHOD,
-    end_method,
-    fail,
-)
+from rapc.runtime.acts.primitives import ground, request
 from rapc.runtime.events.events import MethodChosen
 from rapc.runtime.machine import Machine
-from rapc.runtime.requests import ground, request
-from rapc.runtime.task import RUNNING, Env, MethodRun, Task, in_words
+from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
+from rapc.runtime.state.task import Env, MethodRun, Task, in_words
+from rapc.runtime.tasks.choose import Key, choose, key_of
+from rapc.runtime.tasks.finish import end_method, fail
+from rapc.runtime.tasks.start import (
+    create,
+    read_inputs,
+    read_windows,
+    release,
+    repeats_ancestor,
+)
 from rapc.world import OKAY
 
 
@@ -82,7 +77,7 @@ def _spawn(machine: Machine, run: MethodRun) -> bool:
         task = Task(rap, run, step)
         tasks.append(task)
         if rap.inputs:
-            fill_inputs(machine, task)
+            read_inputs(machine, task)
         untested = task.identity is None or machine.solvers
         if untested and task.bound and repeats_ancestor(machine, task):
             return False
@@ -94,8 +89,8 @@ def _start(machine: Machine, run: MethodRun) -> None:
     task, method = run.task, run.plan
     task.run = run
     if task.plan.recursive or machine.solvers:
-        under_way = machine.under_way
-        under_way[task.identity] = under_way.get(task.identity, 0) + 1
+        active_identities = machine.active_identities
+        active_identities[task.identity] = active_identities.get(task.identity, 0) + 1
     task.state = RUNNING
     if task.wait is not None:
         task.wait.timer = None
@@ -113,12 +108,14 @@ def _start(machine: Machine, run: MethodRun) -> None:
         run.steps = ()
         end_method(machine, run, INTERFERENCE)
     elif method.request is not None:
-        request(machine, run, method.request)
+        result = request(machine, run, method.request)
+        if result is not None and task.run is not None:
+            end_method(machine, task.run, result)
     else:
-        _let_steps_go(machine, run)
+        _release_steps(machine, run)
 
 
-def _let_steps_go(machine: Machine, run: MethodRun) -> None:
+def _release_steps(machine: Machine, run: MethodRun) -> None:
     """The steps' tasks join the run; those that wait for none may go on."""
     steps = run.steps
     special = machine.recorder.on or run.plan.computes
@@ -132,7 +129,7 @@ def _let_steps_go(machine: Machine, run: MethodRun) -> None:
         if task.wait is not None:
             read_windows(machine, task)
         if task.waiting == 0:
-            let_go(machine, task)
+            release(machine, task)
     if not steps:
         end_method(machine, run, OKAY)
 

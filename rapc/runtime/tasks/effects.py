@@ -1,6 +1,6 @@
 """What a step's success does to sets and counters: all of it, or nothing.
 
-Whether a step has succeeded is for `rapc.runtime.endings` to say (T 4.8.2,
+Whether a step has succeeded is for `rapc.runtime.tasks.finish` to say (T 4.8.2,
 semantics 6).
 """
 
@@ -10,10 +10,10 @@ from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Number, format_atom, is_number
 from rapc.compiler.net_plan import EffectPlan, StepPlan
 from rapc.compiler.query.builtin import Fault, add, subtract
-from rapc.runtime.context import QueryContext
 from rapc.runtime.events.events import ResourceChanged
 from rapc.runtime.machine import Machine
-from rapc.runtime.task import Env, MethodRun, Task
+from rapc.runtime.query_context import QueryContext
+from rapc.runtime.state.task import Env, MethodRun, Task
 
 Change = tuple[str, Counter | SetResource, Value]
 """An effect with its resource and its amount or member."""

@@ -1,0 +1,55 @@
+"""Intake: what the world sends unasked, and late ends of primitives [T 3.3, S 4].
+
+The loop hands over the messages of a turn; data go to their handlers, signals to the
+steps that wait for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rapc.base.values import format_list
+from rapc.errors import PortError
+from rapc.runtime.acts.primitives import handle, take_reply
+from rapc.runtime.events.events import DataReceived
+from rapc.runtime.machine import Machine
+from rapc.runtime.tasks.finish import end_method
+from rapc.runtime.tasks.signals import signal
+from rapc.world import Datum, Finished, Message, Reply, Signal
+
+
+def take_in(machine: Machine, messages: Iterable[Message]) -> None:
+    """Take in `messages` of the world: ends of primitives first, then the rest.
+
+    Raises:
+        PortError: as `finish`.
+    """
+    others: list[Message] = []
+    for message in messages:
+        if isinstance(message, Finished):
+            finish(machine, message.ticket, message.reply)
+        else:
+            others.append(message)
+    for message in others:
+        if isinstance(message, Datum):
+            with machine.access.batch():
+                named = handle(machine, message.content)
+            named = machine.memory.canonical(named)
+            if machine.recorder.on:
+                machine.recorder.emit(DataReceived, data=format_list(named))
+        elif isinstance(message, Signal):
+            signal(machine, message.content)
+
+
+def finish(machine: Machine, ticket: int, reply: Reply) -> None:
+    """End the primitive with the number `ticket`: run handlers, end its method.
+
+    Raises:
+        PortError: for a ticket that is not under way, or a datum nobody handles.
+    """
+    if ticket not in machine.pending:
+        raise PortError(f"the world ended a request that is not under way: {ticket}")
+    task, asked = machine.pending.pop(ticket)
+    result = take_reply(machine, task, asked, reply)
+    if result is not None and task is not None and task.run is not None:
+        end_method(machine, task.run, result)

@@ -1,0 +1,50 @@
+"""The states of a task, and the words for how methods and tasks fail.
+
+A task goes this way; beside each arrow stands the verb that takes it there:
+
+    made --create--> waiting --release--> (untested) --test--> eligible
+                        ^ for order, time or a signal             |
+                                                                select
+    blocked <--block-- (monitors do not hold) <-------------------|
+       |                                                          |
+      wake, once they do                                    start_method
+       |                                                          |
+       +--> eligible                                           running
+                                                                  |
+    eligible <--------------------end_method----------------------+
+
+    any of them --succeed, fail, remove--> ended
+
+`untested` is for monitored tasks alone: they are tested before they first become
+eligible. A task that was selected leaves the agenda; it comes back with the end of
+its method, or when its monitors hold again.
+
+Where the verbs are: `create`, `release` in `tasks.start`; `block`, `wake` and the test
+in `monitors.monitors`; `select` in `state.agenda` (`choose`) and `tasks.cycle`;
+`start_method` in `tasks.try_method`; `end_method`, `succeed`, `fail`, `remove` in
+`tasks.finish`.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+WAITING: Final = "waiting"
+UNTESTED: Final = "untested"
+ELIGIBLE: Final = "eligible"
+BLOCKED: Final = "blocked"
+RUNNING: Final = "running"
+ENDED: Final = "ended"
+"""Where a task stands between its cycles."""
+
+INTERFERENCE: Final = "interference"
+"""Why a task or method failed: a condition, an input or a request could not hold."""
+
+NO_METHOD: Final = "no-method"
+"""Why a task failed: none of its methods can be tried."""
+
+FUTILE_LOOP: Final = "futile-loop"
+"""Why a task failed: the same again, or the same as an ancestor [T 3.2.5]."""
+
+SIGNAL: Final = "signal"
+"""Why a step failed: a signal that it waited for ended it so [S 3.1]."""
