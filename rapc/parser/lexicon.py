@@ -56,7 +56,7 @@ MAKERS: Mapping[str, Callable[[Any, int, int], Datum]] = {
     "NUMBER": Numeral,
     "VARIABLE": Variable,
     "KEYWORD": Keyword,
-    "SYMBOL": Symbol,
+    "WORD": Symbol,
 }
 """What makes a datum of an atom's value and place, by its kind."""
 
@@ -129,7 +129,7 @@ def atom_value(kind: str, raw: str) -> Number | str | None:
         return number(float(raw)) if "." in raw else int(raw)
     if len(raw) > MAX_NAME:
         return None
-    if kind == "SYMBOL" and raw[0] in "+-.0123456789" and _NUMBER_LIKE.fullmatch(raw):
+    if kind == "WORD" and raw[0] in "+-.0123456789" and _NUMBER_LIKE.fullmatch(raw):
         return None
     return sys.intern(raw.lower())
 
@@ -172,7 +172,7 @@ class Notes:
     def atom(self, raw: str, start: int, end: int) -> Datum:
         """The datum of an atom, whatever is wrong with it."""
         match = self.lexicon.atom.match(raw)
-        kind = (match and match.lastgroup) or "SYMBOL"
+        kind = (match and match.lastgroup) or "WORD"
         value = atom_value(kind, raw)
         if value is not None:
             return MAKERS[kind](value, start, end)

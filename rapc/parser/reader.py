@@ -1,6 +1,6 @@
 """Text to data, for good files fast and for bad ones with findings.
 
-The terminals are those of `rap.lark`, by way of `rapc.language.terminals`; lists are
+The terminals are those of `rap.lark`, by way of `rapc.language.grammar`; lists are
 built here with a stack of our own, so no text can exhaust Python's. A file whose
 parentheses, strings or comments do not close is read again by `rapc.parser.repair.cut`.
 What the data mean is not asked here.
@@ -15,7 +15,7 @@ from functools import cache
 from typing import Any
 
 from rapc.base.source import SourceFile
-from rapc.language.terminals import TERMINALS
+from rapc.language.grammar import TERMINALS
 from rapc.parser.lexicon import (
     MAKERS,
     MAX_DEPTH,

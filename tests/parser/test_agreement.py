@@ -9,32 +9,28 @@ from __future__ import annotations
 
 import random
 import re
-from functools import cache
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.lark import from_lark
-from lark import Lark, Token, Tree
+from lark import Token, Tree
 from lark.exceptions import UnexpectedInput
 
 from rapc.base.source import SourceFile
-from rapc.language.terminals import TERMINALS
+from rapc.language.build import parser as reference
 from rapc.parser import reader
 from rapc.parser.lexicon import Notes
 from rapc.parser.repair import cut as recovery
+from tests.parser.programs import FILES as PROGRAMS
 from tests.parser.reading import FILE, Plain, plain, reading
-from tests.parser.terminals import GRAMMAR, terminals
 
 CHECKOUT = Path(__file__).parents[2]
-PROGRAMS = sorted(
-    path
-    for folder in ("stdlib", "examples", "tests")
-    for path in (CHECKOUT / folder).rglob("*.rap")
-)
 UNLIMITED = {"malformed-number", "too-long", "nested-too-deeply"}
 """What is said of texts that the grammar allows."""
+
+KINDS = {"NUMBER": "Numeral", "WORD": "Symbol"}
 
 MARKS = [
     "(",
@@ -93,12 +89,6 @@ PIECES = st.one_of(st.sampled_from([*MARKS, *WORDS, *LINES]), st.text(max_size=3
 TEXTS = st.lists(PIECES, max_size=40).map("".join)
 
 
-@cache
-def reference() -> Lark:
-    """Lark's own parser of our grammar."""
-    return Lark.open(str(GRAMMAR), parser="lalr", propagate_positions=True)
-
-
 def _by_lark(tree: Tree[Token]) -> tuple[Plain, ...]:
     items: list[Plain] = []
     for child in tree.children:
@@ -115,7 +105,7 @@ def _by_lark(tree: Tree[Token]) -> tuple[Plain, ...]:
                 text = str(float(text) + 0.0)  # there is no negative zero
             else:
                 text = text.lower()
-            kind = "Numeral" if child.type == "NUMBER" else child.type.capitalize()
+            kind = KINDS.get(child.type, child.type.capitalize())
             items.append((kind, text, child.start_pos, child.end_pos))
     return tuple(items)
 
@@ -139,7 +129,7 @@ def check(text: str) -> None:
     found = reading(text)
     said = {d.rule for d in found.diagnostics}
     try:
-        tree = reference().parse(text)
+        tree = reference().parse(text, start="data")
     except UnexpectedInput:
         assert said - UNLIMITED or text.startswith("\ufeff")
         return
@@ -159,11 +149,6 @@ def test_there_are_programs() -> None:
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda p: str(p.relative_to(CHECKOUT)))
 def test_files_of_the_repository(path: Path) -> None:
     check(path.read_text(encoding="utf-8"))
-
-
-def test_terminals_are_those_of_the_grammar() -> None:
-    """`python -m tests.parser.terminals` writes them anew."""
-    assert terminals() == TERMINALS
 
 
 @pytest.mark.parametrize("batch", range(10))
@@ -196,7 +181,7 @@ def test_texts_made_of_pieces(text: str) -> None:
 
 
 @settings(max_examples=500)
-@given(from_lark(Lark(GRAMMAR.read_text(encoding="utf-8"), parser="lalr")))
+@given(from_lark(reference(), start="data"))
 def test_texts_made_by_the_grammar(text: str) -> None:
     check(text)
 

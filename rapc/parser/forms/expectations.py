@@ -168,6 +168,8 @@ def _value(ctx: Context, datum: Datum) -> tests.TracePattern:
     if isinstance(datum, List):
         items = [_value(ctx, item) for item in _joined(ctx, datum.items)]
         return tests.ListPattern(tuple(items), ctx.span(datum))
+    if isinstance(datum, Symbol):
+        return nodes.Const(datum.name, ctx.span(datum))
     return cast(nodes.Const | nodes.Var, term(ctx, datum))
 
 

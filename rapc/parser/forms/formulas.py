@@ -67,6 +67,8 @@ def _no_formula(ctx: Context, datum: Datum) -> None:
     elif name in TRUTHS and isinstance(datum, List) and len(datum.items) == 1:
         message = f"`{name}` stands without parentheses"
         help, fix = "", ctx.replace(datum, name or "")
+    elif name in TRUTHS:
+        message, help = f"`{name}` heads no proposition", ""
     elif isinstance(datum, Symbol):
         message = f"the symbol `{datum.name}` alone is no formula"
         help = f"a proposition has parentheses: `({datum.name})`"

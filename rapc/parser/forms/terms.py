@@ -32,11 +32,23 @@ def term(ctx: Context, datum: Datum) -> nodes.Term | None:
         return _call(ctx, datum)
     span = Span(ctx.file, datum.start, datum.end)
     if type(datum) is Symbol or type(datum) is Keyword:
+        if datum.name == ARROW:
+            _stray_arrow(ctx, datum)
+            return None
         return nodes.Const(datum.name, span)
     if type(datum) is Numeral:
         return nodes.Const(datum.value, span)
     assert type(datum) is String
     return nodes.Const(Text(datum.value), span)
+
+
+def _stray_arrow(ctx: Context, datum: Datum) -> None:
+    ctx.report(
+        "malformed-term",
+        f"`{ARROW}` is no value",
+        datum,
+        help="it divides the inputs of an index or a goal from the outputs",
+    )
 
 
 def terms(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Term, ...]:
@@ -94,7 +106,7 @@ def pattern(ctx: Context, datum: Datum) -> nodes.Pattern | None:
     return nodes.Pattern(name, terms(ctx, datum.items[1:]), place)
 
 
-_NO_PROPOSITIONS = frozenset((*QUERIES, *CALLS))
+_NO_PROPOSITIONS = frozenset((*QUERIES, *CALLS, ARROW))
 
 
 def patterns(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:

@@ -1,0 +1,150 @@
+"""Make `grammar.py` of `rap.lark`, and a lark parser of it.
+
+`python -m rapc.language.build` writes `grammar.py` anew; a test holds the two together.
+This module and `rapc.language.complete` alone know lark; neither is imported by what
+reads a file.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from lark import Lark, Token, Tree
+from lark.lexer import PatternRE, PatternStr, TerminalDef
+from lark.load_grammar import load_grammar
+
+from rapc.language.shapes import Shape
+
+FOLDER = Path(__file__).parent
+SOURCE = FOLDER / "rap.lark"
+
+MARKS = ("(", ")", "#|", "|#")
+"""Quoted texts of the grammar that are no words."""
+
+HEAD = '''\
+"""The grammar of `rap.lark` as plain data: terminals, and the shape of each rule.
+
+Written by `python -m rapc.language.build`; a test holds it against `rap.lark`. How to
+read shapes is said in `rapc.language.shapes`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rapc.language.shapes import Shape
+
+# fmt: off
+# ruff: noqa: E501
+'''
+
+
+@cache
+def parser() -> Lark:
+    """The LALR parser of whole programs (`start`) and of bare data (`data`).
+
+    Comments of the `#| |#` kind are known to `data` alone; blank them for `start`.
+    """
+    return Lark(
+        SOURCE.read_text(encoding="utf-8"),
+        parser="lalr",
+        start=["start", "data"],
+        edit_terminals=whole_word,
+        propagate_positions=True,
+    )
+
+
+def whole_word(terminal: TerminalDef) -> None:
+    """Let a quoted word of the grammar match a whole symbol or keyword, in any case."""
+    pattern = terminal.pattern
+    if isinstance(pattern, PatternStr) and pattern.value not in MARKS:
+        end = terminals()["_END"]
+        terminal.pattern = PatternRE(f"(?i:{re.escape(pattern.value)}){end}")
+        terminal.priority = 5
+
+
+@cache
+def terminals() -> Mapping[str, str]:
+    """The regular expression of each named terminal, as lark understands it."""
+    grammar = _read()
+    compiled, _, _ = grammar.compile(["start", "data"], "*")
+    found = {one.name: one.pattern.to_regexp() for one in compiled}
+    named = [name for name, _ in grammar.term_defs if name in found]
+    return {str(name): found[name] for name in named}
+
+
+def rules() -> dict[str, Shape]:
+    """The shape of each rule but those of bare data, in the order of the grammar."""
+    made = {str(name): _shape(tree) for name, _, tree, _ in _read().rule_defs}
+    for bare in ("data", "list", "_datum", "_block", "_inner"):
+        del made[bare]
+    return made
+
+
+def _read() -> Any:
+    """The grammar as lark reads it, with its repetitions; lark has no types for it."""
+    load: Any = load_grammar
+    grammar, _ = load(SOURCE.read_text(encoding="utf-8"), SOURCE.name, [], False)
+    return grammar
+
+
+def _shape(tree: Tree[Token] | Token) -> Shape:
+    """The shape of an expression of lark's grammar of grammars."""
+    if isinstance(tree, Token):
+        raise TypeError(f"an expression is wanted, not {tree!r}")
+    kind, children = tree.data, tree.children
+    if kind == "expansions":
+        options = [_shape(child) for child in children]
+        return options[0] if len(options) == 1 else ("or", *options)
+    if kind == "expansion":
+        made = _lists([_shape(child) for child in children])
+        return made[0] if len(made) == 1 else ("seq", *made)
+    if kind == "maybe":
+        return ("?", _shape(children[0]))
+    if kind == "expr":
+        return (str(children[1]), _shape(children[0]))
+    (leaf,) = children
+    if isinstance(leaf, Tree):
+        (leaf,) = leaf.children
+        return json.dumps(json.loads(str(leaf)))
+    return str(getattr(leaf, "name"))  # noqa: B009  # lark has no types for it
+
+
+def _lists(items: list[Shape]) -> list[Shape]:
+    """The items of a sequence with what stands in parentheses made one of them."""
+    stack: list[list[Shape]] = [[]]
+    for item in items:
+        if item == '"("':
+            stack.append([])
+        elif item == '")"':
+            inner = stack.pop()
+            stack[-1].append(("list", *inner))
+        else:
+            stack[-1].append(item)
+    (whole,) = stack
+    return whole
+
+
+def module() -> str:
+    """The text of `grammar.py`."""
+    rows = [f"    {json.dumps(k)}: {json.dumps(v)}," for k, v in terminals().items()]
+    shapes = [f"    {json.dumps(k)}: {v!r}," for k, v in rules().items()]
+    return (
+        f"{HEAD}TERMINALS: Mapping[str, str] = {{\n{_lines(rows)}\n}}\n"
+        '"""What lark makes of the grammar\'s terminals."""\n\n'
+        f"RULES: Mapping[str, Shape] = {{\n{_lines(shapes)}\n}}\n"
+        '"""The shape of each rule, in the order of the grammar."""\n'
+    )
+
+
+def _lines(rows: list[str]) -> str:
+    return "\n".join(rows)
+
+
+if __name__ == "__main__":
+    (FOLDER / "grammar.py").write_text(module(), encoding="utf-8")

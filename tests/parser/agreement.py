@@ -1,0 +1,112 @@
+"""Whether the grammar and the front end agree about a text, and what excuses them.
+
+`python -m tests.parser.agreement 5000` holds so many generated programs against both.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections import Counter
+
+from hypothesis import HealthCheck, Phase, given, settings
+from lark.exceptions import UnexpectedInput
+
+from rapc.base.diagnostics import Diagnostic
+from rapc.language.build import parser
+from tests.parser.programs import programs
+from tests.parser.reading import parsed, reading
+
+ATTRIBUTES = {
+    "depth": (("nested-too-deeply",), ""),
+    "length": (("too-long",), ""),
+    "looks like a number": (("malformed-number",), ""),
+    "clause twice": (("duplicate-clause",), ""),
+    "variable twice": (("repeated-variable",), ""),
+    "method twice": (("duplicate-method",), ""),
+    "too many parts": (("formula-too-large",), ""),
+    "true or false": (("malformed-formula",), "`true` or `false` of an item"),
+    "reserved word": (
+        (
+            *("malformed-proposition", "malformed-term", "malformed-formula"),
+            *("misplaced-clause", "missing-index"),
+        ),
+        "heads no proposition|asks a question|no test|stands without parentheses"
+        "|is a clause of a method, not of `define-rap`|this RAP has no name",
+    ),
+}
+"""What the grammar allows and the front end does not.
+
+Each with the rules that are then reported, and words in the message where a rule may
+have other reasons.
+"""
+
+ANY_ORDER = "parts of a declaration in any order"
+"""What the front end allows and the grammar does not."""
+
+
+def excused(found: Diagnostic) -> str | None:
+    """The attribute that a finding comes from, if there is one."""
+    for name, (rules, words) in ATTRIBUTES.items():
+        if found.rule in rules and re.search(words, found.message):
+            return name
+    return None
+
+
+def accepted(text: str) -> bool:
+    """Whether the grammar makes a program of a text."""
+    try:
+        parser().parse(blanked(text), start="start")
+    except UnexpectedInput:
+        return False
+    return True
+
+
+def blanked(text: str) -> str:
+    """A text with blanks for its comments, which nest; one that is open stays."""
+    for comment in reading(text).comments:
+        start, end = comment.span.start, comment.span.end
+        if text[start] == ";" or text[start:end].endswith("|#"):
+            text = text[:start] + " " * (end - start) + text[end:]
+    return text
+
+
+def disagreement(text: str) -> set[str]:
+    """The rules about which grammar and front end do not agree; none if they do.
+
+    A text that the grammar refuses and the front end does not gives `nothing`.
+    """
+    found = parsed(text).diagnostics
+    if accepted(text):
+        return {one.rule for one in found if excused(one) is None}
+    return set() if found else {"nothing"}
+
+
+def main(count: int) -> None:
+    """Print how many generated programs there were, and those without agreement."""
+    seen: Counter[str] = Counter()
+
+    @settings(
+        max_examples=count,
+        deadline=None,
+        database=None,
+        derandomize=True,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(programs())
+    def hold(text: str) -> None:
+        seen["programs"] += 1
+        seen["accepted by the grammar"] += accepted(text)
+        seen["without a finding"] += not parsed(text).diagnostics
+        for rule in disagreement(text):
+            seen[f"disagree: {rule}"] += 1
+            print(text)
+
+    hold()
+    for what, number in sorted(seen.items()):
+        print(f"{number:6} {what}")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

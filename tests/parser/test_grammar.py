@@ -1,0 +1,114 @@
+"""`rap.lark` and the front end are one language, but for the attributes listed.
+
+`python -m tests.parser.agreement 5000` holds more programs against both.
+"""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from rapc.language import build, grammar
+from rapc.parser.syntax import Datum, List
+from tests.parser.agreement import ATTRIBUTES, accepted, disagreement, excused
+from tests.parser.programs import programs, texts
+from tests.parser.reading import parsed, reading
+
+
+def test_grammar_py_is_what_build_makes() -> None:
+    """`python -m rapc.language.build` writes it anew."""
+    assert build.module() == (build.FOLDER / "grammar.py").read_text(encoding="utf-8")
+    assert build.rules() == grammar.RULES
+
+
+def test_every_text_of_the_repository() -> None:
+    found = {where: disagreement(text) for where, text in texts().items()}
+    assert len(found) > 400
+    assert {where: rules for where, rules in found.items() if rules} == {}
+    assert sum(accepted(text) for text in texts().values()) > 300
+
+
+@settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
+@given(programs())
+def test_programs_made_by_the_grammar(text: str) -> None:
+    assert accepted(text)
+    assert disagreement(text) == set()
+
+
+@pytest.mark.parametrize("batch", range(2))
+def test_forms_with_a_part_left_out_or_put_elsewhere(batch: int) -> None:
+    """Some are sound and most are not: both say which."""
+    rng = random.Random(f"mutants:{batch}")
+    forms = _sound_forms()
+    sound = 0
+    for _ in range(300):
+        text = _mutant(rng, rng.choice(forms))
+        assert disagreement(text) == set(), text
+        sound += accepted(text)
+    assert 50 < sound < 250
+
+
+def _sound_forms() -> list[str]:
+    found: set[str] = set()
+    for text in texts().values():
+        if not parsed(text).diagnostics:
+            data = [top.datum for top in reading(text).forms]
+            found.update(text[datum.start : datum.end] for datum in data)
+    return sorted(found)
+
+
+def _mutant(rng: random.Random, text: str) -> str:
+    (top,) = reading(text).forms
+    parts = list(_parts(top.datum))[1:]
+    here, other = rng.choice(parts), rng.choice(parts)
+    what = rng.choice(["drop", "double", "replace"])
+    if what == "drop":
+        return text[: here.start] + text[here.end :]
+    put = here if what == "double" else other
+    kept = here.end if what == "double" else here.start
+    return f"{text[:kept]} {text[put.start : put.end]}{text[here.end :]}"
+
+
+def _parts(datum: Datum) -> list[Datum]:
+    inner = datum.items if isinstance(datum, List) else ()
+    return [datum, *(part for item in inner for part in _parts(item))]
+
+
+EXAMPLES = {
+    "depth": f"(define-rap (a) (succeed {'(not ' * 100}t{')' * 100}))",
+    "length": f"(define-rap ({'a' * 1001}))",
+    "looks like a number": "(define-rap (a) (succeed (p 1e3)))",
+    "clause twice": "(define-rap (a) (duration 1) (duration 2))",
+    "variable twice": "(define-rap (a ?x ?x))",
+    "method twice": "(define-rap (a) (method m (task-net)) (method m (task-net)))",
+    "too many parts": f"(define-rap (a) (succeed (or{' (p)' * 201})))",
+    "true or false": "(define-rap (a) (succeed (know-sensor-name ?x maybe)))",
+    "reserved word": "(define-rap (a) (succeed (p (and))))",
+}
+
+
+@pytest.mark.parametrize("attribute", EXAMPLES)
+def test_what_the_front_end_alone_refuses(attribute: str) -> None:
+    text = EXAMPLES[attribute]
+    assert accepted(text)
+    assert {excused(found) for found in parsed(text).diagnostics} == {attribute}
+
+
+def test_every_such_attribute_has_an_example() -> None:
+    assert list(EXAMPLES) == list(ATTRIBUTES)
+
+
+def test_what_the_grammar_alone_refuses() -> None:
+    """The parts of a declaration behind its name come in any order."""
+    text = '(declare-memory-function f "doc" :reads (p) (?x))'
+    assert not accepted(text)
+    assert parsed(text).diagnostics == ()
+
+
+@pytest.mark.parametrize("text", ["(p => x)", "(=> x)"])
+def test_the_arrow_is_no_value_and_no_name(text: str) -> None:
+    program = f"(define-rap (a) (succeed {text}))"
+    assert not accepted(program)
+    assert len(parsed(program).diagnostics) == 1
