@@ -17,9 +17,7 @@ from rapc.base.source import SourceFile
 from rapc.compiler.artifact import Artifact
 from rapc.compiler.program import Program
 from rapc.library import loader
-from rapc.library.library import link
 from rapc.library.loader import Loaded
-from rapc.parser.parse import parse
 
 PLAN = "<plan>"
 """The file name of what `extend` adds, in findings and faults."""
@@ -60,7 +58,7 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
     paths = list(paths)
     artifact = read_artifact(*paths)
     if artifact is not None:
-        return Loaded(artifact.whole(), (), {}, ())
+        return Loaded(artifact.whole(), (), ())
     return loader.load(paths, tests=tests)
 
 
@@ -97,10 +95,4 @@ def extend(library: Program, text: str) -> Program:
         CheckError: if anything of severity error is found.
     """
     sources = [*library.library.files.values(), SourceFile(PLAN, text)]
-    parsed = [(source, parse(source)) for source in sources]
-    linked, found = link(parsed)
-    own = [d for _, one in parsed for d in one.diagnostics]
-    comments = {source.name: one.comments for source, one in parsed}
-    partial = tuple(span for _, one in parsed for span in one.partial)
-    loaded = Loaded(linked, (*own, *found), comments, partial)
-    return compile_loaded(loaded, library.name)
+    return compile_loaded(loader.load_sources(sources), library.name)

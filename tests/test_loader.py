@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 from collections.abc import Iterator
+from importlib import resources
 from pathlib import Path
 
 import pytest
@@ -101,6 +103,61 @@ def test_require_falls_back_on_the_standard_library(tmp_path: Path) -> None:
     assert loaded.diagnostics == ()
     assert len(loaded.library.raps) > 10
     assert any(name.endswith("stdlib/truck/world.rap") for name in loaded.files)
+
+
+COPIES = {
+    "both folders named": ("clone", ["stdlib", "examples"]),
+    "the library itself named": ("clone/stdlib", ["truck", "../examples"]),
+    "one file of the library": ("clone", ["stdlib/truck/inner.rap"]),
+    "inside of the library": ("clone/stdlib/truck", ["inner.rap"]),
+    "from afar": (".", ["clone/examples", "clone/stdlib/truck"]),
+}
+
+
+@pytest.mark.parametrize("case", COPIES)
+def test_a_copy_of_a_standard_library_stands_for_the_installed_one(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed = Path(str(resources.files("rapc"))) / "stdlib" / "truck"
+    copy = tmp_path / "clone" / "stdlib" / "truck"
+    shutil.copytree(installed, copy)
+    (copy / "inner.rap").write_text(_rap("inner", "truck"))
+    (tmp_path / "clone" / "examples").mkdir()
+    (tmp_path / "clone" / "examples" / "mine.rap").write_text(_rap("mine", "truck"))
+    folder, paths = COPIES[case]
+    monkeypatch.chdir(tmp_path / folder)
+    loaded = load(paths)
+    assert loaded.diagnostics == ()
+    read = {Path(name).resolve() for name in loaded.files}
+    assert {copy / "world.rap", copy / "inner.rap"} <= read
+    assert not any(path.is_relative_to(installed.resolve()) for path in read)
+
+
+def test_a_folder_that_only_has_the_name_of_a_standard_library_is_not_it(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "truck").mkdir()
+    _write(tmp_path, truck__mine=_rap("mine", "truck"))
+    loaded = load(["truck"])
+    assert loaded.diagnostics == ()
+    assert len(loaded.library.raps) > 10
+
+
+def test_a_require_names_no_absolute_path(tmp_path: Path) -> None:
+    _write(tmp_path, arms=_rap("arm"), main=_rap("main", str(tmp_path / "arms")))
+    assert _unresolved(["main.rap"]).message.startswith("nothing is found for `/")
+
+
+def test_folders_met_again_through_links_are_walked_once(tmp_path: Path) -> None:
+    levels = 30  # two ways on each level: 2 to the 29 ways in all
+    for level in range(levels):
+        (tmp_path / f"f{level}").mkdir()
+    for level in range(levels - 1):
+        for way in "ab":
+            link = tmp_path / f"f{level}" / way
+            link.symlink_to(f"../f{level + 1}", target_is_directory=True)
+    (tmp_path / f"f{levels - 1}" / "last.rap").write_text(_rap("last"))
+    assert list(load(["f0"]).library.raps) == ["last"]
 
 
 def test_require_that_finds_nothing_names_what_is_near(tmp_path: Path) -> None:

@@ -208,8 +208,8 @@ def _suppress(
     """Apply the suppressions in comments, and report those that are wrong or unused."""
     written: list[suppressions.Suppression] = []
     wrong: list[Diagnostic] = []
-    for name, comments in loaded.comments.items():
-        ones, bad = suppressions.find(loaded.files[name], comments, rules)
+    for unit in loaded.units:
+        ones, bad = suppressions.find(unit, rules)
         written += ones
         wrong += bad
     left, unused = suppressions.apply(found, written)

@@ -22,8 +22,8 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.base.source import SourceFile, Span
-from rapc.parser.reader import read
 from rapc.parser.syntax import Comment, Datum, List
+from rapc.parser.unit import SourceUnit
 
 UNUSED = Rule(
     code="RAP071",
@@ -80,20 +80,20 @@ class Suppression(msgspec.Struct, frozen=True):
 
 
 def find(
-    source: SourceFile, comments: Iterable[Comment], rules: Mapping[str, Rule]
+    unit: SourceUnit, rules: Mapping[str, Rule]
 ) -> tuple[list[Suppression], list[Diagnostic]]:
-    """The suppressions of one file, and what is wrong with them.
+    """Return the suppressions of one file, and what is wrong with them.
 
     Args:
-        source: the file.
-        comments: its comments, in the order of the text.
+        unit: the file.
         rules: all rules by name.
     """
-    meant = [(c, m["what"]) for c in comments if (m := _MEANT.match(c.text))]
+    source = unit.file
+    meant = [(c, m["what"]) for c in unit.comments if (m := _MEANT.match(c.text))]
     if not meant:
         return [], []
     by_word = {word: rule for rule in rules.values() for word in (rule.name, rule.code)}
-    starts = _first_forms(source)
+    starts = _first_forms(unit)
     names = Names(rules)
     found: list[Suppression] = []
     wrong: list[Diagnostic] = []
@@ -158,10 +158,11 @@ def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:
 # --- what a comment covers ---------------------------------------------------------
 
 
-def _first_forms(source: SourceFile) -> Mapping[int, Span]:
+def _first_forms(unit: SourceUnit) -> Mapping[int, Span]:
     """For each row on which a list begins, the outermost of those lists."""
+    source = unit.file
     starts: dict[int, Span] = {}
-    for one in _lists([top.datum for top in read(source).forms]):
+    for one in _lists(unit.data):
         row = source.position(one.start).row
         starts.setdefault(row, source.span(one.start, one.end))
     return starts

@@ -43,12 +43,19 @@ def named(path: str) -> Path:
 
 
 def files_at(path: Path, tests: bool) -> Iterator[Path]:
-    """The file itself, or all RAP files below a folder, sorted by path."""
+    """Yield the file itself, or all RAP files below a folder, sorted by path.
+
+    A folder that is met again through a link is not walked again.
+
+    Raises:
+        LoadError: if `path` does not exist, or a folder links back to one above it.
+    """
     if not os.path.lexists(path):
         raise LoadError(f"`{path}` does not exist")
     if not os.path.isdir(path):
         yield path
         return
+    walked: set[Identity] = set()
     stack: list[_Entry] = [(path, ())]
     while stack:
         here, above = stack.pop()
@@ -58,7 +65,9 @@ def files_at(path: Path, tests: bool) -> Iterator[Path]:
         identity = identity_of(here)
         if identity in above:
             raise LoadError(f"`{here}` is a link back to a folder that it lies in")
-        stack.extend(reversed(_entries(here, (*above, identity), tests)))
+        if identity not in walked:
+            walked.add(identity)
+            stack.extend(reversed(_entries(here, (*above, identity), tests)))
 
 
 def identity_of(path: Path) -> Identity:

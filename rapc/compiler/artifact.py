@@ -32,7 +32,7 @@ from rapc.errors import SavedError
 from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
 from rapc.library.library import Library, link
-from rapc.parser.parse import Parsed
+from rapc.parser.unit import SourceUnit
 
 FORMAT = 1
 """The version of the format; a change of the IR is one of the format."""
@@ -283,10 +283,10 @@ def _declarations(unit: _Unit) -> Iterator[int]:
     return (at for at in range(len(unit.forms)) if at not in raps)
 
 
-def _parsed(unit: _Unit, places: Iterable[int]) -> tuple[SourceFile, Parsed]:
+def _parsed(unit: _Unit, places: Iterable[int]) -> SourceUnit:
     """A source with some of its forms."""
     forms = tuple(_decode(unit.forms[at], nodes.TopForm) for at in places)
-    return SourceFile(unit.file, unit.text), Parsed(forms, (), ())
+    return SourceUnit(SourceFile(unit.file, unit.text), forms)
 
 
 def _payload(data: bytes) -> memoryview:

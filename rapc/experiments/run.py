@@ -19,8 +19,7 @@ from rapc.compiler.program import Program
 from rapc.errors import Error
 from rapc.experiments.config import Config, code_of, world_options
 from rapc.experiments.measures import Measures, Tally, outcomes
-from rapc.library.library import link
-from rapc.parser.parse import parse
+from rapc.library.loader import load_sources
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, read_task_request
@@ -125,5 +124,4 @@ def _compiled(name: str, sources: tuple[tuple[str, str], ...], thread: int) -> P
     It compiles queries when they are first asked, so each thread has its own.
     """
     files = [SourceFile(file, text) for file, text in sources]
-    linked, _ = link([(file, parse(file)) for file in files])
-    return Program(linked, name)
+    return Program(load_sources(files).library, name)

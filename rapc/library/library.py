@@ -17,7 +17,7 @@ from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.tests import DefineTest
 from rapc.parser.names import CALLS, QUERIES, TRUTHS
-from rapc.parser.parse import Parsed
+from rapc.parser.unit import SourceUnit
 
 BUILTIN_NAMES = frozenset((*TRUTHS, *QUERIES, *CALLS))
 """What formulas and terms may begin with that no library can declare (semantics 2)."""
@@ -105,16 +105,14 @@ _SEQUENCES: Mapping[type, str] = {
 }
 
 
-def link(
-    parsed: Sequence[tuple[SourceFile, Parsed]],
-) -> tuple[Library, tuple[Diagnostic, ...]]:
+def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
     """Link parsed files into one library; of two definitions the first one stays.
 
     Returns the library and what is wrong with its names. What the parser found is
     not repeated.
     """
-    files = {source.name: source for source, _ in parsed}
-    forms = tuple(form for _, one in parsed for form in one.forms)
+    files = {unit.file.name: unit.file for unit in units}
+    forms = tuple(form for unit in units for form in unit.forms)
     tables: dict[str, dict[str, nodes.TopForm]] = {f: {} for f, _, _ in _KINDS.values()}
     sequences: dict[str, list[nodes.TopForm]] = {f: [] for f in _SEQUENCES.values()}
     taken: dict[tuple[str, ...], nodes.TopForm] = {}
@@ -132,7 +130,7 @@ def link(
                 found.append(_builtin(files, form))
     fields: dict[str, Any] = {**tables}
     fields.update((name, tuple(rows)) for name, rows in sequences.items())
-    tests = tuple(test for _, one in parsed for test in one.tests)
+    tests = tuple(test for unit in units for test in unit.tests)
     found.extend(_duplicate_tests(tests))
     return Library(**fields, files=files, forms=forms, tests=tests), tuple(found)
 

@@ -8,7 +8,7 @@ there as well.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 
@@ -32,7 +32,8 @@ from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.library import library
 from rapc.library.library import Library
-from rapc.parser.parse import Comment, Parsed, parse
+from rapc.parser.parse import parse
+from rapc.parser.unit import SourceUnit
 
 _LONG = 60
 """How much of a required name is repeated in messages."""
@@ -58,22 +59,24 @@ RULES = (UNRESOLVED,)
 
 
 class Loaded(msgspec.Struct, frozen=True):
-    """What came of reading: the library, what was found so far, and the comments.
+    """A library that was read and linked, not yet checked."""
 
-    `diagnostics` holds what the reader, the forms, `require` and linking found;
-    `comments` the comments of each file, by the file's name; `partial` the places of
-    forms from which something had to be left out.
-    """
-
+    #: The definitions of all files.
     library: Library
+    #: The files, each after those that it requires.
+    units: tuple[SourceUnit, ...]
+    #: What the reader, the forms, `require` and linking found.
     diagnostics: tuple[Diagnostic, ...]
-    comments: Mapping[str, tuple[Comment, ...]]
-    partial: tuple[Span, ...]
 
     @property
     def files(self) -> Mapping[str, SourceFile]:
         """Every file read, by the name that spans carry, first read first."""
         return self.library.files
+
+    @property
+    def partial(self) -> tuple[Span, ...]:
+        """The places of forms from which something had to be left out."""
+        return tuple([span for unit in self.units for span in unit.partial])
 
 
 @gc_paused()
@@ -89,8 +92,9 @@ def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
         LoadError: for a path that is missing, unreadable, not UTF-8 or not text, and
             for folders that lead back into themselves.
     """
-    reading = _Reading(tests)
-    for path in dict.fromkeys(map(str, paths)):
+    names = list(dict.fromkeys(map(str, paths)))
+    reading = _Reading(tests, given=[Path(name) for name in names if name != "-"])
+    for path in names:
         if path == "-":
             reading.add(SourceFile("<stdin>", read_standard_input()))
         else:
@@ -139,6 +143,15 @@ def load_text(text: str, name: str = "<text>") -> Loaded:
     return reading.finish()
 
 
+@gc_paused()
+def load_sources(sources: Iterable[SourceFile]) -> Loaded:
+    """Link texts that are a whole library: what they require is not looked for."""
+    reading = _Reading(tests=False, follow=False)
+    for source in sources:
+        reading.add(source)
+    return reading.finish()
+
+
 def standard_libraries() -> tuple[str, ...]:
     """The names of the standard libraries that are installed, sorted."""
     folder = _stdlib()
@@ -150,21 +163,33 @@ def standard_libraries() -> tuple[str, ...]:
 class _Opened(msgspec.Struct, frozen=True):
     """A file that was parsed while the files that it requires are being read."""
 
-    source: SourceFile
-    parsed: Parsed
+    unit: SourceUnit
     required: Iterator[Path]
 
 
 class _Reading:
     """The files of one load; those that a file requires come before it.
 
-    `of_tests` names what is read of that which tests require; all of it if None.
+    Args:
+        tests: whether test files in folders that are required are read as well.
+        of_tests: names what is read of that which tests require; all of it if None.
+        given: the paths that the user named, among which a copy of a standard library
+            may be.
+        follow: whether what files require is read at all.
     """
 
-    def __init__(self, tests: bool, of_tests: frozenset[str] | None = None) -> None:
+    def __init__(
+        self,
+        tests: bool,
+        of_tests: frozenset[str] | None = None,
+        given: Sequence[Path] = (),
+        follow: bool = True,
+    ) -> None:
         self.tests = tests
         self.of_tests = of_tests
-        self.parsed: list[tuple[SourceFile, Parsed]] = []
+        self.given = given
+        self.follow = follow
+        self.units: list[SourceUnit] = []
         self.missing: list[Diagnostic] = []
         self.seen: set[Identity] = set()
 
@@ -186,18 +211,15 @@ class _Reading:
         while opened:
             path = next(opened[-1].required, None)
             if path is None:
-                done = opened.pop()
-                self.parsed.append((done.source, done.parsed))
+                self.units.append(opened.pop().unit)
             elif self._is_new(path):
                 opened.append(self._open(SourceFile(str(path), read_text(path))))
 
     def finish(self) -> Loaded:
         """Link what was read."""
-        linked, names = library.link(self.parsed)
-        own = [d for _, parsed in self.parsed for d in parsed.diagnostics]
-        comments = {source.name: parsed.comments for source, parsed in self.parsed}
-        partial = tuple(span for _, parsed in self.parsed for span in parsed.partial)
-        return Loaded(linked, (*own, *self.missing, *names), comments, partial)
+        linked, names = library.link(self.units)
+        own = [found for unit in self.units for found in unit.diagnostics]
+        return Loaded(linked, tuple(self.units), (*own, *self.missing, *names))
 
     def _is_new(self, path: Path) -> bool:
         identity = identity_of(path)
@@ -206,22 +228,23 @@ class _Reading:
         return is_new
 
     def _open(self, source: SourceFile) -> _Opened:
-        parsed = parse(source)
-        return _Opened(source, parsed, self._required(parsed, Path(source.name)))
+        unit = parse(source)
+        required = self._required(unit, Path(source.name)) if self.follow else iter(())
+        return _Opened(unit, required)
 
-    def _required(self, parsed: Parsed, path: Path) -> Iterator[Path]:
-        for form in self._requires(parsed):
-            target = _resolve(form.name, path)
+    def _required(self, unit: SourceUnit, path: Path) -> Iterator[Path]:
+        for form in self._requires(unit):
+            target = _resolve(form.name, path, self.given)
             found = [] if target is None else list(files_at(target, self.tests))
             if not found:
                 self.missing.append(_unresolved(form, path))
             yield from found
 
-    def _requires(self, parsed: Parsed) -> Iterator[nodes.Require]:
-        for form in parsed.forms:
+    def _requires(self, unit: SourceUnit) -> Iterator[nodes.Require]:
+        for form in unit.forms:
             if isinstance(form, nodes.Require):
                 yield form
-        for test in parsed.tests:
+        for test in unit.tests:
             for form in test.requires:
                 if self.of_tests is None or form.name in self.of_tests:
                     yield form
@@ -234,11 +257,45 @@ def _stdlib() -> Path:
     return Path(str(resources.files("rapc"))) / "stdlib"
 
 
-def _resolve(name: str, requiring: Path) -> Path | None:
-    """The file or folder a `require` means; never the requiring file itself."""
-    return _in_folder(name, requiring.parent, requiring) or _in_folder(
-        name, _shown(_stdlib()), requiring
-    )
+def _resolve(name: str, requiring: Path, given: Sequence[Path]) -> Path | None:
+    """Return the file or folder a `require` means; never the requiring file itself.
+
+    A copy of a standard library among the paths `given`, or one that contains the
+    requiring file, stands for the installed one: else all its names were defined twice.
+    """
+    if os.path.isabs(name):
+        return None
+    beside = _in_folder(name, requiring.parent, requiring)
+    if beside is not None:
+        return beside
+    installed = _in_folder(name, _shown(_stdlib()), requiring)
+    if installed is None:
+        return None
+    return next(_copies(name, installed, requiring, given), installed)
+
+
+def _copies(
+    name: str, installed: Path, requiring: Path, given: Sequence[Path]
+) -> Iterator[Path]:
+    """Yield the copies of an installed library that a reader would take for it."""
+    for path in given:
+        real = path.resolve()
+        for folder in (path, path / name):
+            same = folder is not path or real.name == name
+            if same and _is_copy(folder, installed):
+                yield folder
+    for folder in requiring.resolve().parents:
+        if folder.name == name and _is_copy(folder, installed):
+            yield _shown(folder)
+
+
+def _is_copy(folder: Path, installed: Path) -> bool:
+    """Whether a folder has all the RAP files that an installed library has."""
+    try:
+        there, here = set(os.listdir(installed)), set(os.listdir(folder))
+    except OSError:  # no folder, or one that may not be read
+        return False
+    return {name for name in there if name.endswith(SUFFIX)} <= here
 
 
 def _in_folder(name: str, folder: Path, requiring: Path) -> Path | None:

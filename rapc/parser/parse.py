@@ -10,7 +10,6 @@ from typing import cast
 
 import msgspec
 
-from rapc.base.diagnostics import Diagnostic
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
 from rapc.base.values import Atom, Fact
@@ -24,10 +23,11 @@ from rapc.parser.forms.terms import goal, pattern
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
+from rapc.parser.unit import SourceUnit
 
 __all__ = (
     "Comment",
-    "Parsed",
+    "SourceUnit",
     "parse",
     "parse_fact",
     "parse_formula",
@@ -39,23 +39,7 @@ GOAL_OPTIONS = (":priority", ":deadline", ":at", ":background")
 """What may be said about a top-level task behind its goal."""
 
 
-class Parsed(msgspec.Struct, frozen=True):
-    """What became of a file.
-
-    `forms` holds all that could be made of it, in the order of the text. `partial`
-    holds the spans of those from which something had to be left out: what others
-    find missing in them is not the author's fault. `tests` are kept apart: they are
-    no part of the library.
-    """
-
-    forms: tuple[nodes.TopForm, ...]
-    diagnostics: tuple[Diagnostic, ...]
-    comments: tuple[Comment, ...]
-    partial: tuple[Span, ...] = ()
-    tests: tuple[DefineTest, ...] = ()
-
-
-def parse(source: SourceFile) -> Parsed:
+def parse(source: SourceFile) -> SourceUnit:
     """Read a file and make IR of it; never raises."""
     reading = read(source)
     forms: list[nodes.TopForm] = []
@@ -76,8 +60,14 @@ def parse(source: SourceFile) -> Parsed:
     if len(found) >= MAX_FINDINGS:
         note = f"this is the last of {MAX_FINDINGS}: further faults are not shown"
         found[-1] = msgspec.structs.replace(found[-1], notes=(note,))
-    return Parsed(
-        tuple(forms), tuple(found), reading.comments, tuple(partial), tuple(tests)
+    return SourceUnit(
+        file=source,
+        forms=tuple(forms),
+        tests=tuple(tests),
+        data=tuple([top.datum for top in reading.forms]),
+        comments=reading.comments,
+        diagnostics=tuple(found),
+        partial=tuple(partial),
     )
 
 

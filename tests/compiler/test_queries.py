@@ -256,7 +256,7 @@ def test_what_a_function_raises_says_which_clause_has_asked_it(text: str) -> Non
 
 def test_the_short_form_of_a_declaration_without_a_list_is_unknown() -> None:
     source = SourceFile("t.rap", "(declare-memory-property hot unknown)")
-    library, _ = link([(source, parse(source))])
+    library, _ = link([parse(source)])
     relation = Vocabulary.of(library).relations["hot"]
     assert relation.full((X,)) == (X,)
 

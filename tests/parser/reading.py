@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
-from rapc.parser.parse import Parsed, parse
+from rapc.parser.parse import parse
 from rapc.parser.reader import read
 from rapc.parser.syntax import Datum, List, Reading
+from rapc.parser.unit import SourceUnit
 
 FILE = "test.rap"
 
@@ -16,7 +17,7 @@ def reading(text: str) -> Reading:
     return read(SourceFile(FILE, text))
 
 
-def parsed(text: str) -> Parsed:
+def parsed(text: str) -> SourceUnit:
     """A text read to IR."""
     return parse(SourceFile(FILE, text))
 

@@ -15,7 +15,8 @@ import pytest
 
 from rapc.base.source import SourceFile
 from rapc.ir.dump import dump
-from rapc.parser.parse import Parsed, parse
+from rapc.parser.parse import parse
+from rapc.parser.unit import SourceUnit
 
 PROGRAMS = sorted((Path(__file__).parent / "forms").glob("*.rap"))
 EXPECTED = re.compile(r"; expect: (.*)$")
@@ -25,7 +26,7 @@ def _stem(path: Path) -> str:
     return path.stem
 
 
-def _parsed(path: Path) -> tuple[SourceFile, Parsed]:
+def _parsed(path: Path) -> tuple[SourceFile, SourceUnit]:
     source = SourceFile(path.name, path.read_text(encoding="utf-8"))
     return source, parse(source)
 

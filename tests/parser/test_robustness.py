@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rapc.parser import names
 from rapc.parser.lexicon import MAX_FINDINGS
-from rapc.parser.parse import Parsed
+from rapc.parser.unit import SourceUnit
 from tests.parser.reading import FILE, parsed, rules
 
 WORDS = [
@@ -40,7 +40,7 @@ FORMS = st.builds(
 )
 
 
-def _sane(text: str, made: Parsed) -> None:
+def _sane(text: str, made: SourceUnit) -> None:
     """Everything said lies in the text, and fixes can be carried out."""
     for found in made.diagnostics:
         spans = [found.span, *(label.span for label in found.labels)]

@@ -72,7 +72,7 @@ def read_library(text: str) -> Library:
     """
     source = SourceFile("lib.rap", text)
     parsed = parse(source)
-    library, found = link([(source, parsed)])
+    library, found = link([parsed])
     for diagnostic in (*parsed.diagnostics, *found):
         raise ValueError(diagnostic.message)
     return library

@@ -79,7 +79,7 @@ def compiled(text: str) -> Program:
     source = SourceFile("t.rap", DECLARATIONS + text)
     parsed = parse(source)
     assert not parsed.diagnostics, parsed.diagnostics
-    library, wrong = link([(source, parsed)])
+    library, wrong = link([parsed])
     assert not wrong, wrong
     return Program(library, "t")
 

@@ -35,7 +35,7 @@ def _watch(formula: nodes.Formula, names: tuple[str, ...]) -> RapPlan:
     parsed = parse(source)
     [node] = parsed.forms
     assert isinstance(node, nodes.DefineRap)
-    compiler = Compiler(link([(source, parsed)])[0])
+    compiler = Compiler(link([parsed])[0])
     compiler.vocabulary = VOCABULARY
     inputs = tuple([nodes.Var(name) for name in names])
     changed = msgspec.structs.replace(node, monitor_state=formula, inputs=inputs)

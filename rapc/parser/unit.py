@@ -1,0 +1,31 @@
+"""The one record of a file on its way from text to a library."""
+
+from __future__ import annotations
+
+import msgspec
+
+from rapc.base.diagnostics import Diagnostic
+from rapc.base.source import SourceFile, Span
+from rapc.ir import nodes
+from rapc.ir.tests import DefineTest
+from rapc.parser.syntax import Comment, Datum
+
+
+class SourceUnit(msgspec.Struct, frozen=True):
+    """A file with all that reading and parsing made of it."""
+
+    #: The name of the file and its text.
+    file: SourceFile
+    #: Every definition and declaration that could be made, in the order of the text.
+    forms: tuple[nodes.TopForm, ...] = ()
+    #: The tests of the file, kept apart: they are no part of a library.
+    tests: tuple[DefineTest, ...] = ()
+    #: What the reader made of the text: one datum for each top-level form.
+    data: tuple[Datum, ...] = ()
+    #: The comments, in the order of the text.
+    comments: tuple[Comment, ...] = ()
+    #: What is wrong with the text, in its order.
+    diagnostics: tuple[Diagnostic, ...] = ()
+    #: The places of forms from which something had to be left out: what is missing in
+    #: them is not the author's fault.
+    partial: tuple[Span, ...] = ()
