@@ -129,9 +129,9 @@ class Interpreter:
             FactError: if the declarations do not allow it.
         """
         machine = self._machine
-        machine.memory.assert_by_hand(fact, "user")
+        machine.access.assert_fact(*fact, by="user")
         if machine.recognizer.unsettled:
-            machine.access.settle()
+            machine.access.recognise()
 
     def check_fact(self, *fact: Atom) -> None:
         """Look at a fact without asserting it. Raises FactError as `assert_fact`."""
@@ -143,8 +143,8 @@ class Interpreter:
         Raises:
             FactError: if the prefix names nothing declared.
         """
-        self._machine.memory.erase_by_hand(prefix, "user")
-        self._machine.access.settle()
+        self._machine.access.erase(*prefix, by="user")
+        self._machine.access.recognise()
 
     def signal(self, *content: Atom) -> None:
         """Send a signal `(:name arg...)` now."""

@@ -55,7 +55,7 @@ class Loop:
                     return "until"
             if host_timers or unsettled:
                 machine.run_host_timers()
-                machine.access.settle()
+                machine.access.recognise()
             messages = receive()
             if messages:
                 take_in(machine, messages)

@@ -72,7 +72,8 @@ class Machine:
         self.recognizer = parts.recognizer
         self.context = QueryContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng)
-        self.monitors = Monitors(self.memory, self.context, self.recorder, self.agenda)
+        self.monitors = Monitors(self.context, self.recorder, self.agenda)
+        self.memory.observe(self.monitors)
         self.live_top: dict[int, TopLevelTask] = {}
         self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
         self.listening: dict[str, dict[int, Task]] = {}

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any, cast
 
+from rapc.base.values import Fact
 from rapc.compiler.query.query import Query
 from rapc.compiler.vocabulary import Relation, Vocabulary
 from rapc.ir import nodes
@@ -95,15 +96,21 @@ def _task() -> Task:
     return cast(Task, stand_in)
 
 
+def erase(both: Memories, prefix: Fact) -> None:
+    """Remove the facts that start with a prefix from the memory of a run."""
+    for fact in both.memory.facts.starting(prefix):
+        both.memory.remove(fact, "test")
+
+
 def apply(both: Memories, change: Change) -> None:
     """Make one change to both memories."""
     verb, what = change
     mind = both.mind
     if verb == "assert":
-        both.memory.assert_fact(both.memory.checked(what), "test")
+        both.memory.store(both.memory.checked(what), "test")
         mind.add(both.memory.checked(what))
     elif verb == "erase":
-        both.memory.erase(what, "test")
+        erase(both, what)
         mind.erase(what)
     elif verb == "wait":
         both.recorder.time += what

@@ -17,7 +17,7 @@ from rapc.runtime.monitors.listeners import Listeners
 from rapc.runtime.state.task import Task
 
 from .dice import Dice, dice, sizes
-from .memories import VOCABULARY, Change, Memories, apply, memories, query
+from .memories import VOCABULARY, Change, Memories, apply, erase, memories, query
 from .test_queries import formula
 
 _NOBODY = Program(load_text("(define-rap (nobody) (succeed nil))").library).known_rap(
@@ -39,13 +39,14 @@ class Ear:
         for key in {watch.resolve(env) for watch in found}:
             if key is not None:
                 self._listeners.add(key, task)
-        both.memory.changed = self._changed
-        both.memory.moved = self._moved
+        both.memory.observe(self)
 
-    def _changed(self, fact: Fact) -> None:
+    def fact_changed(self, fact: Fact, how: str) -> None:
+        """Hear of a fact."""
         self._listeners.of_fact(fact, self._heard)
 
-    def _moved(self, word: str) -> None:
+    def other_changed(self, word: str) -> None:
+        """Hear of another change."""
         self._listeners.of_word(word, self._heard)
 
     @property
@@ -103,9 +104,9 @@ def test_a_fact_is_heard_by_who_asks_about_it(
     both = memories([])
     for fact, expected in ((heard, True), (unheard, False)):
         ear = Ear(both, formula(text), {"?in": 5})
-        both.memory.assert_fact(both.memory.checked(fact), "test")
+        both.memory.store(both.memory.checked(fact), "test")
         assert ear.heard is expected
-        both.memory.erase(fact, "test")
+        erase(both, fact)
         assert ear.heard is expected
 
 

@@ -17,7 +17,7 @@ from rapc.library.library import link
 from rapc.parser.parse import parse
 from rapc.runtime.memory.store import FactStore, Table
 
-from .memories import Faults, Memories, apply, memories, query
+from .memories import Faults, Memories, apply, erase, memories, query
 
 X = nodes.Var("?x")
 
@@ -77,29 +77,29 @@ def test_what_an_or_offers_comes_branch_by_branch() -> None:
 
 def test_erasing_takes_every_fact_that_starts_so() -> None:
     both = told(("s", "a", 1, 1), ("s", "a", 1, 2), ("s", "a", 2, 1), ("s", "b", 1, 1))
-    both.memory.erase(("s", "a", 1), "test")
+    erase(both, ("s", "a", 1))
     assert ask(both, "(s ?x ?y ?)") == [{"?x": "a", "?y": 2}, {"?x": "b", "?y": 1}]
-    both.memory.erase(("s",), "test")
+    erase(both, ("s",))
     assert ask(both, "(s ? ? ?)") == []
 
 
 def test_a_property_erased_has_its_default_again() -> None:
     both = told(("color", "a", "red"))
     assert ask(both, "(color a ?x)") == [{"?x": "red"}]
-    both.memory.erase(("color", "a"), "test")
+    erase(both, ("color", "a"))
     assert ask(both, "(color a ?x)") == [{"?x": "unknown"}]
 
 
 def test_erasing_in_the_short_form_is_erasing_a_prefix() -> None:
     both = told(("heavy", "a", "true"), ("heavy", "b", "false"))
-    both.memory.erase(("heavy", "b"), "test")
+    erase(both, ("heavy", "b"))
     assert ask(both, "(heavy ?x ?)") == [{"?x": "a"}]
 
 
 def test_asserting_again_refreshes_the_stamp() -> None:
     both = told(("p", "a"), ("p", "b"))
     assert ask(both, "(believe (p a) 2)") == []
-    both.memory.assert_fact(("p", "a"), "test")
+    both.memory.store(("p", "a"), "test")
     assert ask(both, "(believe (p a) 2)") == [{}]
     assert ask(both, "(believe (p a) ?x)") == [{"?x": 0}]
 
@@ -324,9 +324,9 @@ class WatchedFacts(dict[Fact, Any]):
 def test_a_bound_argument_keeps_a_query_from_scanning(text: str, most: int) -> None:
     both = memories([])
     for at in range(1000):
-        both.memory.assert_fact(("q", f"i{at}", at % 100), "test")
-        both.memory.assert_fact(("s", f"i{at}", at % 100, at % 2), "test")
-        both.memory.assert_fact(("color", f"i{at}", f"c{at % 100}"), "test")
+        both.memory.store(("q", f"i{at}", at % 100), "test")
+        both.memory.store(("s", f"i{at}", at % 100, at % 2), "test")
+        both.memory.store(("color", f"i{at}", f"c{at % 100}"), "test")
     watched = Watched(both.context.facts)
     both.context.facts = watched  # type: ignore[assignment]
     assert list(query(formula(text)).solutions(both.context, {})) or "not" in text
@@ -339,6 +339,6 @@ def test_many_variables_that_may_be_bound_do_not_multiply() -> None:
     either = " ".join(f"(or (p {name}) true)" for name in names)
     total = f"(= (+ {' '.join(names)}) 40)"
     both = memories([])
-    both.memory.assert_fact(("p", 1), "test")
+    both.memory.store(("p", 1), "test")
     asked = query(formula(f"(and {either} {total})"))
     assert asked.first(both.context, {}) == dict.fromkeys(names, 1)

@@ -159,7 +159,7 @@ class MemoryBench:
 
     def count(self, kind: str, place: Atom) -> int:
         """The size of the expectation set of an indistinct class at a place."""
-        return self._memory.set_size(kind, place) or 0
+        return self._memory.expected_at(kind, place) or 0
 
     def sets(self) -> tuple[SetView, ...]:
         """All expectation sets, by class and place as text."""

@@ -61,13 +61,13 @@ def test_the_store_says_what_a_list_says(data: st.DataObject) -> None:
         if fact in plain.stamps and data.draw(st.booleans()):
             store.remove(fact)
             del plain.stamps[fact]
-            mentions.went(fact)
+            mentions.removed(fact)
         else:
             replaced = store.add(fact, time)
             assert replaced == plain.add(fact, time)
             if replaced is not None:
-                mentions.went(replaced)
-            mentions.came(fact)
+                mentions.removed(replaced)
+            mentions.added(fact)
         asked = data.draw(facts())
         agree(store, plain, asked, data.draw(st.integers(1, 4)))
         agree(store, plain, fact, data.draw(st.integers(1, 4)))

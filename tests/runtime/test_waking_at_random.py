@@ -48,7 +48,8 @@ class Sleepers:
     def __init__(self, thrown: Dice, both: Memories, leaves: int) -> None:
         self.both = both
         self.agenda = Agenda(random.Random(0))
-        self.monitors = Monitors(both.memory, both.context, both.recorder, self.agenda)
+        self.monitors = Monitors(both.context, both.recorder, self.agenda)
+        both.memory.observe(self.monitors)
         self.tasks: list[Task] = []
         for number in range(1, TASKS + 1):
             formula, env = thrown.formula(leaves), thrown.env()

@@ -6,14 +6,15 @@ from collections.abc import Mapping
 
 import msgspec
 
+from rapc.base.values import Atom
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.library.library import Library
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.exclusions import Exclusions
 from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS, Recognizer
 from rapc.runtime.memory.recognition.scoring import Comparator, Scores
+from rapc.runtime.memory.recognition.sets import ExpectationSet
 
 
 class Assembled(msgspec.Struct, frozen=True):
@@ -35,11 +36,12 @@ def assemble(
 
     `comparators` holds every comparator in Python that the library names.
     """
-    memory = Memory(vocabulary, recorder)
-    exclusions = Exclusions(library.properties.values(), vocabulary, memory.facts)
-    if exclusions:
-        memory.excluded = exclusions.of
     classes = library.indistinct
+    sets: dict[tuple[str, Atom], ExpectationSet] = {}
+    declared = library.properties.values()
+    memory = Memory(vocabulary, recorder, declared, classes, sets)
     scores = Scores(classes.values(), library.comparators, comparators)
-    recognizer = Recognizer(memory, recorder, tuple(classes), scores, max_layers)
+    recognizer = Recognizer(memory, recorder, tuple(classes), scores, max_layers, sets)
+    if classes:
+        memory.observe(recognizer)
     return Assembled(memory, recognizer, Gate(memory, recorder, recognizer))

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from rapc.base.values import Atom, format_atom
+from rapc.base.values import Atom, Fact, format_atom, format_list
 from rapc.errors import FactError
 from rapc.runtime.events.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.checking import check_prefix
 from rapc.runtime.memory.items import Item
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.recognition.recognizer import Recognizer
 from rapc.runtime.memory.recognition.sets import UNKNOWN, Description
 from rapc.runtime.memory.view import MemoryView
+
+_BY_HANDLERS = ("class", "location")
+"""What an introduced item has from `introduce`, `move` and `lose`."""
 
 
 class Batch:
@@ -58,27 +62,70 @@ class Gate(MemoryView):
 
     def end_batch(self) -> None:
         """The outermost batch has ended."""
-        self.settle()
+        self.recognise()
         while self._counted:
             place = next(iter(self._counted))
             del self._counted[place]
             place = self._memory.items.canonical(place)
             self._lose_others(place)
             self._recognizer.fix(place)
-            self.settle()
+            self.recognise()
 
-    def settle(self) -> None:
+    def recognise(self) -> None:
         """Recognise what can be recognised, if any description has changed."""
         if self._recognizer.unsettled:
             self._recognizer.settle()
 
-    def assert_fact(self, *fact: Atom) -> None:
-        """Assert a fact now. Raises FactError for what may not be asserted."""
-        self._memory.assert_by_hand(fact, "handler")
+    def assert_fact(self, *fact: Atom, by: str = "handler") -> None:
+        """Assert a fact now, on behalf of a handler or of whoever `by` names.
 
-    def erase(self, *prefix: Atom) -> None:
-        """Erase every fact that starts so. Raises FactError as `assert_fact`."""
-        self._memory.erase_by_hand(prefix, "handler")
+        Raises:
+            FactError: if the declarations do not allow it, or for an item's place
+                and introducing class.
+        """
+        memory = self._memory
+        fact = memory.checked(fact)
+        if fact[0] in _BY_HANDLERS:
+            self.check_owner(fact)
+        memory.store(fact, by)
+
+    def erase(self, *prefix: Atom, by: str = "handler") -> None:
+        """Erase every fact that starts with `prefix`.
+
+        Raises:
+            FactError: if the prefix names nothing declared, or as `assert_fact`.
+        """
+        memory = self._memory
+        if prefix and prefix[0] in _BY_HANDLERS:
+            self.check_owner(memory.canonical(prefix))
+        check_prefix(prefix, memory.vocabulary.relations)
+        if memory.items.aliases:
+            prefix = memory.canonical(prefix)
+        for fact in memory.facts.starting(prefix):
+            memory.remove(fact, by)
+
+    def check_owner(self, fact: Fact) -> None:
+        """Refuse a fact, or a prefix of one, that only this gate itself may set.
+
+        Raises:
+            FactError: for the place or the introducing class of an introduced item,
+                which `introduce`, `move` and `lose` set.
+        """
+        known = self._memory.items.known
+        if not known:
+            return
+        if len(fact) == 1:
+            facts = self._memory.facts.starting(fact)
+            items = [known.get(str(found[1])) for found in facts]
+        else:
+            items = [known.get(str(fact[1]))]
+        for item in items:
+            other = fact[0] == "class" and len(fact) > 2 and item is not None
+            if item is not None and not (other and fact[2] != item.kind):
+                raise FactError(
+                    f"{format_list(fact)}: an introduced item's location and class "
+                    "are set by `introduce`, `move` and `lose`"
+                )
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
         """An item is seen: see `HandlerMemory.introduce`."""
@@ -91,7 +138,7 @@ class Gate(MemoryView):
         self._set("class", item.name, item.kind, "true")
         self._set("location", item.name, place)
         if news:
-            memory.moved("know-sensor-name")
+            memory.tell("know-sensor-name")
             self._tell(ItemIntroduced, item, place)
         elif before != place:
             self._tell(ItemMoved, item, place)
@@ -118,7 +165,7 @@ class Gate(MemoryView):
             self._recognizer.lose(known)
             return
         self._memory.items.put_out_of_reach(known)
-        self._memory.moved("know-sensor-name")
+        self._memory.tell("know-sensor-name")
         self._set("location", known.name, UNKNOWN)
         self._tell(ItemLost, known, UNKNOWN)
 
@@ -142,7 +189,7 @@ class Gate(MemoryView):
         reached = bool(self._memory.items.accessible())
         self._recognizer.expire()
         if reached:
-            self._memory.moved("know-sensor-name")
+            self._memory.tell("know-sensor-name")
 
     def arrive(self, place: Atom) -> None:
         """The robot now is at `place`, of which `external` speaks from now on."""
@@ -160,7 +207,7 @@ class Gate(MemoryView):
         return self._memory.items.canonical(place)
 
     def _set(self, *fact: Atom) -> None:
-        self._memory.assert_fact(self._memory.checked(fact), "handler")
+        self._memory.store(self._memory.checked(fact), "handler")
 
     def _tell(self, kind: type[ItemEvent], item: Item, place: Atom) -> None:
         if self._recorder.on:

@@ -1,42 +1,64 @@
-"""The RAP memory: what may be asserted and erased, by whom, and who is told.
+"""The RAP memory: what the robot believes, and who is told when that changes.
 
-Memory checks a fact against the declarations, stores it with its time (T 2.2, A.3),
-keeps notations as long as their methods (T 4.9), and knows where the robot is, so
-that `external` can be computed (semantics 7). Queries are in `rapc.compiler`.
+Inside the house memory has two verbs, `store` and `remove`. Whether a fact may be
+stored is asked before: by `rapc.runtime.memory.gate` for handlers and hosts, by
+`Memory.checked` for notations. Facts carry the time of their assertion [T 2.2, A.3].
+
+Not here: queries (`rapc.compiler.query`), which facts exclude each other
+(`exclusions`), who may change what (`gate`), what items are (`items`, `recognition`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import Any, Final, Protocol
 
-from rapc.base.values import Atom, Fact, format_list
+from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Vocabulary
-from rapc.errors import FactError
+from rapc.ir import nodes
 from rapc.runtime.events.events import FactAsserted, FactErased
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.checking import check_prefix, full_form
+from rapc.runtime.memory.checking import full_form
+from rapc.runtime.memory.exclusions import Exclusions
 from rapc.runtime.memory.items import Items
 from rapc.runtime.memory.mentions import Mentions
+from rapc.runtime.memory.notations import Notation, Notations
 from rapc.runtime.memory.store import FactStore
 from rapc.world import Time
-
-_BY_HANDLERS = ("class", "location")
-"""What an introduced item has from `introduce`, `move` and `lose`."""
 
 EXTERNAL = "external"
 """The place outside the robot, wherever it is."""
 
+STORED: Final = "stored"
+"""A fact was asserted, refreshed, or got another stamp."""
 
-class Notation:
-    """How many methods note a fact that nobody else has asserted."""
+REPLACED: Final = "replaced"
+"""A property's fact went because another value of it is being stored."""
 
-    __slots__ = ("count", "fact", "same")
+REMOVED: Final = "removed"
+"""A fact went."""
 
-    def __init__(self, fact: Fact) -> None:
-        self.fact = fact
-        self.count = 0
-        self.same: Notation | None = None
+
+class Observer(Protocol):
+    """Whoever is told of each change of memory. An observer changes no fact itself."""
+
+    def fact_changed(self, fact: Fact, how: str) -> None:
+        """Take note that `fact` was STORED, REPLACED or REMOVED."""
+
+    def other_changed(self, word: str) -> None:
+        """Take note of a change that queries see and that is no fact's.
+
+        `word` is `external`, `know-sensor-name`, or `location` for the size of an
+        expectation set.
+        """
+
+
+class Sized(Protocol):
+    """An expectation set, as far as memory knows of it."""
+
+    @property
+    def size(self) -> int:
+        """How many items are expected."""
 
 
 class Memory:
@@ -44,36 +66,93 @@ class Memory:
 
     Args:
         vocabulary: the declarations; nothing undeclared gets in.
-        recorder: is told of each change; new facts are stamped with its time.
-
-    `changed` is called with every fact that came, was refreshed or went; `moved` with
-    a word when something else that queries see has changed: `external`,
-    `know-sensor-name` or `location` (for the size of a set). Where items of indistinct
-    classes may come, `described` is called with every fact that came or was refreshed
-    (True) or went (False), but with none whose value another one replaces, and
-    `mentions` finds the facts that speak of such items. `excluded` returns the
-    facts in memory that one cannot stand beside. `set_size` is the size of the
-    expectation set of a class and a place, None for a distinct class.
+        recorder: is told of each change; its time is the stamp of new facts.
+        properties: the declared properties, for what they exclude.
+        indistinct: the classes whose items are recognised by comparison.
+        expected: the expectation sets by class and place, kept up by the recogniser.
     """
 
-    def __init__(self, vocabulary: Vocabulary, recorder: Recorder) -> None:
+    def __init__(
+        self,
+        vocabulary: Vocabulary,
+        recorder: Recorder,
+        properties: Iterable[nodes.DeclareProperty] = (),
+        indistinct: Collection[str] = (),
+        expected: Mapping[tuple[str, Atom], Sized] | None = None,
+    ) -> None:
         self.vocabulary = vocabulary
         self.facts = FactStore(vocabulary.relations.get)
         self.items = Items()
+        self.notations = Notations()
+        #: Where the robot is: the place last given to `arrive`.
         self.place: Atom | None = None
-        self.changed: Callable[[Fact], None] = lambda fact: None
-        self.moved: Callable[[str], None] = lambda word: None
-        self.described: Callable[[Fact, bool], None] | None = None
-        self.mentions: Mentions | None = None
-        self.excluded: Callable[[Fact], Sequence[Fact]] | None = None
-        self.set_size: Callable[[object, object], int | None] = lambda kind, at: None
+        exclusions = Exclusions(properties, vocabulary, self.facts)
+        #: Which facts cannot stand beside which; None if nothing excludes anything.
+        self.exclusions: Exclusions | None = exclusions if exclusions else None
+        #: The facts that speak of items of indistinct classes; None without such.
+        self.mentions: Mentions | None = Mentions() if indistinct else None
+        self._indistinct = frozenset(indistinct)
+        self._expected: Mapping[tuple[str, Atom], Sized] = (
+            {} if expected is None else expected
+        )
         self._recorder = recorder
-        self._notations: dict[Fact, Notation] = {}
+        self._observers: tuple[Observer, ...] = ()
 
-    # --- changes -------------------------------------------------------------
+    def observe(self, *observers: Observer) -> None:
+        """Tell these observers, too, of each change from now on, in this order."""
+        self._observers = (*self._observers, *observers)
+
+    # --- the two verbs -----------------------------------------------------------
+
+    def store(self, fact: Fact, by: str, stamp: Time | None = None) -> None:
+        """Store a full, checked fact, or give the one that is there a new stamp.
+
+        A property's old value goes. Without a `stamp` the fact is asserted now: facts
+        that it excludes go, and it is no notation any more. With one it is stored as
+        it was asserted at another time, or never (`NEVER`). `by` is for the trace.
+        """
+        recorder = self._recorder
+        noted = self.notations.by_fact
+        if stamp is None:
+            stamp = recorder.time
+            if noted:
+                noted.pop(fact, None)
+            if self.exclusions is not None:
+                for other in self.exclusions.of(fact):
+                    self.remove(other, "memory")
+        replaced = self.facts.add(fact, stamp)
+        if replaced is not None:
+            if noted:
+                noted.pop(replaced, None)
+            if recorder.on:
+                recorder.emit(FactErased, fact=replaced, by=by)
+            for observer in self._observers:
+                observer.fact_changed(replaced, REPLACED)
+        if recorder.on:
+            recorder.emit(FactAsserted, fact=fact, by=by)
+        for observer in self._observers:
+            observer.fact_changed(fact, STORED)
+
+    def remove(self, fact: Fact, by: str) -> None:
+        """Remove a fact that is there. `by` is for the trace."""
+        noted = self.notations.by_fact
+        if noted:
+            noted.pop(fact, None)
+        self.facts.remove(fact)
+        if self._recorder.on:
+            self._recorder.emit(FactErased, fact=fact, by=by)
+        for observer in self._observers:
+            observer.fact_changed(fact, REMOVED)
+
+    def tell(self, word: str) -> None:
+        """Tell the observers of a change that is no fact's: see `Observer`."""
+        for observer in self._observers:
+            observer.other_changed(word)
+
+    # --- facts as they are kept --------------------------------------------------
 
     def checked(self, fact: Fact) -> Fact:
-        """A fact in its full form, after looking at name, number and kinds.
+        """Return `fact` in the form in which it is kept, under the names of today.
 
         Raises:
             FactError: if the declarations do not allow it.
@@ -82,7 +161,7 @@ class Memory:
         return self.canonical(fact) if self.items.aliases else fact
 
     def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:
-        """A fact, prefix or pattern with the names that stand for others now."""
+        """Return a fact, prefix or pattern with the names that stand for others now."""
         aliases = self.items.aliases
         if not aliases:
             return fact
@@ -92,162 +171,47 @@ class Memory:
                 return (fact[0], *[name_of(part) for part in fact[1:]])
         return fact
 
-    def refuse_by_hand(self, fact: Fact) -> None:
-        """Only introduce, move and lose set an item's place and introducing class.
-
-        Raises:
-            FactError: for such a fact, or a prefix of one.
-        """
-        if not fact or fact[0] not in _BY_HANDLERS or not self.items.known:
-            return
-        known = self.items.known
-        if len(fact) == 1:
-            items = [known.get(str(f[1])) for f in self.facts.starting(fact)]
-        else:
-            items = [known.get(str(fact[1]))]
-        for item in items:
-            other = fact[0] == "class" and len(fact) > 2 and item is not None
-            if item is not None and not (other and fact[2] != item.kind):
-                raise FactError(
-                    f"{format_list(fact)}: an introduced item's location and class "
-                    "are set by `introduce`, `move` and `lose`"
-                )
-
-    def assert_by_hand(self, fact: Fact, by: str) -> None:
-        """Assert a fact that a host or a handler has made: checked, then asserted.
-
-        Raises:
-            FactError: as `checked`, and as `refuse_by_hand`.
-        """
-        fact = self.checked(fact)
-        if fact[0] in _BY_HANDLERS:
-            self.refuse_by_hand(fact)
-        if self._notations:
-            self._notations.pop(fact, None)
-        self._store(fact, by)
-
-    def erase_by_hand(self, prefix: Fact, by: str) -> None:
-        """Erase every fact that starts so, on behalf of a host or a handler.
-
-        Raises:
-            FactError: as `erase`, and as `refuse_by_hand`.
-        """
-        if prefix and prefix[0] in _BY_HANDLERS:
-            self.refuse_by_hand(self.canonical(prefix))
-        self.erase(prefix, by)
-
-    def assert_fact(self, fact: Fact, by: str) -> None:
-        """Assert a full, checked fact now; a property's old value is erased."""
-        if self._notations:
-            self._notations.pop(fact, None)
-        self._store(fact, by)
-
-    def put(self, fact: Fact, stamp: Time) -> None:
-        """Store a fact as it was asserted at another time, or never (`NEVER`)."""
-        self._store(fact, "memory", stamp)
-
-    def take(self, fact: Fact) -> None:
-        """Remove a fact that is there: a merge, or an item that is forgotten."""
-        self._remove(fact, "memory")
-
-    def _store(self, fact: Fact, by: str, stamp: Time | None = None) -> None:
-        recorder = self._recorder
-        if self.excluded is not None and stamp is None:
-            for other in self.excluded(fact):
-                self._remove(other, "memory")
-        replaced = self.facts.add(fact, recorder.time if stamp is None else stamp)
-        if replaced is not None:
-            if self._notations:
-                self._notations.pop(replaced, None)
-            if self.mentions is not None:
-                self.mentions.went(replaced)
-            if recorder.on:
-                recorder.emit(FactErased, fact=replaced, by=by)
-            self.changed(replaced)
-        if recorder.on:
-            recorder.emit(FactAsserted, fact=fact, by=by)
-        self.changed(fact)
-        if self.mentions is not None:
-            self.mentions.came(fact)
-        if self.described is not None:
-            self.described(fact, True)
-
-    def erase(self, prefix: Fact, by: str) -> None:
-        """Erase every fact that starts so.
-
-        Raises:
-            FactError: if the prefix names nothing declared.
-        """
-        check_prefix(prefix, self.vocabulary.relations)
-        if self.items.aliases:
-            prefix = self.canonical(prefix)
-        for fact in self.facts.starting(prefix):
-            self._remove(fact, by)
-
-    def _remove(self, fact: Fact, by: str) -> None:
-        if self._notations:
-            self._notations.pop(fact, None)
-        self.facts.remove(fact)
-        if self._recorder.on:
-            self._recorder.emit(FactErased, fact=fact, by=by)
-        self.changed(fact)
-        if self.mentions is not None:
-            self.mentions.went(fact)
-        if self.described is not None:
-            self.described(fact, False)
-
-    # --- notations -------------------------------------------------------------
+    # --- notations ---------------------------------------------------------------
 
     def note(self, fact: Fact) -> Notation | None:
-        """Assert a checked fact for as long as a method lives.
+        """Store a checked fact for as long as a method lives.
 
-        Returns what `forget` wants back, or None where the fact was there anyway:
-        then only its stamp is new and nothing is to be taken away.
+        Returns:
+            What `release_notation` wants back; None if the fact was asserted before:
+            then only its stamp is new, and nothing is to be taken away.
         """
-        notation = self._notations.get(fact)
+        notation = self.notations.by_fact.get(fact)
         if notation is None and fact in self.facts:
-            self._store(fact, "notation")
+            self.store(fact, "notation")
             return None
-        if notation is None:
-            notation = Notation(fact)
-        self._store(fact, "notation")
-        self._notations[fact] = notation
-        notation.count += 1
-        return notation
+        self.store(fact, "notation")
+        return self.notations.hold(fact, notation)
 
-    def forget(self, notation: Notation) -> None:
-        """A method that noted a fact has ended; the last one takes the fact along."""
-        while notation.same is not None:
-            notation = notation.same
-        if self._notations.get(notation.fact) is not notation:
-            return
-        notation.count -= 1
-        if notation.count == 0:
-            self._remove(notation.fact, "notation")
+    def release_notation(self, notation: Notation) -> None:
+        """Release a notation; remove its fact if no other method notes it."""
+        fact = self.notations.release(notation)
+        if fact is not None:
+            self.remove(fact, "notation")
 
     def rename(self, fact: Fact, renamed: Fact, stamp: Time) -> None:
-        """A fact gets other names and keeps its stamp and whoever notes it."""
-        notation = self._notations.get(fact)
+        """Replace `fact` by `renamed`, which speaks of the same items by new names.
+
+        `renamed` gets the `stamp`, and stays for the methods that noted `fact`.
+        """
+        by_fact = self.notations.by_fact
+        notation, noted = by_fact.get(fact), by_fact.get(renamed)
         was_there = renamed in self.facts
-        noted = self._notations.get(renamed)
-        self.take(fact)
-        self.put(renamed, stamp)
-        if notation is None:
-            self._notations.pop(renamed, None)
-        elif noted is not None:
-            notation.same = noted
-            noted.count += notation.count
-        elif not was_there:
-            notation.fact = renamed
-            self._notations[renamed] = notation
+        self.remove(fact, "memory")
+        self.store(renamed, "memory", stamp)
+        self.notations.rename(notation, renamed, noted, was_there)
 
     # --- where things are --------------------------------------------------------
 
     def arrive(self, place: Atom) -> None:
-        """The robot is at a place, of which `external` speaks from now on."""
+        """Set the robot's place, of which `external` speaks from now on."""
         if self.place != place:
             self.place = place
-            self.moved(EXTERNAL)
+            self.tell(EXTERNAL)
 
     def is_here(self, fact: Fact | None) -> bool:
         """Whether a location fact says that an item is where the robot is."""
@@ -255,8 +219,22 @@ class Memory:
             return False
         return fact[1] in self.items.known
 
+    def expected_at(self, kind: str, place: Atom) -> int | None:
+        """Return the size of the expectation set of a class at a place.
+
+        Returns:
+            None for a class whose items are not recognised by comparison.
+        """
+        if kind not in self._indistinct:
+            return None
+        found = self._expected.get((kind, place))
+        return 0 if found is None else found.size
+
     def facts_at(self, place: object) -> Iterator[Fact]:
-        """Location facts of a place, `external` computed, oldest assertion first."""
+        """Iterate over the location facts of a place, oldest assertion first.
+
+        `external` means the robot's place too, for items that handlers introduced.
+        """
         located = self.facts.table("location")
         index = located.index(2)
         there = index.get(place, {})  # type: ignore[call-overload]

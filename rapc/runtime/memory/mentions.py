@@ -23,8 +23,8 @@ class Mentions:
     def __init__(self) -> None:
         self._facts: dict[str, dict[Fact, None]] = {}
 
-    def came(self, fact: Fact) -> None:
-        """A fact was asserted, perhaps again."""
+    def added(self, fact: Fact) -> None:
+        """Enter a fact that was asserted, perhaps again: now it is the youngest."""
         for part in fact[1:]:
             if type(part) is str and part[:5] == PREFIX:
                 known = self._facts.get(part)
@@ -34,8 +34,8 @@ class Mentions:
                     known.pop(fact, None)
                     known[fact] = None
 
-    def went(self, fact: Fact) -> None:
-        """A fact is no longer there."""
+    def removed(self, fact: Fact) -> None:
+        """Strike a fact out that is no longer there."""
         for part in fact[1:]:
             if type(part) is str and part[:5] == PREFIX:
                 known = self._facts.get(part)
@@ -45,5 +45,5 @@ class Mentions:
                         del self._facts[part]
 
     def of(self, name: str) -> list[Fact]:
-        """The facts that mention an item, oldest first, each once."""
+        """Return the facts that mention an item, oldest first, each once."""
         return list(self._facts.get(name, ()))

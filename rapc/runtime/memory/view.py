@@ -45,7 +45,7 @@ class MemoryView:
         """
         memory = self._memory
         here = memory.place if place == EXTERNAL else None
-        size = memory.set_size(
+        size = memory.expected_at(
             kind, memory.items.canonical(place if here is None else here)
         )
         if size is not None:

@@ -16,7 +16,6 @@ from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.events import DeadlineMissed, TaskBlocked, TaskWoken
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.memory import Memory
 from rapc.runtime.monitors.listeners import Listeners
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.agenda import Agenda
@@ -41,7 +40,6 @@ class Monitors:
 
     def __init__(
         self,
-        memory: Memory,
         context: QueryContext,
         recorder: Recorder,
         agenda: Agenda,
@@ -60,15 +58,15 @@ class Monitors:
         self._deadlines: list[tuple[float, int, Task]] = []
         self._stated: set[tuple[float, int]] = set()
         self._missed: dict[int, list[float]] = {}
-        memory.changed = self._fact_changed
-        memory.moved = self._word_changed
 
     # --- listening -------------------------------------------------------------
 
-    def _fact_changed(self, fact: Fact) -> None:
+    def fact_changed(self, fact: Fact, how: str) -> None:
+        """Mark the tasks that listen to a fact of memory to be tested."""
         self._listeners.of_fact(fact, self.to_test)
 
-    def _word_changed(self, word: str) -> None:
+    def other_changed(self, word: str) -> None:
+        """Mark the tasks that listen to a change that is no fact's to be tested."""
         self._listeners.of_word(word, self.to_test)
 
     def resource_changed(self, resource: Resource) -> None:

@@ -17,7 +17,7 @@ from rapc.compiler.net_plan import StepPlan, WindowPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_term
-from rapc.runtime.memory.memory import Notation
+from rapc.runtime.memory.notations import Notation
 from rapc.runtime.state.states import ENDED, WAITING
 from rapc.world import OKAY, Time
 

@@ -277,7 +277,7 @@ def end_method(
                 remove(machine, step, cause)
     run.steps = ()
     for notation in run.notations:
-        machine.memory.forget(notation)
+        machine.memory.release_notation(notation)
     if recorder.on:
         recorder.emit(
             MethodEnded, task=task.number, method=run.plan.name, result=result
@@ -351,7 +351,7 @@ def _drop(machine: Machine, run: MethodRun) -> None:
     if run.ticket is not None and run.ticket in machine.pending:
         machine.pending[run.ticket] = (None, machine.pending[run.ticket][1])
     for notation in run.notations:
-        machine.memory.forget(notation)
+        machine.memory.release_notation(notation)
 
 
 def _leave(machine: Machine, task: Task) -> None:

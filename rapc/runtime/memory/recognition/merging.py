@@ -35,12 +35,12 @@ def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> N
             memory.rename(fact, renamed, newer)
         elif _wins(memory, (lost, fact), (kept, rival), first, own):
             stamp = _stamp_of(memory, fact)
-            memory.take(rival)
+            memory.remove(rival, "memory")
             memory.rename(fact, renamed, stamp)
             sources[renamed] = lost
         else:
-            memory.take(fact)
-    if memory.excluded is not None:
+            memory.remove(fact, "memory")
+    if memory.exclusions is not None:
         _keep_newer(memory, sources, first, own)
 
 
@@ -68,16 +68,16 @@ def _wins(
 
 def _keep_newer(memory: Memory, sources: dict[Fact, str], first: str, own: str) -> None:
     """Of facts that a merge has brought together and exclude each other, one goes."""
-    assert memory.excluded is not None
+    assert memory.exclusions is not None
     for fact, source in sources.items():
         if fact not in memory.facts:
             continue
-        for other in memory.excluded(fact):
+        for other in memory.exclusions.of(fact):
             one, two = (source, fact), (sources.get(other, ""), other)
             if _wins(memory, one, two, first, own):
-                memory.take(other)
+                memory.remove(other, "memory")
             elif fact in memory.facts:
-                memory.take(fact)
+                memory.remove(fact, "memory")
                 break
 
 
@@ -105,7 +105,7 @@ def make_alike(memory: Memory, members: Sequence[Description]) -> None:
 def _stamp(memory: Memory, facts: Sequence[Fact], stamp: Time) -> None:
     for fact in facts:
         if memory.facts.stamp(fact) != stamp:
-            memory.put(fact, stamp)
+            memory.store(fact, "memory", stamp)
 
 
 def _class(member: Description) -> Fact:
@@ -125,4 +125,4 @@ def forget_facts(memory: Memory, name: str) -> None:
     """All facts that mention a name go."""
     assert memory.mentions is not None
     for fact in memory.mentions.of(name):
-        memory.take(fact)
+        memory.remove(fact, "memory")

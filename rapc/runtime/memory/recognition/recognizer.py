@@ -12,8 +12,8 @@ from collections.abc import Callable, Collection
 from rapc.base.values import Atom, Fact
 from rapc.runtime.events.events import ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.memory import Memory
-from rapc.runtime.memory.mentions import PREFIX, Mentions
+from rapc.runtime.memory.memory import REPLACED, STORED, Memory
+from rapc.runtime.memory.mentions import PREFIX
 from rapc.runtime.memory.recognition import departure as leaving
 from rapc.runtime.memory.recognition import merging
 from rapc.runtime.memory.recognition.item_events import Teller
@@ -38,6 +38,7 @@ class Recognizer:
         classes: the indistinct classes.
         scores: their comparators.
         max_layers: how many layers a set keeps after an expiry, at least 1.
+        sets: where the expectation sets are kept, if others are to see them.
 
     `unsettled` holds the sets that have changed since all were settled. `renamed` is
     called with the name that goes and the one that stands for it, after the facts have
@@ -51,8 +52,9 @@ class Recognizer:
         classes: Collection[str] = (),
         scores: Scores | None = None,
         max_layers: int = MAX_LAYERS,
+        sets: dict[tuple[str, Atom], ExpectationSet] | None = None,
     ) -> None:
-        self.sets: dict[tuple[str, Atom], ExpectationSet] = {}
+        self.sets: dict[tuple[str, Atom], ExpectationSet] = {} if sets is None else sets
         self.renamed: Callable[[str, str], None] = lambda lost, kept: None
         self._memory = memory
         self._teller = Teller(recorder)
@@ -62,25 +64,24 @@ class Recognizer:
         self._number = 0
         self.unsettled: dict[ExpectationSet, None] = {}
         self._lost: dict[Description, None] = {}
-        if self._classes:
-            memory.described = self._described
-            memory.mentions = Mentions()
-            memory.set_size = self._set_size
 
     def recognises(self, kind: str) -> bool:
         """Whether items of a class are recognised by comparison."""
         return kind in self._classes
 
-    def _set_size(self, kind: object, place: object) -> int | None:
-        if kind not in self._classes:
-            return None
-        found = self.sets.get((str(kind), place))  # type: ignore[arg-type]
-        return 0 if found is None else found.size
-
     # --- descriptions -----------------------------------------------------------
 
-    def _described(self, fact: Fact, there: bool) -> None:
-        """A fact came or went: if it is a property of an item, a set has changed."""
+    def fact_changed(self, fact: Fact, how: str) -> None:
+        """Learn what a fact says of a description; its set then is to be settled."""
+        mentions = self._memory.mentions
+        if mentions is not None:
+            if how is STORED:
+                mentions.added(fact)
+            else:
+                mentions.removed(fact)
+        if how is REPLACED:
+            return
+        there = how is STORED
         item = self._memory.items.known.get(str(fact[1])) if len(fact) > 2 else None
         if not isinstance(item, Description) or fact[0] == "location":
             return
@@ -93,6 +94,9 @@ class Recognizer:
             if item.home is not None:
                 item.home.changed(item.mask)
                 self._touch(item.home)
+
+    def other_changed(self, word: str) -> None:
+        """Do nothing: what has a word for a name comes from here, or is no item's."""
 
     def _touch(self, changed: ExpectationSet | None) -> None:
         if changed is not None:
@@ -140,7 +144,7 @@ class Recognizer:
             self._touch(home)
         else:
             self._lost[item] = None
-        self._memory.moved("know-sensor-name")
+        self._memory.tell("know-sensor-name")
         self._teller.tell(ItemIntroduced, item, place)
         return item
 
@@ -191,7 +195,7 @@ class Recognizer:
     def _out(self, item: Description) -> None:
         if item.accessible:
             self._memory.items.put_out_of_reach(item, keep_sensor=False)
-            self._memory.moved("know-sensor-name")
+            self._memory.tell("know-sensor-name")
         self._assert("location", item.name, UNKNOWN)
         self._lost[item] = None
 
@@ -212,7 +216,7 @@ class Recognizer:
                 self._memory.items.drop_sensor(reached)
 
     def _assert(self, *fact: Atom) -> None:
-        self._memory.assert_fact(fact, "handler")
+        self._memory.store(fact, "handler")
 
     # --- leaving ----------------------------------------------------------------
 
@@ -232,7 +236,7 @@ class Recognizer:
         for view in home.views():
             home.discard(view, item)
         self._touch(home)
-        self._memory.moved("location")
+        self._memory.tell("location")
         if choice is None:
             for layer, (_, candidates) in zip(served, found, strict=True):
                 member = leaving.next_best(home, layer, candidates)
@@ -287,7 +291,7 @@ class Recognizer:
             return older
         first = older.name if older.accessible else younger.name
         if younger.accessible or older.accessible:
-            self._memory.moved("know-sensor-name")
+            self._memory.tell("know-sensor-name")
         if younger in self._lost:
             del self._lost[younger]
         self._memory.items.merge(older, younger)

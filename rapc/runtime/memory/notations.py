@@ -1,0 +1,84 @@
+"""How long a notation stays in memory: as long as a method that made it [T 4.9].
+
+Bookkeeping only: `rapc.runtime.memory.memory` stores and removes the facts.
+"""
+
+from __future__ import annotations
+
+from rapc.base.values import Fact
+
+
+class Notation:
+    """A fact that methods note and nobody else has asserted."""
+
+    __slots__ = ("count", "fact", "joined")
+
+    def __init__(self, fact: Fact) -> None:
+        #: The fact, under the names that its items have now.
+        self.fact = fact
+        #: How many methods that have not ended note the fact.
+        self.count = 0
+        #: The notation that this one is a part of, once a merge has made their facts
+        #: one; else None.
+        self.joined: Notation | None = None
+
+
+class Notations:
+    """The notations that are in force, by fact."""
+
+    __slots__ = ("by_fact",)
+
+    def __init__(self) -> None:
+        #: The notations in force. Empty in most runs: callers test that first.
+        self.by_fact: dict[Fact, Notation] = {}
+
+    def drop(self, fact: Fact) -> None:
+        """End the notation of `fact`, if any: it is asserted otherwise, or gone."""
+        self.by_fact.pop(fact, None)
+
+    def hold(self, fact: Fact, notation: Notation | None) -> Notation:
+        """Return the notation of `fact` with one more method that notes it.
+
+        `notation` is the one in force before `fact` was stored again, if any.
+        """
+        if notation is None:
+            notation = Notation(fact)
+        self.by_fact[fact] = notation
+        notation.count += 1
+        return notation
+
+    def in_force(self, notation: Notation) -> Notation | None:
+        """Return the notation that stands for `notation` now; None if it has ended."""
+        while notation.joined is not None:
+            notation = notation.joined
+        return notation if self.by_fact.get(notation.fact) is notation else None
+
+    def release(self, notation: Notation) -> Fact | None:
+        """Count one method less; return the fact if none is left that notes it."""
+        current = self.in_force(notation)
+        if current is None:
+            return None
+        current.count -= 1
+        return current.fact if current.count == 0 else None
+
+    def rename(
+        self,
+        notation: Notation | None,
+        renamed: Fact,
+        noted: Notation | None,
+        was_there: bool,
+    ) -> None:
+        """Carry `notation` over to the fact `renamed`, which is stored by now.
+
+        `noted` is the notation that `renamed` had before, if it had any; `was_there`
+        says whether `renamed` was in memory before. A fact that was asserted under
+        either name is no notation any more.
+        """
+        if notation is None:
+            self.drop(renamed)
+        elif noted is not None:
+            notation.joined = noted
+            noted.count += notation.count
+        elif not was_there:
+            notation.fact = renamed
+            self.by_fact[renamed] = notation
