@@ -47,9 +47,9 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
     Raises:
         PortError: for a ticket that is not under way, or a datum nobody handles.
     """
-    if ticket not in machine.pending:
+    if ticket not in machine.state.pending:
         raise PortError(f"the world ended a request that is not under way: {ticket}")
-    task, asked = machine.pending.pop(ticket)
+    task, asked = machine.state.pending.pop(ticket)
     result = take_reply(machine, task, asked, reply)
     if result is not None and task is not None and task.run is not None:
         end_method(machine, task.run, result)

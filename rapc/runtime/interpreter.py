@@ -82,10 +82,7 @@ class Interpreter:
         if found:
             raise RefusedError(found)
         self._loop = Loop(self._machine)
-        self._serial = 0
         self._at_the_end: list[Callable[[], None]] = []
-        self._started = False
-        self._reason: str | None = None
 
     # --- before and while it runs -------------------------------------------------
 
@@ -102,12 +99,12 @@ class Interpreter:
     @property
     def succeeded(self) -> int:
         """How many tasks of all levels have succeeded so far."""
-        return self._machine.succeeded
+        return self._machine.state.succeeded
 
     @property
     def reason(self) -> str | None:
         """Why the run is over, or None while it is not."""
-        return self._reason
+        return self._machine.state.reason
 
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
         """Call `listener` with every event from now on, or with those of `kinds`."""
@@ -156,8 +153,10 @@ class Interpreter:
         In the course of an atomic primitive it is done when that ends, before its
         result. The run goes on until it is done, or is ended for another reason.
         """
-        self._serial += 1
-        heapq.heappush(self._machine.host_timers, (time, self._serial, action))
+        self._machine.state.requests += 1
+        heapq.heappush(
+            self._machine.host_timers, (time, self._machine.state.requests, action)
+        )
 
     def call_at_end(self, action: Callable[[], None]) -> None:
         """Do something when the run is over, before live tasks are removed."""
@@ -173,9 +172,12 @@ class Interpreter:
         self.check([task])
         self.start()
         if task.at is not None and task.at > self.now:
-            self._serial += 1
-            self._machine.expected += not task.background
-            heapq.heappush(self._machine.scheduled, (task.at, self._serial, task))
+            self._machine.state.requests += 1
+            self._machine.state.expected += not task.background
+            heapq.heappush(
+                self._machine.state.scheduled,
+                (task.at, self._machine.state.requests, task),
+            )
         else:
             create_top(self._machine, task)
 
@@ -187,7 +189,7 @@ class Interpreter:
         goal = self._machine.memory.canonical(goal)
         found = [
             task
-            for task in (given.task for given in self._machine.top_level)
+            for task in (given.task for given in self._machine.state.top_level)
             if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
         ]
         for task in found:
@@ -217,13 +219,13 @@ class Interpreter:
         At most `cycles` further cycles are run. Returns the reason why the run is
         over; it is over for good.
         """
-        self._machine.until = until
+        self._machine.state.until = until
         self.start()
-        if self._reason is None:
+        if self._machine.state.reason is None:
             most = None if cycles is None else max(cycles, 0)
             reason = self._loop.run(most, wait=True)
             self.end(reason or self._loop.reason() or "cycles")
-        return self._reason or "done"
+        return self._machine.state.reason or "done"
 
     def step(self, wait: bool = True) -> bool:
         """One cycle, waiting for its time to come; False once the run is over.
@@ -240,7 +242,7 @@ class Interpreter:
         self.start()
         recorder = self._machine.recorder
         before = recorder.cycle
-        if self._reason is None:
+        if self._machine.state.reason is None:
             reason = self._loop.run(most, wait)
             if reason is not None:
                 self.end(reason)
@@ -258,9 +260,9 @@ class Interpreter:
         into the world, for the trace. The first task or step begins a run that nobody
         has begun.
         """
-        if self._started:
+        if self._machine.state.started:
             return
-        self._started = True
+        self._machine.state.started = True
         machine = self._machine
         snapshot.tell_start(machine, self.seed, options or {}, tasks, faults)
         for fact in machine.world.facts():
@@ -270,16 +272,16 @@ class Interpreter:
 
     def end(self, reason: str) -> None:
         """End the run: every live task is removed, the results are told."""
-        if self._reason is not None:
+        if self._machine.state.reason is not None:
             return
-        self._reason = reason
+        self._machine.state.reason = reason
         machine = self._machine
-        machine.over = True
+        machine.state.over = True
         for action in self._at_the_end:
             action()
         results = self.results()
         waiting = () if reason == "done" else self.waiting()
-        for given in machine.top_level:
+        for given in machine.state.top_level:
             if given.task.live:
                 remove(machine, given.task, "run-over")
         if machine.recorder.on:
@@ -293,7 +295,7 @@ class Interpreter:
 
     def results(self) -> tuple[TaskResult, ...]:
         """What has become of each task given so far, in the order in which it came."""
-        return snapshot.results(self._machine.top_level)
+        return snapshot.results(self._machine.state.top_level)
 
     def agenda(self) -> tuple[AgendaEntry, ...]:
         """All live tasks as they stand now, by number, each with its slack."""

@@ -8,8 +8,10 @@ task (T figure 3.3, semantics 4). What a cycle does to its task is in
 from __future__ import annotations
 
 import heapq
+import math
 
 from rapc.base.values import number
+from rapc.errors import PortError
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.cycle import run_cycle
@@ -25,7 +27,6 @@ class Loop:
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
-        self._idle = 0
         self._cost = machine.settings.cycle_cost
         self._patience = machine.settings.idle_cycles
 
@@ -41,17 +42,19 @@ class Loop:
         Without `wait` also until no task can go on now.
         """
         machine, left = self._machine, -1 if most is None else most
-        recorder, monitors, agenda = machine.recorder, machine.monitors, machine.agenda
-        dirty, unsettled = monitors.to_test, machine.recognizer.unsettled
-        host_timers, scheduled = machine.host_timers, machine.scheduled
+        state, recorder, agenda = machine.state, machine.recorder, machine.agenda
+        # These stay the same objects for the life of the machine; see where they are.
+        monitors, unsettled = machine.monitors, machine.recognizer.unsettled
+        to_test, host_timers = monitors.to_test, machine.host_timers
+        scheduled = state.scheduled
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
-        may_end, limited = self._may_end, machine.until is not None
-        idle, patience = self._idle, self._patience
-        while left != 0 and not machine.over:
+        may_end, limited = self._may_end, state.until is not None
+        idle, patience = state.idle, self._patience
+        while left != 0 and not state.over:
             now = clock()
             if limited or now != recorder.time:
                 machine.set_clock(now)
-                if machine.past_until:
+                if state.past_until:
                     return "until"
             if host_timers or unsettled:
                 machine.run_host_timers()
@@ -61,46 +64,46 @@ class Loop:
                 take_in(machine, messages)
             if scheduled:
                 self._create_scheduled()
-            if dirty or recorder.time >= monitors.next_look:
+            if to_test or recorder.time >= monitors.next_look:
                 self._wake()
-            if may_end or idle > patience or not machine.foreground:
-                self._idle = idle
+            if may_end or idle > patience or not state.foreground:
+                state.idle = idle
                 reason = self.reason()
                 if reason is not None:
                     return reason
             task = agenda.choose()
             if task is None:
-                self._idle = idle
+                state.idle = idle
                 reason = self._wait() if wait else _QUIET
                 if reason is not None:
                     return reason or None
-                idle = self._idle
+                idle = state.idle
                 continue
             run_cycle(machine, task)
             left -= 1
             if cost:
                 self._spend(cost)
             idle = idle + 1 if recorder.time == now else 0
-        self._idle = idle
+        state.idle = idle
         return None
 
     def reason(self) -> str | None:
-        """Why the run is over, or None if it is not."""
-        machine = self._machine
-        if machine.past_until:
+        """Return why the run is over, or None if it is not."""
+        machine, state = self._machine, self._machine.state
+        if state.past_until:
             return "until"
         if machine.world.ended() is not None:
             return "world"
-        if not (machine.foreground or machine.expected or machine.host_timers):
+        if not (state.foreground or state.expected or machine.host_timers):
             return "done"
-        return "runaway" if self._idle > machine.settings.idle_cycles else None
+        return "runaway" if state.idle > machine.settings.idle_cycles else None
 
     def _create_scheduled(self) -> None:
         machine = self._machine
-        scheduled = machine.scheduled
+        scheduled = machine.state.scheduled
         while scheduled and scheduled[0][0] <= machine.recorder.time:
             submission = heapq.heappop(scheduled)[2]
-            machine.expected -= not submission.background
+            machine.state.expected -= not submission.background
             create_top(machine, submission)
 
     def _wake(self) -> None:
@@ -119,22 +122,38 @@ class Loop:
         self._machine.sync_clock()
 
     def _wait(self) -> str | None:
-        """Nothing is eligible: move time on to what comes next, or say what ends."""
-        machine = self._machine
+        """Move time on to what comes next, as nothing is eligible, or say what ends.
+
+        Where the clock does not move, the turn counts as idle.
+        """
+        machine, until = self._machine, self._machine.state.until
         now = machine.recorder.time
-        times = [machine.monitors.next_time(), machine.world.next_time()]
-        if machine.scheduled:
-            times.append(machine.scheduled[0][0])
-        if machine.host_timers:
-            times.append(machine.host_timers[0][0])
-        known = [time for time in times if time is not None]
+        known = self._coming_times()
         if not known:
             return "stuck"
         target = max(min(known), now)
-        if machine.until is not None and target > machine.until:
-            if now == machine.until:
+        if until is not None and target > until:
+            if now == until:
                 return "until"
-            target = machine.until
-        self._idle = self._idle + 1 if target == now else 0
+            target = until
         machine.world.advance(target)
+        state = machine.state
+        state.idle = state.idle + 1 if machine.world.now() == now else 0
         return None
+
+    def _coming_times(self) -> list[Time]:
+        """Return the times at which something is known to come.
+
+        Raises:
+            PortError: for a world whose next time is no time.
+        """
+        machine = self._machine
+        times = [machine.monitors.next_time(), machine.world.next_time()]
+        if times[1] is not None and not math.isfinite(times[1]):
+            name = machine.world.name
+            raise PortError(f"the next time of the world `{name}` is `{times[1]}`")
+        if machine.state.scheduled:
+            times.append(machine.state.scheduled[0][0])
+        if machine.host_timers:
+            times.append(machine.host_timers[0][0])
+        return [time for time in times if time is not None]

@@ -1,7 +1,8 @@
-"""The parts of a run that its procedures share, put in one place.
+"""A machine: the parts of a run that its procedures share, wired to each other.
 
-Nothing is decided here: `cycle`, `endings`, `monitors` and `requests` act on a
-machine, `interpreter` builds one and turns its crank.
+Nothing is decided here: the verbs in `tasks`, `monitors`, `acts` and `intake` act on a
+machine, `interpreter` builds one, `loop` turns it. How far the run has come stands
+apart, in `RunState`, so that it can be saved, put back and copied.
 """
 
 from __future__ import annotations
@@ -12,17 +13,17 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rapc.base.values import Atom
+from rapc.base.values import Atom, format_atom, number
 from rapc.compiler.program import Program
-from rapc.compiler.rap_plan import MethodPlan, RapPlan
+from rapc.compiler.rap_plan import RapPlan
+from rapc.errors import PortError
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
 from rapc.runtime.monitors.monitors import Monitors
 from rapc.runtime.query_context import QueryContext
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.agenda import Agenda
-from rapc.runtime.state.task import Task, TopLevelTask
-from rapc.runtime.task_request import TaskRequest
+from rapc.runtime.state.run_state import RunState
 from rapc.world import ResultHandler, Time, World
 
 ContextListener = Callable[[str, str, bool], None]
@@ -30,17 +31,16 @@ ContextListener = Callable[[str, str, bool], None]
 
 
 class Machine:
-    """The shared state of one run.
+    """All parts of one run.
 
-    `live_top` are the live top-level tasks by number; `pending` those with requests
-    under way, by ticket (None once the task is gone); `listening` the steps that wait
-    for a signal, by the signal's name; `active_identities` how many tasks of each
-    identity are at work on a method. `top_level` are the top-level tasks so far and
-    `scheduled` those for later, of which `expected` are to keep the run going;
-    `foreground` counts the live ones that do, `succeeded` the tasks of all levels that
-    have ended well. `numbers` tasks and `tickets` requests were counted so far, from 1.
-    The choice of a method `is_plain` if no solver may help and `context_asked` is not
-    to be told of it.
+    Args:
+        library: the compiled library; `extend` puts another in its place.
+        world: the world.
+        rng: the interpreter's random stream.
+        settings: those of the interpreter.
+        functions: the registered functions, by name.
+        solvers: the problem solvers, by RAP.
+        comparators: the registered comparators, by name.
     """
 
     def __init__(
@@ -58,8 +58,10 @@ class Machine:
         self.settings = settings
         self.solvers = solvers
         self.rng = rng
+        #: How far the run has come; `Interpreter.restore` puts another in its place.
+        self.state = RunState()
         self.recorder = Recorder()
-        self.recorder.time = world.now()
+        self.recorder.time = number(world.now())
         parts = assemble(
             library.library,
             library.vocabulary,
@@ -74,39 +76,47 @@ class Machine:
         self.agenda = Agenda(rng)
         self.monitors = Monitors(self.context, self.recorder, self.agenda)
         self.memory.observe(self.monitors)
-        self.live_top: dict[int, TopLevelTask] = {}
-        self.pending: dict[int, tuple[Task | None, tuple[Any, ...]]] = {}
-        self.listening: dict[str, dict[int, Task]] = {}
-        self.active_identities: dict[object, int] = {}
-        self.top_level: list[TopLevelTask] = []
-        self.scheduled: list[tuple[Time, int, TaskRequest]] = []
-        self.expected = 0
-        self.foreground = 0
-        self.succeeded = 0
-        self.over = False
-        self.until: Time | None = None
-        self.past_until = False
+        #: What the host wants done at a time: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
+        #: Told of each context that is asked, for coverage.
         self.context_asked: ContextListener | None = None
+        #: Whether a sole method may be chosen without further ado: no solver may help,
+        #: and nobody is to be told of contexts.
         self.is_plain = not solvers
         self.handlers = world.handlers()
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
-        self.numbers = 0
-        self.tickets = 0
-        self._overlay: dict[str, list[MethodPlan]] = {}
 
     def sync_clock(self) -> None:
         """Take the time from the world; for the run it stops at `until`."""
         now = self.world.now()
-        if now != self.recorder.time or self.until is not None:
+        if now != self.recorder.time or self.state.until is not None:
             self.set_clock(now)
 
     def set_clock(self, now: Time) -> None:
-        """It is so late in the world; for the run time stops at `until`."""
-        until = self.until
-        self.past_until = until is not None and now > until
+        """Set the run's clock to `now`, capped at `until`; note if it was capped.
+
+        Raises:
+            PortError: for what is no time, or before the time it was.
+        """
+        before, until = self.recorder.time, self.state.until
+        if type(now) is float:
+            now = self._in_one_form(now)
+        if now < before:
+            raise PortError(
+                f"the clock of the world `{self.world.name}` goes back, "
+                f"from {format_atom(before)} to {format_atom(now)}"
+            )
+        self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)
+
+    def _in_one_form(self, now: float) -> Time:
+        """Return a time as the trace has it: a whole one as an integer."""
+        try:
+            return number(now)
+        except ValueError:
+            message = f"the clock of the world `{self.world.name}` says `{now}`"
+            raise PortError(message) from None
 
     def run_host_timers(self) -> None:
         """Do what the host wants done by now, in the order of its times."""
@@ -114,31 +124,12 @@ class Machine:
         while due and due[0][0] <= self.recorder.time:
             heapq.heappop(due)[2]()
 
-    def live_tasks(self) -> list[Task]:
-        """All tasks of the run that have not ended, by number."""
-        found = [given.task for given in self.live_top.values()]
-        for task in found:
-            if task.run is not None:
-                found.extend(s for s in task.run.steps if s.number and s.live)
-        found.sort(key=lambda task: task.number)
-        return found
-
     def recount_identities(self) -> None:
         """Count anew which identities are at work: items have got other names."""
-        at_work = [task for task in self.live_tasks() if task.run is not None]
+        at_work = [task for task in self.state.live_tasks() if task.run is not None]
         counted = [task for task in at_work if self.may_recur(task.plan)]
-        self.active_identities = dict(Counter(task.identity for task in counted))
+        self.state.active_identities = dict(Counter(task.identity for task in counted))
 
     def may_recur(self, plan: RapPlan) -> bool:
         """Whether a RAP can come up among its own subtasks; solvers may bring it in."""
         return plan.recursive or bool(self.solvers)
-
-    def methods(self, plan: RapPlan) -> tuple[MethodPlan, ...]:
-        """A RAP's methods with those that solvers have added in this run."""
-        if not self._overlay:
-            return plan.methods
-        return (*plan.methods, *self._overlay.get(plan.name, ()))
-
-    def add_method(self, plan: RapPlan, method: MethodPlan) -> None:
-        """A solver's method joins the RAP for the rest of the run."""
-        self._overlay.setdefault(plan.name, []).append(method)

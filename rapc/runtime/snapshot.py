@@ -43,7 +43,7 @@ class AgendaEntry(msgspec.Struct, frozen=True):
 
 def agenda(machine: Machine) -> tuple[AgendaEntry, ...]:
     """All live tasks by number; a value that the run leaves alone."""
-    return tuple(_entry(machine, task) for task in machine.live_tasks())
+    return tuple(_entry(machine, task) for task in machine.state.live_tasks())
 
 
 def _entry(machine: Machine, task: Task) -> AgendaEntry:
@@ -126,7 +126,7 @@ def _result(given: TopLevelTask) -> TaskResult:
 
 def goals(machine: Machine) -> dict[int, str]:
     """The goals of all live tasks by number, with the inputs that are known."""
-    return {task.number: task.goal() for task in machine.live_tasks()}
+    return {task.number: task.goal() for task in machine.state.live_tasks()}
 
 
 def waiting(machine: Machine) -> tuple[str, ...]:
@@ -136,7 +136,7 @@ def waiting(machine: Machine) -> tuple[str, ...]:
     """
     return tuple(
         f"{task.goal()} [{task.number}] {_awaited(machine, task)}"
-        for task in machine.live_tasks()
+        for task in machine.state.live_tasks()
         if task.run is None
         and (not task.waiting or (task.wait is not None and task.wait.awaits_signal))
     )

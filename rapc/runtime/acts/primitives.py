@@ -59,14 +59,14 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> str | None:
             sent=sent,
         )
     world = machine.world
-    machine.tickets += 1
-    run.ticket = ticket = machine.tickets
+    machine.state.tickets += 1
+    run.ticket = ticket = machine.state.tickets
     reply = world.perform(ticket, sent)
     now = world.now()
-    if now != machine.recorder.time or machine.until is not None:
+    if now != machine.recorder.time or machine.state.until is not None:
         machine.set_clock(now)
-    if reply is None or machine.past_until:
-        machine.pending[ticket] = (task if task.run is run else None, asked)
+    if reply is None or machine.state.past_until:
+        machine.state.pending[ticket] = (task if task.run is run else None, asked)
         return None
     if machine.host_timers:
         machine.run_host_timers()

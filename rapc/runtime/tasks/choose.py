@@ -80,7 +80,7 @@ def _holding(machine: Machine, task: Task) -> list[_Held]:
     context, env = machine.context, task.env
     context.task = task
     held: list[_Held] = []
-    for method in machine.methods(task.plan):
+    for method in machine.state.methods(task.plan):
         if method.choice is None:
             held.append((method, {}))
             continue
@@ -100,11 +100,13 @@ def _ask_solver(machine: Machine, task: Task) -> bool:
     inputs = [task.env[name] for name in task.plan.inputs]
     returned = list(solver((task.plan.name, *inputs), machine.context.view))
     for node in returned:
-        if not any(_same(node, known.node) for known in machine.methods(task.plan)):
-            index = len(machine.methods(task.plan))
+        if not any(
+            _same(node, known.node) for known in machine.state.methods(task.plan)
+        ):
+            index = len(machine.state.methods(task.plan))
             compiler = machine.library.compiler
             plan = MethodPlan(compiler, task.plan.node, node, index)
-            machine.add_method(task.plan, plan)
+            machine.state.added_methods.setdefault(task.plan.name, []).append(plan)
     if machine.recorder.on:
         machine.recorder.emit(
             SolverCalled, task=task.number, goal=task.goal(), methods=len(returned)

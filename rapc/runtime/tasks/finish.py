@@ -53,7 +53,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         task.state = ENDED
     else:
         _leave(machine, task)
-    machine.succeeded += 1
+    machine.state.succeeded += 1
     if machine.recorder.on:
         _tell_success(machine, task, {})
     finish_step(machine, run, step)
@@ -73,10 +73,10 @@ def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
         fail(machine, task, INTERFERENCE)
         return
     if step is None:
-        given = machine.live_top[task.number]
+        given = machine.state.live_top[task.number]
         given.outcome, given.outputs = OKAY, outputs
     _leave(machine, task)
-    machine.succeeded += 1
+    machine.state.succeeded += 1
     if machine.recorder.on:
         _tell_success(machine, task, outputs)
     if step is None or run is None:
@@ -245,7 +245,7 @@ def fail(machine: Machine, task: Task, reason: str) -> None:
     world_failure = task.world_failure
     result = world_failure or reason
     if task.step is None:
-        machine.live_top[task.number].outcome = result
+        machine.state.live_top[task.number].outcome = result
     _leave(machine, task)
     if machine.recorder.on:
         machine.recorder.emit(
@@ -269,7 +269,7 @@ def end_method(
     """A method ends; steps still live leave, and its task comes up again."""
     task, recorder = run.task, machine.recorder
     task.run = None
-    if task.plan.recursive or machine.solvers:
+    if machine.may_recur(task.plan):
         _discount(machine, task)
     if run.steps_left:
         for step in run.steps:
@@ -332,24 +332,24 @@ def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
 def _stop(machine: Machine, task: Task) -> MethodRun | None:
     """A task is at work no longer; what it was at."""
     run, task.run = task.run, None
-    if run is not None and (task.plan.recursive or machine.solvers):
+    if run is not None and machine.may_recur(task.plan):
         _discount(machine, task)
     return run
 
 
 def _discount(machine: Machine, task: Task) -> None:
-    others = machine.active_identities[task.identity] - 1
+    others = machine.state.active_identities[task.identity] - 1
     if others:
-        machine.active_identities[task.identity] = others
+        machine.state.active_identities[task.identity] = others
     else:
-        del machine.active_identities[task.identity]
+        del machine.state.active_identities[task.identity]
 
 
 def _drop(machine: Machine, run: MethodRun) -> None:
     """A method leaves without ending: its request and notations are nobody's."""
     run.steps = ()
-    if run.ticket is not None and run.ticket in machine.pending:
-        machine.pending[run.ticket] = (None, machine.pending[run.ticket][1])
+    if run.ticket is not None and run.ticket in machine.state.pending:
+        machine.state.pending[run.ticket] = (None, machine.state.pending[run.ticket][1])
     for notation in run.notations:
         machine.memory.release_notation(notation)
 
@@ -357,9 +357,11 @@ def _drop(machine: Machine, run: MethodRun) -> None:
 def _leave(machine: Machine, task: Task) -> None:
     task.state = ENDED
     if task.step is None:
-        machine.foreground -= not machine.live_top.pop(task.number).background
+        machine.state.foreground -= not machine.state.live_top.pop(
+            task.number
+        ).background
     if task.wait is not None:
         if task.step is not None:
             for signal in task.step.waits:
-                machine.listening.get(signal.signal, {}).pop(task.number, None)
+                machine.state.listening.get(signal.signal, {}).pop(task.number, None)
         machine.monitors.forget(task)

@@ -8,31 +8,19 @@ ask with the other.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from rapc.base.resources import SetResource
 from rapc.base.values import Atom
 from rapc.ir import nodes
-from rapc.runtime.monitors.monitors import Monitors
+from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task
 
 
-class Tasks(Protocol):
-    """What of a run is needed here: its live tasks, and who waits for what."""
-
-    monitors: Monitors
-
-    def live_tasks(self) -> list[Task]:
-        """All tasks that have not ended."""
-
-    def recount_identities(self) -> None:
-        """Tasks at work are known by other identities than before."""
-
-
-def rename(run: Tasks, lost: str, kept: str) -> None:
+def rename(machine: Machine, lost: str, kept: str) -> None:
     """Every live task holds `kept` wherever it held `lost`."""
     sets: dict[int, SetResource] = {}
-    for task in run.live_tasks():
+    for task in machine.state.live_tasks():
         environments = [task.env]
         if task.history is not None and task.history.success is not None:
             environments.append(task.history.success)
@@ -41,12 +29,12 @@ def rename(run: Tasks, lost: str, kept: str) -> None:
         for env in environments:
             sets.update((id(v), v) for v in env.values() if isinstance(v, SetResource))
         if _in_task(task, environments, lost, kept):
-            run.monitors.rebind(task)
-    run.recount_identities()
+            machine.monitors.rebind(task)
+    machine.recount_identities()
     for resource in sets.values():
         if lost in resource.members:
             _in_set(resource, lost, kept)
-            run.monitors.resource_changed(resource)
+            machine.monitors.resource_changed(resource)
 
 
 def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:

@@ -19,7 +19,7 @@ def signal(machine: Machine, content: Fact) -> None:
     """A signal has come: decide the steps that wait for it, by task number."""
     if machine.recorder.on:
         machine.recorder.emit(events.Signal, task=None, what=format_list(content))
-    listening = machine.listening.get(str(content[0]), {})
+    listening = machine.state.listening.get(str(content[0]), {})
     for number in sorted(listening):
         task = listening.get(number)
         if task is not None:

@@ -29,11 +29,11 @@ def create_top(machine: Machine, submission: TaskRequest) -> None:
     bind_inputs(task)
     repeats_ancestor(machine, task)
     task.priority = submission.priority
-    machine.foreground += not submission.background
+    machine.state.foreground += not submission.background
     given = TopLevelTask(task, submission.background)
-    machine.top_level.append(given)
+    machine.state.top_level.append(given)
     create(machine, task)
-    machine.live_top[task.number] = given
+    machine.state.live_top[task.number] = given
     if submission.deadline is not None:
         task.wait = task.wait or WaitState()
         task.wait.given_deadline = submission.deadline
@@ -45,8 +45,8 @@ def create(machine: Machine, task: Task) -> None:
     """A task joins the run, told of with its inputs as they are now."""
     if task.step is not None and task.step.computes:
         read_inputs(machine, task)
-    machine.numbers += 1
-    task.number = machine.numbers
+    machine.state.numbers += 1
+    task.number = machine.state.numbers
     task.family = task.family or task.number
     if machine.recorder.on:
         machine.recorder.emit(
@@ -124,7 +124,7 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
     Asked once, when its inputs are first all bound: this is who it is from now.
     """
     identity: tuple[object, ...] = task.plan.identity
-    if not (task.plan.recursive or machine.solvers):
+    if not machine.may_recur(task.plan):
         task.identity = identity
         return False
     if task.goal_args:
@@ -134,7 +134,7 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
     above = task.parent
     if above is not None and above.identity == identity:
         return True
-    if identity not in machine.active_identities:
+    if identity not in machine.state.active_identities:
         return False
     while above is not None and above.identity != identity:
         above = above.parent
@@ -164,7 +164,7 @@ def release(machine: Machine, task: Task) -> None:
 def _listen(machine: Machine, task: Task, wait: WaitState, step: StepPlan) -> None:
     env = task.within.env if task.within is not None else {}
     for signal in step.waits:
-        machine.listening.setdefault(signal.signal, {})[task.number] = task
+        machine.state.listening.setdefault(signal.signal, {})[task.number] = task
         if signal.mode == "proceed" and not wait.awaits_signal:
             wait.awaits_signal = True
             wait.blocked_on = on = format_formula(signal.pattern, env)

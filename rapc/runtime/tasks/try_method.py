@@ -88,8 +88,8 @@ def _start(machine: Machine, run: MethodRun) -> None:
     """Step 9: the method starts and the task waits for it."""
     task, method = run.task, run.plan
     task.run = run
-    if task.plan.recursive or machine.solvers:
-        active_identities = machine.active_identities
+    if machine.may_recur(task.plan):
+        active_identities = machine.state.active_identities
         active_identities[task.identity] = active_identities.get(task.identity, 0) + 1
     task.state = RUNNING
     if task.wait is not None:
@@ -123,8 +123,8 @@ def _release_steps(machine: Machine, run: MethodRun) -> None:
         if special or task.wait is not None:
             create(machine, task)
         else:
-            machine.numbers += 1
-            task.number = machine.numbers
+            machine.state.numbers += 1
+            task.number = machine.state.numbers
     for task in steps:
         if task.wait is not None:
             read_windows(machine, task)

@@ -1,0 +1,95 @@
+"""The state of a run, apart from the parts that act on it.
+
+What a save holds is here, in the tasks reached from here, and in what memory, agenda,
+monitors and recorder say of themselves; `rapc.runtime.saving` puts it together.
+Nothing here can be called. Not here: what a host has registered (listeners, timers),
+which no save can hold (`rapc.runtime.machine`).
+"""
+
+from __future__ import annotations
+
+from rapc.base.values import Fact
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
+from rapc.runtime.state.task import Task, TopLevelTask
+from rapc.runtime.task_request import TaskRequest
+from rapc.world import Time
+
+
+class RunState:
+    """How far a run has come. Made for a run that has not begun."""
+
+    __slots__ = (
+        "active_identities",
+        "added_methods",
+        "expected",
+        "foreground",
+        "idle",
+        "listening",
+        "live_top",
+        "numbers",
+        "over",
+        "past_until",
+        "pending",
+        "reason",
+        "requests",
+        "scheduled",
+        "started",
+        "succeeded",
+        "tickets",
+        "top_level",
+        "until",
+    )
+
+    def __init__(self) -> None:
+        #: The top-level tasks so far, in the order in which they came.
+        self.top_level: list[TopLevelTask] = []
+        #: Those of them that have not ended, by number.
+        self.live_top: dict[int, TopLevelTask] = {}
+        #: How many of these keep the run going; the others stand in the background.
+        self.foreground = 0
+        #: Tasks for later: a heap by time, then by the order in which they came.
+        self.scheduled: list[tuple[Time, int, TaskRequest]] = []
+        #: How many of these are to keep the run going.
+        self.expected = 0
+        #: How many tasks for later, and timers of the host, there have been.
+        self.requests = 0
+        #: Requests under way by ticket: the task, None once it has left, and what
+        #: was asked, in memory names.
+        self.pending: dict[int, tuple[Task | None, Fact]] = {}
+        #: The steps that wait for a signal, by the signal's name and task number.
+        self.listening: dict[str, dict[int, Task]] = {}
+        #: How many tasks of each identity are at work on a method.
+        self.active_identities: dict[object, int] = {}
+        #: The methods that solvers have added, by RAP.
+        self.added_methods: dict[str, list[MethodPlan]] = {}
+        #: How many tasks have been numbered, from 1.
+        self.numbers = 0
+        #: How many requests have gone to the world, from 1.
+        self.tickets = 0
+        #: How many tasks of all levels have ended well.
+        self.succeeded = 0
+        #: How many cycles have passed since the clock last moved.
+        self.idle = 0
+        #: The time after which the run is over, if there is one.
+        self.until: Time | None = None
+        #: Whether the world's clock has passed `until`.
+        self.past_until = False
+        #: Whether the run has begun, is over, and why.
+        self.started = False
+        self.over = False
+        self.reason: str | None = None
+
+    def live_tasks(self) -> list[Task]:
+        """Return all tasks of the run that have not ended, by number."""
+        found = [given.task for given in self.live_top.values()]
+        for task in found:
+            if task.run is not None:
+                found.extend(s for s in task.run.steps if s.number and s.live)
+        found.sort(key=lambda task: task.number)
+        return found
+
+    def methods(self, plan: RapPlan) -> tuple[MethodPlan, ...]:
+        """Return a RAP's methods with those that solvers have added in this run."""
+        if not self.added_methods:
+            return plan.methods
+        return (*plan.methods, *self.added_methods.get(plan.name, ()))
