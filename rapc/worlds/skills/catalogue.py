@@ -1,0 +1,212 @@
+"""The skills of a world as one set, checked before any of them runs.
+
+A catalogue finds what no network made of it could mend: names that stand twice, an
+input that nothing writes, two opinions on what a channel holds, a compound that lacks a
+parameter of its parts. What depends on which skills are active is left to `network`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.base.values import Atom
+from rapc.worlds.skills.declarations import (
+    KINDS,
+    Arbiter,
+    Channel,
+    Compound,
+    Event,
+    Node,
+    Parameter,
+    Skill,
+    as_input,
+    first_line,
+)
+
+
+class CatalogueError(ValueError):
+    """Declarations of skills that cannot work together."""
+
+
+class Request(msgspec.Struct, frozen=True):
+    """A skill that is to run, with the values of its parameters in their order."""
+
+    skill: str
+    arguments: tuple[Atom, ...] = ()
+
+
+class Described(msgspec.Struct, frozen=True):
+    """What a library has to know of a skill that it may enable."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    #: Names of the events that the skill may tell.
+    events: tuple[str, ...]
+    uses: tuple[str, ...]
+    doc: str
+
+
+class Catalogue:
+    """All skills of a world, by name.
+
+    Args:
+        skills: single skills and compounds, in the order of documentation.
+        sensors: channels that the world writes.
+        actuators: channels that the world reads.
+        arbiters: who decides on channels that several skills may write.
+
+    Raises:
+        CatalogueError: if the declarations contradict each other.
+    """
+
+    def __init__(
+        self,
+        skills: Iterable[type[Skill] | Compound],
+        sensors: Sequence[Channel[Any]] = (),
+        actuators: Sequence[Channel[Any]] = (),
+        arbiters: Iterable[Arbiter] = (),
+    ) -> None:
+        self.sensors = tuple(sensors)
+        self.actuators = tuple(actuators)
+        self.arbiters: Mapping[Channel[Any], Arbiter] = {
+            arbiter.channel: arbiter for arbiter in arbiters
+        }
+        #: What a library may enable, by name.
+        self.entries: dict[str, type[Skill] | Compound] = {}
+        for entry in skills:
+            if entry.name in self.entries:
+                raise CatalogueError(f"two skills are named `{entry.name}`")
+            self.entries[entry.name] = entry
+        #: Every event that some skill may tell, by name.
+        self.events: dict[str, type[Event]] = {}
+        for skill in self._single_skills():
+            self._check_parameters(skill.name, skill.parameters)
+            for event in skill.events:
+                self._add_event(event)
+        self._check_channels()
+        for entry in self.entries.values():
+            if isinstance(entry, Compound):
+                self._check_compound(entry)
+
+    def parts(self, name: str) -> tuple[type[Skill], ...]:
+        """Return the single skills that `name` stands for.
+
+        Raises:
+            KeyError: if there is no such skill.
+        """
+        entry = self.entries[name]
+        return entry.parts if isinstance(entry, Compound) else (entry,)
+
+    def describe(self, name: str) -> Described:
+        """Return the declaration of a skill, a compound's made of its parts'."""
+        entry = self.entries[name]
+        parts = self.parts(name)
+        doc = entry.doc if isinstance(entry, Compound) else first_line(entry.__doc__)
+        events = dict.fromkeys(event.name for part in parts for event in part.events)
+        uses = dict.fromkeys(thing for part in parts for thing in part.uses)
+        return Described(name, entry.parameters, tuple(events), tuple(uses), doc)
+
+    def fault(self, request: Request) -> str | None:
+        """Return what is wrong with a request by itself, or None."""
+        entry = self.entries.get(request.skill)
+        if entry is None:
+            return f"there is no skill `{request.skill}`"
+        wanted, given = len(entry.parameters), len(request.arguments)
+        if wanted != given:
+            return f"`{request.skill}` takes {wanted} arguments, not {given}"
+        pairs = zip(entry.parameters, request.arguments, strict=True)
+        for parameter, value in pairs:
+            if wrong := parameter.fault(value):
+                return f"`{request.skill}`: {wrong}"
+        return None
+
+    def _single_skills(self) -> Iterator[type[Skill]]:
+        """Every single skill once, those that only compounds have among them."""
+        seen: dict[type[Skill], None] = {}
+        for name in self.entries:
+            seen.update(dict.fromkeys(self.parts(name)))
+        names: dict[str, type[Skill]] = {}
+        for skill in seen:
+            if names.setdefault(skill.name, skill) is not skill:
+                raise CatalogueError(f"two skills are named `{skill.name}`")
+        return iter(seen)
+
+    def _add_event(self, event: type[Event]) -> None:
+        self._check_parameters(event.name, event.carries)
+        known = self.events.setdefault(event.name, event)
+        if known.carries != event.carries:
+            raise CatalogueError(
+                f"the event `{event.name}` is declared twice and carries "
+                "different things"
+            )
+
+    def _check_parameters(self, name: str, parameters: Sequence[Parameter]) -> None:
+        for parameter in parameters:
+            if parameter.kind not in KINDS:
+                raise CatalogueError(
+                    f"`{name}`: the kind `{parameter.kind}` of `{parameter.name}` "
+                    "is none of " + ", ".join(KINDS)
+                )
+        if len({parameter.name for parameter in parameters}) < len(parameters):
+            raise CatalogueError(f"`{name}` has two parameters of one name")
+
+    def _check_channels(self) -> None:
+        """Every input has a possible writer, and a name stands for one channel."""
+        written = set(self.sensors)
+        channels = {channel.name: channel for channel in self.sensors}
+        reads: list[tuple[str, Channel[Any], set[Channel[Any]]]] = []
+        for skill in self._single_skills():
+            self._know(channels, skill, skill.outputs)
+            own = {channel for channel in skill.outputs if channel.own}
+            written |= set(skill.outputs) - own
+            nodes: tuple[type[Node], ...] = (skill, *skill.events)
+            for node in nodes:
+                inputs = [as_input(reads_).channel for reads_ in node.inputs]
+                self._know(channels, node, inputs)
+                mine = own if node is not skill else set()
+                reads += ((node.name, channel, mine) for channel in inputs)
+        reads += (("the world", channel, set()) for channel in self.actuators)
+        for name, channel, mine in reads:
+            if channel not in written and channel not in mine:
+                raise CatalogueError(
+                    f"`{name}` reads `{channel.name}`, which nothing writes"
+                )
+
+    def _know(
+        self,
+        channels: dict[str, Channel[Any]],
+        node: type[Node],
+        new: Iterable[Channel[Any]],
+    ) -> None:
+        for channel in new:
+            known = channels.setdefault(channel.name, channel)
+            if known is not channel:
+                raise CatalogueError(
+                    f"`{node.name}` means another channel `{channel.name}` than "
+                    f"others do: {_told(channel)} instead of {_told(known)}"
+                )
+
+    def _check_compound(self, compound: Compound) -> None:
+        self._check_parameters(compound.name, compound.parameters)
+        by_name = {parameter.name: parameter for parameter in compound.parameters}
+        for part in compound.parts:
+            for wanted in part.parameters:
+                given = by_name.get(wanted.name)
+                if given is None:
+                    raise CatalogueError(
+                        f"`{compound.name}` has no parameter `{wanted.name}` for "
+                        f"its part `{part.name}`"
+                    )
+                if (given.kind, given.unit) != (wanted.kind, wanted.unit):
+                    raise CatalogueError(
+                        f"`{wanted.name}` of `{compound.name}` is not what its part "
+                        f"`{part.name}` takes"
+                    )
+
+
+def _told(channel: Channel[Any]) -> str:
+    kind = getattr(channel.type, "__name__", str(channel.type))
+    return f"{kind} in {channel.unit}" if channel.unit else kind

@@ -1,0 +1,95 @@
+"""A network of skills to look at: as data, as Graphviz dot, as a Mermaid flowchart."""
+
+from __future__ import annotations
+
+import msgspec
+
+from rapc.worlds.skills.network import Arbitration, Edge, is_event
+from rapc.worlds.skills.runtime import SkillRuntime
+
+
+class Box(msgspec.Struct, frozen=True):
+    """An end of edges in a drawing."""
+
+    key: str
+    #: One of `sensor`, `skill`, `event`, `arbiter`, `actuator`.
+    kind: str
+    label: str
+
+
+class Drawing(msgspec.Struct, frozen=True):
+    """The network that is active at a moment, from sensors to actuators and events."""
+
+    boxes: tuple[Box, ...]
+    edges: tuple[Edge, ...]
+
+
+_DOT_SHAPES = {
+    "sensor": "shape=plaintext",
+    "skill": "shape=box, style=rounded",
+    "event": "shape=box, peripheries=2",
+    "arbiter": "shape=diamond",
+    "actuator": "shape=plaintext",
+}
+_MERMAID_SHAPES = {
+    "sensor": ("([", "])"),
+    "skill": ("(", ")"),
+    "event": ("[[", "]]"),
+    "arbiter": ("{", "}"),
+    "actuator": ("([", "])"),
+}
+
+
+def draw(runtime: SkillRuntime) -> Drawing:
+    """Return the network that is active now."""
+    network = runtime.network
+    boxes = {channel.name: "sensor" for channel in network.sensors}
+    for member in network.order:
+        if isinstance(member, Arbitration):
+            boxes[member.key] = "arbiter"
+        else:
+            boxes[member.key] = "event" if is_event(member) else "skill"
+    for edge in network.edges:
+        boxes.setdefault(edge.end, "actuator")
+    made = tuple(Box(key, kind, _label(key, kind)) for key, kind in boxes.items())
+    return Drawing(made, tuple(network.edges))
+
+
+def to_dot(drawing: Drawing) -> str:
+    """Return a drawing as a directed graph for Graphviz."""
+    lines = ["digraph skills {", "  rankdir=LR;"]
+    for box in drawing.boxes:
+        shape = _DOT_SHAPES[box.kind]
+        lines.append(f"  {_quoted(box.key)} [label={_quoted(box.label)}, {shape}];")
+    for edge in drawing.edges:
+        style = ", style=dashed" if edge.delayed else ""
+        lines.append(
+            f"  {_quoted(edge.start)} -> {_quoted(edge.end)} "
+            f"[label={_quoted(edge.channel)}{style}];"
+        )
+    return "\n".join([*lines, "}", ""])
+
+
+def to_mermaid(drawing: Drawing) -> str:
+    """Return a drawing as a Mermaid flowchart."""
+    names = {box.key: f"n{number}" for number, box in enumerate(drawing.boxes, 1)}
+    lines = ["flowchart LR"]
+    for box in drawing.boxes:
+        left, right = _MERMAID_SHAPES[box.kind]
+        label = box.label.replace('"', "#quot;")
+        lines.append(f'  {names[box.key]}{left}"{label}"{right}')
+    for edge in drawing.edges:
+        arrow = "-.->" if edge.delayed else "-->"
+        lines.append(f"  {names[edge.start]} {arrow}|{edge.channel}| {names[edge.end]}")
+    return "\n".join([*lines, ""])
+
+
+def _label(key: str, kind: str) -> str:
+    if kind == "event":
+        return key.partition(" of ")[0]
+    return key.removesuffix(" (actuator)")
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'

@@ -1,0 +1,313 @@
+"""Switching skills on and off, and stepping the active ones at a fixed rate.
+
+An activation is a set of skills that came on together and the events that are to be
+told for it [S 3]. A skill that several activations have with the same arguments runs
+once, until the last of them has ended; what its events tell belongs to each of them.
+
+An activation must be complete by itself: each input that is not optional is written by
+a sensor or by a skill of the same activation. So one that ends never leaves another
+with an input that nothing writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
+
+import msgspec
+
+from rapc.base.values import Atom, Text, number
+from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.declarations import Channel, Event, Skill
+from rapc.worlds.skills.network import (
+    Arbitration,
+    Member,
+    Network,
+    WiringError,
+    late,
+    wire,
+)
+
+T = TypeVar("T")
+
+Sensors = Mapping[str, Callable[[], Any]]
+"""How to read each sensor, by the name of its channel."""
+
+
+class Told(msgspec.Struct, frozen=True):
+    """An event that came out true in a tick."""
+
+    event: str
+    arguments: tuple[Atom, ...]
+    #: The activations under which the event arose, in the order they came on.
+    tickets: tuple[int, ...]
+
+
+class Refused(msgspec.Struct, frozen=True):
+    """Why an activation did not come on."""
+
+    reason: str
+    #: The activations in whose way it would be; none if it could never come on.
+    tickets: tuple[int, ...] = ()
+
+
+class Activation(msgspec.Struct, frozen=True):
+    """Skills that came on together."""
+
+    ticket: int
+    skills: tuple[Request, ...]
+    #: The events that are told for it.
+    events: tuple[str, ...]
+
+
+class _Saved(msgspec.Struct):
+    activations: list[Activation]
+    #: The state of each skill and event, by key.
+    states: dict[str, Any]
+    #: When each event was last told to an activation, by key and ticket; only those
+    #: whose test has held since.
+    told: dict[str, dict[int, float]]
+    #: What the delayed channels held, by slot.
+    before: dict[str, Any]
+
+
+class SkillRuntime:
+    """The skills of a robot: which are on, what they are at, what they tell."""
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        self.catalogue = catalogue
+        #: What is under way, in the order it came on.
+        self.activations: dict[int, Activation] = {}
+        self._members: dict[str, Member] = {}
+        self._told: dict[str, dict[int, float]] = {}
+        self._hearers: dict[str, tuple[int, ...]] = {}
+        self.network = Network()
+        self._before: dict[str, Any] = {}
+
+    def activate(
+        self, ticket: int, skills: Sequence[Request], events: Iterable[str]
+    ) -> Refused | None:
+        """Switch `skills` on; they run from the next tick.
+
+        Args:
+            ticket: the number under which the activation is known from now on.
+            skills: what is to run.
+            events: the names of the events to be told.
+
+        Returns:
+            None, or the reason why nothing was switched on.
+
+        Raises:
+            ValueError: if `ticket` is under way already.
+        """
+        if ticket in self.activations:
+            raise ValueError(f"the activation {ticket} is under way already")
+        new = Activation(ticket, tuple(skills), tuple(dict.fromkeys(events)))
+        refused = self._fault(new) or self._conflict(new)
+        if refused is None:
+            self.activations[ticket] = new
+            self._rebuild()
+        return refused
+
+    def deactivate(self, ticket: int) -> None:
+        """Switch off what only the activation `ticket` has; unknown ones are none."""
+        if self.activations.pop(ticket, None) is not None:
+            self._rebuild()
+
+    def tick(self, now: float, sensors: Sensors) -> list[Told]:
+        """Step every active skill once, and return the events that came out true.
+
+        Args:
+            now: the time in seconds.
+            sensors: how to read each sensor; only those in use are read.
+        """
+        network, told = self.network, []
+        values = network.values
+        values.clear()
+        values.update(self._before)
+        for channel in network.sensors:
+            values[channel.name] = sensors[channel.name]()
+        for member in network.order:
+            if isinstance(member, Arbitration):
+                self._arbitrate(member, values)
+            elif isinstance(member.node, Skill):
+                member.node.step(now, member.ports)
+            elif isinstance(member.node, Event):
+                told += self._listen(now, member, member.node)
+        self._before = {
+            late(channel): values[channel.name]
+            for channel in network.delayed
+            if channel.name in values
+        }
+        return told
+
+    def value(self, channel: Channel[T]) -> T | None:
+        """Return what was written to a channel in the last tick, or None."""
+        value: T | None = self.network.values.get(channel.name)
+        return value
+
+    def active(self) -> tuple[str, ...]:
+        """Return the keys of the skills that are on, in the order they came on."""
+        return tuple(key for key, m in self._members.items() if m.host is None)
+
+    def save(self) -> bytes:
+        """Return the complete state of the runtime, as JSON."""
+        states = {
+            key: msgspec.to_builtins(member.node.state, str_keys=True)
+            for key, member in self._members.items()
+        }
+        activations = list(self.activations.values())
+        saved = _Saved(activations, states, self._told, self._before)
+        return msgspec.json.encode(saved)
+
+    def restore(self, saved: bytes) -> None:
+        """Take up a state that `save` returned, in place of the present one.
+
+        Raises:
+            ValueError: if it is none, or one of other skills; nothing has changed.
+        """
+        other = SkillRuntime(self.catalogue)
+        try:
+            state = msgspec.json.decode(saved, type=_Saved)
+            for activation in state.activations:
+                if refused := other.activate(
+                    activation.ticket, activation.skills, activation.events
+                ):
+                    raise ValueError(refused.reason)
+            other._take_states(state)
+        except (msgspec.DecodeError, KeyError) as error:
+            raise ValueError(f"no state of these skills: {error}") from error
+        self.__dict__.update(other.__dict__)
+
+    def _take_states(self, saved: _Saved) -> None:
+        for key, member in self._members.items():
+            member.node.state = msgspec.convert(saved.states[key], member.node.State)
+        self._told.update(saved.told)
+        for channel in self.network.delayed:
+            if late(channel) in saved.before:
+                value = saved.before[late(channel)]
+                self._before[late(channel)] = msgspec.convert(value, channel.type)
+
+    def _fault(self, new: Activation) -> Refused | None:
+        """Why an activation could never come on, whatever is under way."""
+        may: set[str] = set()
+        for request in new.skills:
+            if wrong := self.catalogue.fault(request):
+                return Refused(wrong)
+            may.update(self.catalogue.describe(request.skill).events)
+        for event in new.events:
+            if event not in may:
+                return Refused(f"none of these skills tells `{event}`")
+        try:
+            self._check(self._made([new], {}))
+        except WiringError as error:
+            return Refused(str(error))
+        return None
+
+    def _conflict(self, new: Activation) -> Refused | None:
+        """In whose way an activation would be, if in anybody's."""
+        try:
+            self._check(self._made([*self.activations.values(), new], {}))
+        except WiringError as error:
+            own = set(self._made([new], {}))
+            others = set(error.skills) - own
+            tickets = tuple(
+                ticket
+                for ticket, activation in self.activations.items()
+                if others & set(self._made([activation], {}))
+            )
+            return Refused(str(error), tickets)
+        return None
+
+    def _check(self, members: Mapping[str, Member]) -> None:
+        """Raise WiringError if skills use one thing or cannot be wired."""
+        users: dict[str, str] = {}
+        for member in members.values():
+            if isinstance(member.node, Skill):
+                for thing in member.node.uses:
+                    other = users.setdefault(thing, member.key)
+                    if other != member.key:
+                        raise WiringError(
+                            f"`{other}` and `{member.key}` both use `{thing}`",
+                            (other, member.key),
+                        )
+        wire(self.catalogue, list(members.values()))
+
+    def _rebuild(self) -> None:
+        """Wire what is under way now; skills that stay keep their state."""
+        old = self._members
+        self._members = self._made(self.activations.values(), old)
+        hearers: dict[str, list[int]] = {}
+        for activation in self.activations.values():
+            for key, member in self._made([activation], old).items():
+                if isinstance(member.node, Event):
+                    hearers.setdefault(key, []).append(activation.ticket)
+        self._hearers = {key: tuple(tickets) for key, tickets in hearers.items()}
+        self._told = {
+            key: {t: at for t, at in self._told.get(key, {}).items() if t in tickets}
+            for key, tickets in self._hearers.items()
+        }
+        self.network = wire(self.catalogue, list(self._members.values()))
+        kept = {late(channel) for channel in self.network.delayed}
+        self._before = {s: v for s, v in self._before.items() if s in kept}
+
+    def _made(
+        self, activations: Iterable[Activation], old: Mapping[str, Member]
+    ) -> dict[str, Member]:
+        """The skills and events of activations by key; those in `old` go on."""
+        members: dict[str, Member] = {}
+        for activation in activations:
+            for request in activation.skills:
+                names = [p.name for p in self._parameters(request.skill)]
+                given = dict(zip(names, request.arguments, strict=True))
+                for part in self.catalogue.parts(request.skill):
+                    self._make(part, given, activation.events, old, members)
+        return members
+
+    def _make(
+        self,
+        part: type[Skill],
+        given: Mapping[str, Atom],
+        events: Sequence[str],
+        old: Mapping[str, Member],
+        members: dict[str, Member],
+    ) -> None:
+        """Put a single skill and its events among the members, unless it is there."""
+        arguments = {p.name: given[p.name] for p in part.parameters}
+        key = " ".join([part.name, *map(written, arguments.values())])
+        if key not in members:
+            members[key] = old.get(key) or Member(key, part(arguments))
+        for event in part.events:
+            told = f"{event.name} of {key}"
+            if event.name in events and told not in members:
+                members[told] = old.get(told) or Member(told, event(arguments), key)
+
+    def _parameters(self, name: str) -> Sequence[Any]:
+        return self.catalogue.entries[name].parameters
+
+    def _arbitrate(self, work: Arbitration, values: dict[str, Any]) -> None:
+        given = [values[slot] for slot in work.slots if slot in values]
+        if given:
+            values[work.arbiter.channel.name] = work.arbiter.decide(given)
+
+    def _listen(self, now: float, member: Member, event: Event) -> list[Told]:
+        """Test an event, and tell it to the activations that have not heard it."""
+        said, told = event.test(now, member.ports), self._told[member.key]
+        if said is None:
+            told.clear()
+            return []
+        hearers = [
+            ticket
+            for ticket in self._hearers[member.key]
+            if ticket not in told
+            or (event.again is not None and now - told[ticket] >= event.again - 1e-9)
+        ]
+        told.update(dict.fromkeys(hearers, now))
+        return [Told(event.name, said, tuple(hearers))] if hearers else []
+
+
+def written(value: Atom) -> str:
+    """Return an argument of a skill as it stands in keys and drawings."""
+    if isinstance(value, Text):
+        return f'"{value.value}"'
+    return value if isinstance(value, str) else str(number(value))

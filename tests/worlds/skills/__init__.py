@@ -1,0 +1,1 @@
+"""Tests of the runtime for networks of skills."""
