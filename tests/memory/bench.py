@@ -70,7 +70,7 @@ class MemoryBench:
         max_layers: how many layers a set keeps.
         record: whether `events` are kept.
 
-    `time` is the stamp of what comes; `memory` is there to be read.
+    `time` is the stamp of what comes; `memory` is to be read, `parts` to be saved.
     """
 
     def __init__(
@@ -81,13 +81,13 @@ class MemoryBench:
         record: bool = True,
     ) -> None:
         self.events: list[Event] = []
-        self._recorder = Recorder()
+        self.recorder = Recorder()
         if record:
-            self._recorder.listen(self.events.append)
-        parts = assemble(
+            self.recorder.listen(self.events.append)
+        self.parts = parts = assemble(
             library,
             Vocabulary.of(library),
-            self._recorder,
+            self.recorder,
             comparators or {},
             max_layers,
         )
@@ -99,12 +99,12 @@ class MemoryBench:
     @property
     def time(self) -> Time:
         """The time now."""
-        return self._recorder.time
+        return self.recorder.time
 
     @time.setter
     def time(self, now: Time) -> None:
         """Move the clock on."""
-        self._recorder.time = now
+        self.recorder.time = now
 
     @contextmanager
     def batch(self) -> Iterator[None]:

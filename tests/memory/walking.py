@@ -28,7 +28,7 @@ class Walk:
 
     def __init__(self, text: str = TEXT, **how: Any) -> None:
         self.memory: MemoryBench = bench(text, **{"max_layers": 4, **how})
-        self._sensors = 0
+        self.sensors = 0
 
     def accessible(self) -> list[str]:
         """The items within reach, in a fixed order."""
@@ -41,8 +41,8 @@ class Walk:
         memory.time += 1
         if what < 30 or not near:
             kind, place = KINDS[which % 2], PLACES[how % 3]
-            self._sensors += 1
-            memory.introduce(f"s{self._sensors}", kind, place)
+            self.sensors += 1
+            memory.introduce(f"s{self.sensors}", kind, place)
         elif what < 65:
             name = list(PROPERTIES)[which % 3]
             values: tuple[str, ...] = (*PROPERTIES[name], "unknown")

@@ -7,6 +7,8 @@ that no handler introduced is a plain symbol: it is its own sensor name.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+
 from rapc.base.values import Atom
 
 
@@ -33,15 +35,36 @@ class Items:
         self.known: dict[str, Item] = {}
         self.aliases: dict[str, str] = {}
         self.gone: set[str] = set()
-        self._by_sensor: dict[str, Item] = {}
+        self.by_sensor: dict[str, Item] = {}
         self._reach: dict[str, Item] = {}
+
+    def load(
+        self,
+        known: Iterable[Item],
+        aliases: Mapping[str, str],
+        gone: Iterable[str],
+        sensors: Iterable[tuple[str, str]],
+        reach: Iterable[str],
+    ) -> None:
+        """Know these items and no others; `sensors` and `reach` speak of their names.
+
+        The arguments are in order: what `capture` in `saving` makes.
+        """
+        self.known = {item.name: item for item in known}
+        self.aliases.clear()
+        self.aliases.update(aliases)
+        self.gone = set(gone)
+        self.by_sensor = {
+            sensor: self.known[name] for sensor, name in sensors if name in self.known
+        }
+        self._reach = {name: self.known[name] for name in reach}
 
     def introduce(self, sensor: str, kind: str) -> tuple[Item, bool]:
         """The distinct item seen under a sensor name, and whether it is seen anew.
 
         It is accessible from now; it is news if it was not accessible before.
         """
-        item = self._by_sensor.get(sensor)
+        item = self.by_sensor.get(sensor)
         if item is None:
             item = Item(sensor, sensor, kind)
             self.enter(item)
@@ -56,7 +79,7 @@ class Items:
         """A new item is known, and within reach if it is accessible."""
         self.known[item.name] = item
         if item.accessible:
-            self._by_sensor[item.sensor] = item
+            self.by_sensor[item.sensor] = item
             self._reach[item.name] = item
 
     def put_out_of_reach(self, item: Item, keep_sensor: bool = True) -> None:
@@ -64,7 +87,7 @@ class Items:
         item.accessible = False
         self._reach.pop(item.name, None)
         if not keep_sensor:
-            self._by_sensor.pop(item.sensor, None)
+            self.by_sensor.pop(item.sensor, None)
             item.sensor = ""
 
     def expire(self) -> list[Item]:
@@ -77,7 +100,7 @@ class Items:
 
     def drop_sensor(self, item: Item) -> None:
         """A sensor name that meant an item will mean another from now on."""
-        self._by_sensor.pop(item.sensor, None)
+        self.by_sensor.pop(item.sensor, None)
         item.sensor = ""
 
     def merge(self, kept: Item, lost: Item) -> None:
@@ -86,7 +109,7 @@ class Items:
         self.aliases[lost.name] = kept.name
         if lost.accessible:
             kept.sensor, kept.accessible = lost.sensor, True
-            self._by_sensor[kept.sensor] = kept
+            self.by_sensor[kept.sensor] = kept
             reach = self._reach.items()
             self._reach = {
                 kept.name if name == lost.name else name: kept if item is lost else item
@@ -132,5 +155,5 @@ class Items:
 
     def name_of(self, sensor: str) -> str:
         """The memory name of a sensor name; an unknown one is returned as it is."""
-        item = self._by_sensor.get(sensor)
+        item = self.by_sensor.get(sensor)
         return item.name if item is not None else sensor

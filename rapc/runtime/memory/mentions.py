@@ -6,6 +6,8 @@ What becomes of these facts when items turn out to be one, or are forgotten, is 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rapc.base.values import Fact
 
 PREFIX = "item-"
@@ -43,6 +45,14 @@ class Mentions:
                     known.pop(fact, None)
                     if not known:
                         del self._facts[part]
+
+    def state(self) -> tuple[tuple[str, tuple[Fact, ...]], ...]:
+        """Return the facts by item, as `load` takes them."""
+        return tuple((name, tuple(facts)) for name, facts in self._facts.items())
+
+    def load(self, state: Iterable[tuple[str, Iterable[Fact]]]) -> None:
+        """Hold the facts that `state` returned, and no others."""
+        self._facts = {name: dict.fromkeys(facts) for name, facts in state}
 
     def of(self, name: str) -> list[Fact]:
         """Return the facts that mention an item, oldest first, each once."""

@@ -5,6 +5,8 @@ Bookkeeping only: `rapc.runtime.memory.memory` stores and removes the facts.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rapc.base.values import Fact
 
 
@@ -60,6 +62,13 @@ class Notations:
             return None
         current.count -= 1
         return current.fact if current.count == 0 else None
+
+    def load(self, counts: Iterable[tuple[Fact, int]]) -> None:
+        """Put these notations in force and no others, each noted by so many methods."""
+        self.by_fact.clear()
+        for fact, count in counts:
+            notation = self.by_fact[fact] = Notation(fact)
+            notation.count = count
 
     def rename(
         self,

@@ -67,6 +67,23 @@ class Table:
         found = [self.index(at).get(value, {}) for at, value in built or known[:1]]
         return min(found, key=len)
 
+    def load(self, facts: Iterable[tuple[Fact, Time]]) -> None:
+        """Hold these facts and no others, oldest assertion first.
+
+        The dicts stay the same objects: compiled queries have them in hand.
+        """
+        self.stamps.clear()
+        self.values.clear()
+        for buckets in self._indexes.values():
+            buckets.clear()
+        for fact, time in facts:
+            self.stamps[fact] = time
+            if self.is_property:
+                self.values[fact[1] if len(fact) == 3 else fact[1:-1]] = fact
+            for at, buckets in self.spread:
+                if at < len(fact):
+                    buckets.setdefault(fact[at], {})[fact] = None
+
 
 class FactStore:
     """Ground facts with time stamps and indexes, a `Table` for each name.
@@ -88,6 +105,13 @@ class FactStore:
         """All facts, name by name."""
         for table in self.tables.values():
             yield from table.stamps
+
+    def load(self, tables: Iterable[tuple[Atom, Iterable[tuple[Fact, Time]]]]) -> None:
+        """Hold these facts and no others, name by name, oldest assertion first."""
+        for table in self.tables.values():
+            table.load(())
+        for name, facts in tables:
+            self.table(name).load(facts)
 
     def table(self, name: Atom) -> Table:
         """The facts of a name, now and later: there is one table for each."""

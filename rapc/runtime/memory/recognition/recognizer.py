@@ -61,9 +61,9 @@ class Recognizer:
         self._classes = frozenset(classes)
         self._scores = scores or Scores((), (), {})
         self._max_layers = max_layers
-        self._number = 0
+        self.number = 0
         self.unsettled: dict[ExpectationSet, None] = {}
-        self._lost: dict[Description, None] = {}
+        self.lost: dict[Description, None] = {}
 
     def recognises(self, kind: str) -> bool:
         """Whether items of a class are recognised by comparison."""
@@ -103,11 +103,11 @@ class Recognizer:
             self.unsettled[changed] = None
 
     def _new(self, kind: str, sensor: str) -> Description:
-        self._number += 1
-        while f"{PREFIX}{self._number}" in self._memory.items.known:
-            self._number += 1
-        name = f"{PREFIX}{self._number}" if sensor else ""
-        return Description(self._number, name, sensor, kind)
+        self.number += 1
+        while f"{PREFIX}{self.number}" in self._memory.items.known:
+            self.number += 1
+        name = f"{PREFIX}{self.number}" if sensor else ""
+        return Description(self.number, name, sensor, kind)
 
     def _set(self, kind: str, place: Atom) -> ExpectationSet | None:
         if place == UNKNOWN:
@@ -143,7 +143,7 @@ class Recognizer:
             self._fill(home)
             self._touch(home)
         else:
-            self._lost[item] = None
+            self.lost[item] = None
         self._memory.tell("know-sensor-name")
         self._teller.tell(ItemIntroduced, item, place)
         return item
@@ -158,11 +158,11 @@ class Recognizer:
         before = item.name
         if home is not None:
             item, gone = self._leave(home, item)
-        self._lost.pop(item, None)
+        self.lost.pop(item, None)
         self._assert("location", item.name, place)
         target = self._set(item.kind, place)
         if target is None:
-            self._lost[item] = None
+            self.lost[item] = None
         else:
             self._arrive(target, item)
         self._teller.moved(ItemMoved, item, place, before, gone)
@@ -197,11 +197,11 @@ class Recognizer:
             self._memory.items.put_out_of_reach(item, keep_sensor=False)
             self._memory.tell("know-sensor-name")
         self._assert("location", item.name, UNKNOWN)
-        self._lost[item] = None
+        self.lost[item] = None
 
     def expire(self) -> None:
         """The robot has moved: local models become layers, sensor names go."""
-        for item in list(self._lost):
+        for item in list(self.lost):
             self._forget(item)
         for home in list(self.sets.values()):
             if home.local.members:
@@ -267,7 +267,7 @@ class Recognizer:
         stack = [item]
         while stack:
             gone = stack.pop()
-            self._lost.pop(gone, None)
+            self.lost.pop(gone, None)
             if gone.empty or gone.name not in self._memory.items.known:
                 continue
             merging.forget_facts(self._memory, gone.name)
@@ -292,8 +292,8 @@ class Recognizer:
         first = older.name if older.accessible else younger.name
         if younger.accessible or older.accessible:
             self._memory.tell("know-sensor-name")
-        if younger in self._lost:
-            del self._lost[younger]
+        if younger in self.lost:
+            del self.lost[younger]
         self._memory.items.merge(older, younger)
         merging.merge_facts(self._memory, older.name, younger.name, first, own)
         self._merge_places(older.name, younger.name)

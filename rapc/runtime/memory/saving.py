@@ -1,0 +1,202 @@
+"""Memory as plain records, and back: what a saved run holds of what the robot believes.
+
+A `MemoryState` holds all that later answers and their order depend on, and nothing that
+can be derived: indexes, the caches of recognition, and observers stand outside of it.
+Restoring is in place, for compiled queries keep the tables of facts in hand.
+
+A memory is captured between batches: within one, `Gate` remembers places to be counted.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from rapc.base.values import Atom, Fact
+from rapc.runtime.memory.build import Assembled
+from rapc.runtime.memory.items import Item
+from rapc.runtime.memory.recognition.sets import Description, ExpectationSet, View
+from rapc.runtime.memory.store import NEVER
+from rapc.world import Time
+
+
+class ItemState(msgspec.Struct, frozen=True, array_like=True):
+    """An introduced item, or a description of one."""
+
+    #: The memory name; "" for an empty description.
+    name: str
+    sensor: str
+    kind: str
+    accessible: bool
+    #: Of a description its number, by which sets speak of it; of a distinct item 0.
+    number: int
+    #: Of a description its properties, as `Description.values` has them, in order.
+    values: tuple[tuple[Fact, Atom], ...]
+
+
+class SetState(msgspec.Struct, frozen=True, array_like=True):
+    """An expectation set; descriptions stand in it by number, in their order."""
+
+    kind: str
+    place: Atom
+    local: tuple[int, ...]
+    layers: tuple[tuple[int, ...], ...]
+
+
+class MemoryState(msgspec.Struct, frozen=True):
+    """All that a memory holds, encodable by msgspec."""
+
+    place: Atom | None
+    #: The facts of each name, by name, oldest assertion first; no stamp means that a
+    #: fact was never asserted.
+    facts: tuple[tuple[Atom, tuple[tuple[Fact, Time | None], ...]], ...]
+    #: The facts that are notations, each with the number of methods that note it.
+    notations: tuple[tuple[Fact, int], ...]
+    #: The items that memory knows, in the order of their introduction.
+    items: tuple[ItemState, ...]
+    #: The empty descriptions that stand in sets.
+    empty: tuple[ItemState, ...]
+    aliases: dict[str, str]
+    gone: tuple[str, ...]
+    #: Sensor names with the names of the items that they mean.
+    sensors: tuple[tuple[str, str], ...]
+    #: The names of the accessible items, in the order in which they came into reach.
+    reach: tuple[str, ...]
+    #: The facts that mention an item, by its name, oldest assertion first.
+    mentions: tuple[tuple[str, tuple[Fact, ...]], ...]
+    sets: tuple[SetState, ...]
+    #: The sets in which matches are still to be looked for, by position in `sets`.
+    unsettled: tuple[int, ...]
+    #: The numbers of the descriptions whose place is unknown.
+    lost: tuple[int, ...]
+    #: The number of the youngest description.
+    number: int
+
+
+# --- capturing ---------------------------------------------------------------------
+
+
+def capture(parts: Assembled) -> MemoryState:
+    """Return what a memory holds now."""
+    memory, recognizer = parts.memory, parts.recognizer
+    items = memory.items
+    sets = list(recognizer.sets.values())
+    position = {home: at for at, home in enumerate(sets)}
+    empty = {d.number: d for home in sets for d in home.members() if d.empty}
+    mentions = memory.mentions
+    return MemoryState(
+        place=memory.place,
+        facts=tuple(
+            (name, tuple((f, _stamp(time)) for f, time in table.stamps.items()))
+            for name, table in sorted(memory.facts.tables.items(), key=_name)
+            if table.stamps
+        ),
+        notations=tuple(
+            (fact, notation.count)
+            for fact, notation in memory.notations.by_fact.items()
+        ),
+        items=tuple(_item(item) for item in items.known.values()),
+        empty=tuple(_item(empty[number]) for number in sorted(empty)),
+        aliases=dict(items.aliases),
+        gone=tuple(sorted(items.gone)),
+        sensors=tuple((s, item.name) for s, item in items.by_sensor.items()),
+        reach=tuple(items.accessible()),
+        mentions=() if mentions is None else mentions.state(),
+        sets=tuple(_set(home) for home in sets),
+        unsettled=tuple(position[h] for h in recognizer.unsettled if h in position),
+        lost=tuple(d.number for d in recognizer.lost),
+        number=recognizer.number,
+    )
+
+
+def _name(item: tuple[Atom, object]) -> str:
+    return str(item[0])
+
+
+def _stamp(time: Time) -> Time | None:
+    return None if time == NEVER else time
+
+
+def _item(item: Item) -> ItemState:
+    number, values = 0, {}
+    if isinstance(item, Description):
+        number, values = item.number, item.values
+    return ItemState(
+        item.name,
+        item.sensor,
+        item.kind,
+        item.accessible,
+        number,
+        tuple(values.items()),
+    )
+
+
+def _set(home: ExpectationSet) -> SetState:
+    return SetState(
+        home.kind,
+        home.place,
+        _members(home.local),
+        tuple(_members(layer) for layer in home.layers),
+    )
+
+
+def _members(view: View) -> tuple[int, ...]:
+    return tuple(d.number for d in view.members)
+
+
+# --- restoring ---------------------------------------------------------------------
+
+
+def restore(parts: Assembled, state: MemoryState) -> None:
+    """Make a memory hold what `state` says and nothing else; nobody is told of it.
+
+    The memory is of the library that the state was captured with. Observers have to
+    look at all anew; a `Notation` held from before means nothing from now on.
+    """
+    memory = parts.memory
+    memory.place = state.place
+    memory.facts.load(
+        (name, [(f, NEVER if t is None else t) for f, t in facts])
+        for name, facts in state.facts
+    )
+    memory.notations.load(state.notations)
+    if memory.mentions is not None:
+        memory.mentions.load(state.mentions)
+    known = [_made(item) for item in state.items]
+    memory.items.load(known, state.aliases, state.gone, state.sensors, state.reach)
+    found = (*known, *(_made(item) for item in state.empty))
+    by_number = {d.number: d for d in found if isinstance(d, Description)}
+    _restore_sets(parts, state, by_number)
+
+
+def _made(state: ItemState) -> Item:
+    if not state.number:
+        item = Item(state.name, state.sensor, state.kind)
+        item.accessible = state.accessible
+        return item
+    made = Description(state.number, state.name, state.sensor, state.kind)
+    made.accessible = state.accessible
+    for index, value in state.values:
+        made.learn(index, value)
+    return made
+
+
+def _restore_sets(
+    parts: Assembled, state: MemoryState, by_number: dict[int, Description]
+) -> None:
+    recognizer = parts.recognizer
+    recognizer.number = state.number
+    recognizer.sets.clear()
+    made = []
+    for each in state.sets:
+        home = ExpectationSet(each.kind, each.place)
+        made.append(home)
+        recognizer.sets[each.kind, each.place] = home
+        rows = ((home.local, each.local), *((None, row) for row in each.layers))
+        for view, row in rows:
+            into = home.new_layer() if view is None else view
+            for number in row:
+                home.add(into, by_number[number])
+    recognizer.unsettled.clear()
+    recognizer.unsettled.update((made[at], None) for at in state.unsettled)
+    recognizer.lost.clear()
+    recognizer.lost.update((by_number[number], None) for number in state.lost)
