@@ -93,7 +93,7 @@ def _truth(walker: Walker, formula: nodes.Truth, bound: Bound) -> bool:
     return formula.value
 
 
-def _pattern(walker: Walker, formula: nodes.Pattern, bound: Bound) -> bool:
+def _pattern(walker: Walker, formula: nodes.Proposition, bound: Bound) -> bool:
     if formula.name in walker.functions:
         walker.values(formula.args, bound)
     else:
@@ -142,7 +142,7 @@ def _set_test(walker: Walker, formula: nodes.SetTest, bound: Bound) -> bool:
     return True
 
 
-def _history(walker: Walker, formula: nodes.History, bound: Bound) -> bool:
+def _history(walker: Walker, formula: nodes.HistoryTest, bound: Bound) -> bool:
     if formula.query == "method-tried":
         walker.values(formula.args, bound)
     else:
@@ -168,14 +168,14 @@ def _count(walker: Walker, formula: nodes.Count, bound: Bound) -> bool:
 
 _VISITS: Mapping[type, Callable[..., bool]] = {
     nodes.Truth: _truth,
-    nodes.Pattern: _pattern,
+    nodes.Proposition: _pattern,
     nodes.And: _and,
     nodes.Or: _or,
     nodes.Not: _not,
     nodes.Compare: _compare,
     nodes.Believe: _believe,
     nodes.SetTest: _set_test,
-    nodes.History: _history,
+    nodes.HistoryTest: _history,
     nodes.SensorName: _sensor_name,
     nodes.Count: _count,
 }

@@ -89,7 +89,7 @@ def _formula(
     place: Site, formula: nodes.Formula, functions: Container[str]
 ) -> Iterator[Site]:
     match formula:
-        case nodes.Pattern() if formula.name not in functions:
+        case nodes.Proposition() if formula.name not in functions:
             yield from _terms(place, formula.args)
         case nodes.And():
             for part in formula.parts:
@@ -103,7 +103,7 @@ def _formula(
             yield from _formula(inner, formula.part, functions)
         case nodes.Believe():
             yield from _terms(place, (*formula.pattern.args, formula.age))
-        case nodes.History() if formula.query != "method-tried":
+        case nodes.HistoryTest() if formula.query != "method-tried":
             yield from _terms(place, formula.args[-1:])
         case nodes.SensorName():
             yield from _terms(place, (formula.item, formula.value))

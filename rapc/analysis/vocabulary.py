@@ -46,15 +46,13 @@ def predicates(library: Library) -> dict[str, Predicate]:
     }
 
 
-def facts(occurrences: Occurrences) -> Iterator[tuple[nodes.Pattern, Role]]:
-    """Every pattern that stands for a fact or a test, with its role."""
-    for use in occurrences.of(nodes.Pattern):
-        role = _role(use.node, use.parent)
-        if role is not None:
-            yield use.node, role
+def facts(occurrences: Occurrences) -> Iterator[tuple[nodes.Proposition, Role]]:
+    """Every proposition with its role."""
+    for use in occurrences.of(nodes.Proposition):
+        yield use.node, _role(use.node, use.parent)
 
 
-def _role(pattern: nodes.Pattern, parent: nodes.Node) -> Role | None:
+def _role(pattern: nodes.Proposition, parent: nodes.Node) -> Role:
     if type(parent) is nodes.Method:
         return "query" if pattern is parent.context else "assert"
     if type(parent) is nodes.RuleAction:
@@ -62,12 +60,9 @@ def _role(pattern: nodes.Pattern, parent: nodes.Node) -> Role | None:
     return _ROLES.get(type(parent), "query")
 
 
-_ROLES: Mapping[type, Role | None] = {
-    nodes.Primitive: None,
-    nodes.Skills: None,
-    nodes.ResultCase: None,
+_ROLES: Mapping[type, Role] = {
     nodes.Believe: "believe",
-    nodes.Effect: "assert",
+    nodes.DeclaredEffect: "assert",
     nodes.Exclusion: "assert",
 }
 """The roles of patterns that their parents alone tell; all others are asked."""

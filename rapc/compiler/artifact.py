@@ -30,7 +30,7 @@ from rapc.compiler.verify import UnsoundError, Verifier
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.errors import SavedError
 from rapc.ir import nodes
-from rapc.ir.tests import DefineTest
+from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library, link
 from rapc.parser.unit import SourceUnit
 

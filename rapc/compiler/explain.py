@@ -142,11 +142,11 @@ def _looks(step: Step) -> Iterable[tuple[int, ...]]:
     return [(at,) for at in step.by] or [()]
 
 
-def _pattern(step: Step) -> nodes.Pattern | None:
+def _pattern(step: Step) -> nodes.Proposition | None:
     formula = step.formula
     if isinstance(formula, nodes.Believe):
         return formula.pattern
-    return formula if isinstance(formula, nodes.Pattern) else None
+    return formula if isinstance(formula, nodes.Proposition) else None
 
 
 def _term(step: Step, at: int) -> str:

@@ -82,7 +82,7 @@ class WaitPlan:
 
     def __init__(self, node: nodes.WaitFor, where: str) -> None:
         self.signal = node.signal
-        self.pattern = nodes.Pattern(node.signal, node.args)
+        self.pattern = nodes.Signal(node.signal, node.args)
         self.mode = node.mode
         self.args = tuple(ReceiverPlan(arg, where) for arg in node.args)
 
@@ -107,7 +107,7 @@ class EffectPlan:
 
     __slots__ = ("amount", "node", "resource")
 
-    def __init__(self, compiler: Compiler, node: nodes.ResourceEffect) -> None:
+    def __init__(self, compiler: Compiler, node: nodes.ResourceChange) -> None:
         where = compiler.place(f"effect `{node.op}`", node.span)
         self.node = node
         self.resource = TermValue(node.resource, where)
@@ -160,7 +160,7 @@ def _annotate(
     elif isinstance(annotation, nodes.WaitFor):
         where = compiler.place("wait-for", annotation.span)
         plan.waits.append(WaitPlan(annotation, where))
-    elif isinstance(annotation, nodes.ResourceEffect):
+    elif isinstance(annotation, nodes.ResourceChange):
         plan.effects.append(EffectPlan(compiler, annotation))
 
 

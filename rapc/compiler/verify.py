@@ -28,7 +28,7 @@ MAX_PARTS = 1000
 _LARGEST = 10**100
 _FORBIDDEN = frozenset(' ()";')
 _RESOURCES = ("#counter(", "#set(")
-_LOOKED_AT = frozenset({nodes.Var, nodes.Call, nodes.SetTest, nodes.History})
+_LOOKED_AT = frozenset({nodes.Var, nodes.Call, nodes.SetTest, nodes.HistoryTest})
 
 _TAKES: Mapping[str, int] = {
     "member": 2,
@@ -105,7 +105,7 @@ class Verifier:
         return below
 
     def _own(
-        self, node: nodes.Var | nodes.Call | nodes.SetTest | nodes.History
+        self, node: nodes.Var | nodes.Call | nodes.SetTest | nodes.HistoryTest
     ) -> None:
         """What is to be seen to wherever such a node stands."""
         if isinstance(node, nodes.Var):
@@ -115,7 +115,7 @@ class Verifier:
             self._call(node)
         elif isinstance(node, nodes.SetTest):
             _agree(node.test, len(node.args), _TAKES[node.test])
-        elif isinstance(node, nodes.History):
+        elif isinstance(node, nodes.HistoryTest):
             _agree(node.query, len(node.args), _TAKES[node.query])
 
     def declaration(self, form: nodes.TopForm) -> None:
@@ -151,13 +151,13 @@ class Verifier:
         for count, part in enumerate(walk.subformulas(formula)):
             if count > MAX_PARTS:
                 raise UnsoundError("a formula is too large")
-            if isinstance(part, nodes.Pattern):
+            if isinstance(part, nodes.Proposition):
                 if part.name in self._vocabulary.functions:
                     self._function(part.name, part.args)
                 else:
                     self._fact(part)
 
-    def _fact(self, pattern: nodes.Pattern) -> None:
+    def _fact(self, pattern: nodes.Proposition) -> None:
         relation = self._vocabulary.relations.get(pattern.name)
         if relation is None:
             raise UnsoundError(f"`{pattern.name}` is not declared")
@@ -175,7 +175,7 @@ class Verifier:
             raise UnsoundError(f"`{name}` is not declared")
         _agree(name, len(args), None if declared.args is None else len(declared.args))
 
-    def _request(self, request: nodes.Pattern) -> None:
+    def _request(self, request: nodes.Request) -> None:
         primitive = self._primitives.get(request.name)
         if primitive is None:
             raise UnsoundError(f"`{request.name}` is not declared")

@@ -71,7 +71,7 @@ def watches(formula: nodes.Formula, vocabulary: Vocabulary) -> tuple[Watch, ...]
 
 
 def _of(node: nodes.Node, vocabulary: Vocabulary) -> Iterator[Watch]:
-    if isinstance(node, nodes.Pattern):
+    if isinstance(node, nodes.Proposition):
         relation = vocabulary.relations.get(node.name)
         if relation is not None:
             yield from _pattern(node, relation)
@@ -92,7 +92,7 @@ def _of(node: nodes.Node, vocabulary: Vocabulary) -> Iterator[Watch]:
         yield Watch(age=node.age.name)
 
 
-def _pattern(node: nodes.Pattern, relation: Relation) -> Iterator[Watch]:
+def _pattern(node: nodes.Proposition, relation: Relation) -> Iterator[Watch]:
     if relation.default_function is not None and relation.is_property:
         yield Watch(ANYTHING)
     args = dict(enumerate(relation.full(node.args), 1))

@@ -1,131 +1,793 @@
 """Every node of the IR: what a RAP file says, without judging it.
 
-Nodes hold no meaning: what a name refers to is found by `rapc.library.library` and
-`rapc.analysis`. Those of `define-test` are in `rapc.ir.tests`.
+Nodes are frozen; sequences are tuples; the span is the last field and takes no part in
+comparison, so two spellings of one definition are equal. Nodes hold no meaning: what a
+name refers to is found by `rapc.library.library` and `rapc.analysis`.
 
-Sources: T chapter 4 and appendix A; S sections 3 and 4; semantics section 1.
+Sources: [T 4], [T A], [S 3], [S 4]; those of tests are in docs/testing.md.
 """
 
 from __future__ import annotations
 
-from rapc.ir.declarations import (
-    Alternative,
-    Argument,
-    ComparatorRow,
-    DeclareComparator,
-    DeclareDatum,
-    DeclareEvent,
-    DeclareFunction,
-    DeclareIndistinctClass,
-    DeclarePrimitive,
-    DeclareProperty,
-    DeclareProposition,
-    DeclareSkill,
-    EventRule,
-    Exclusion,
-    MemoryRule,
-    Require,
-    ResultCase,
-    Rule,
-    RuleAction,
-)
-from rapc.ir.formulas import (
-    And,
-    Believe,
-    Call,
-    Compare,
-    Const,
-    Count,
-    Formula,
-    History,
-    Node,
-    Not,
-    Or,
-    Pattern,
-    SensorName,
-    SetTest,
-    Term,
-    Truth,
-    Var,
-)
-from rapc.ir.raps import (
-    Annotation,
-    Body,
-    DefineRap,
-    Effect,
-    For,
-    Goal,
-    Method,
-    MonitorTime,
-    Primitive,
-    Resource,
-    ResourceEffect,
-    Skills,
-    Step,
-    TaskNet,
-    UntilEnd,
-    UntilStart,
-    WaitFor,
-    Window,
+from typing import Literal
+
+import msgspec
+
+from rapc.base.source import NOWHERE, Span
+from rapc.base.values import Atom, Number
+
+
+class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False, array_like=True):
+    """The base of all nodes: compared by type and fields, the span left out.
+
+    Nodes are trees, so the garbage collector need not look after them. In a compiled
+    library a node is a list: its type's name, then its fields.
+    """
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(
+            getattr(self, name) == getattr(other, name)
+            for name in self.__struct_fields__
+            if not name.endswith("span")
+        )
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        names = (n for n in self.__struct_fields__ if not n.endswith("span"))
+        return hash((type(self).__name__, *(getattr(self, n) for n in names)))
+
+
+# --- terms -------------------------------------------------------------------
+
+
+class Const(Node, frozen=True, eq=False):
+    """A symbol, number or string. A `:keyword` is a symbol that starts so."""
+
+    value: Atom
+    span: Span = NOWHERE
+
+
+class Var(Node, frozen=True, eq=False):
+    """A variable by its name with the question mark; a bare `?` matches anything."""
+
+    name: str
+    span: Span = NOWHERE
+
+    @property
+    def anonymous(self) -> bool:
+        """Whether this is the bare `?`, a new variable at each place."""
+        return self.name == "?"
+
+
+class Call(Node, frozen=True, eq=False):
+    """A computed term: `+ - * /`, `size-of`, `value` or a declared function."""
+
+    function: str
+    args: tuple[Term, ...]
+    span: Span = NOWHERE
+
+
+Term = Const | Var | Call
+
+
+# --- formulas (semantics 2) ----------------------------------------------------
+
+
+class Truth(Node, frozen=True, eq=False):
+    """`t` or `true` (always succeeds), `nil` or `false` (never does)."""
+
+    value: bool
+    span: Span = NOWHERE
+
+
+class Pattern(Node, frozen=True, eq=False):
+    """A name with terms for arguments; which kind of name, the types below say."""
+
+    name: str
+    args: tuple[Term, ...]
+    span: Span = NOWHERE
+
+
+class Proposition(Pattern, frozen=True, eq=False):
+    """A fact asked, asserted or erased, or a declared test.
+
+    Which of these it is follows from where it stands and from what its name is
+    declared to be: a property, a proposition, or a function used as a test.
+    """
+
+
+class Request(Pattern, frozen=True, eq=False):
+    """What a primitive asks of the world."""
+
+
+class Signal(Pattern, frozen=True, eq=False):
+    """A signal or event of the world; its name keeps its colon."""
+
+
+class Skill(Pattern, frozen=True, eq=False):
+    """A skill that is enabled or disabled; its name keeps its colon."""
+
+
+class Datum(Pattern, frozen=True, eq=False):
+    """A sensor datum that a scripted world sends."""
+
+
+class And(Node, frozen=True, eq=False):
+    """All parts hold, left to right with backtracking; without parts: true."""
+
+    parts: tuple[Formula, ...]
+    span: Span = NOWHERE
+
+
+class Or(Node, frozen=True, eq=False):
+    """One part holds, tried in order; without parts: false."""
+
+    parts: tuple[Formula, ...]
+    span: Span = NOWHERE
+
+
+class Not(Node, frozen=True, eq=False):
+    """The part has no solution (negation as failure)."""
+
+    part: Formula
+    span: Span = NOWHERE
+
+
+class Compare(Node, frozen=True, eq=False):
+    """`=`, `n=`, `<`, `>`, `<=` or `>=` between two terms; binds nothing."""
+
+    op: Literal["=", "n=", "<", ">", "<=", ">="]
+    left: Term
+    right: Term
+    span: Span = NOWHERE
+
+
+class Believe(Node, frozen=True, eq=False):
+    """`(believe p n)`: p is believed with an age below n, or n becomes its age."""
+
+    pattern: Proposition
+    age: Term
+    span: Span = NOWHERE
+
+
+class SetTest(Node, frozen=True, eq=False):
+    """`(member ?set thing)` or `(empty ?set)`."""
+
+    test: Literal["member", "empty"]
+    args: tuple[Term, ...]
+    span: Span = NOWHERE
+
+
+class HistoryTest(Node, frozen=True, eq=False):
+    """`method-tried`, `last-result` or `result-with-method` (T 4.1.2)."""
+
+    query: Literal["method-tried", "last-result", "result-with-method"]
+    args: tuple[Term, ...]
+    span: Span = NOWHERE
+
+
+class SensorName(Node, frozen=True, eq=False):
+    """`(know-sensor-name x)`, `(know-sensor-name x true)` or `... false)`."""
+
+    item: Term
+    value: Term
+    span: Span = NOWHERE
+
+
+class Count(Node, frozen=True, eq=False):
+    """`(count class place ?n)`: the size all layers of a set share (semantics 7)."""
+
+    kind: Term
+    place: Term
+    number: Term
+    span: Span = NOWHERE
+
+
+Formula = (
+    Truth
+    | Proposition
+    | And
+    | Or
+    | Not
+    | Compare
+    | Believe
+    | SetTest
+    | HistoryTest
+    | SensorName
+    | Count
 )
 
-__all__ = (
-    "Alternative",
-    "And",
-    "Annotation",
-    "Argument",
-    "Believe",
-    "Body",
-    "Call",
-    "ComparatorRow",
-    "Compare",
-    "Const",
-    "Count",
-    "DeclareComparator",
-    "DeclareDatum",
-    "DeclareEvent",
-    "DeclareFunction",
-    "DeclareIndistinctClass",
-    "DeclarePrimitive",
-    "DeclareProperty",
-    "DeclareProposition",
-    "DeclareSkill",
-    "DefineRap",
-    "Effect",
-    "EventRule",
-    "Exclusion",
-    "For",
-    "Formula",
-    "Goal",
-    "History",
-    "MemoryRule",
-    "Method",
-    "MonitorTime",
-    "Node",
-    "Not",
-    "Or",
-    "Pattern",
-    "Primitive",
-    "Require",
-    "Resource",
-    "ResourceEffect",
-    "ResultCase",
-    "Rule",
-    "RuleAction",
-    "SensorName",
-    "SetTest",
-    "Skills",
-    "Step",
-    "TaskNet",
-    "Term",
-    "TopForm",
-    "Truth",
-    "UntilEnd",
-    "UntilStart",
-    "Var",
-    "WaitFor",
-    "Window",
+
+# --- RAPs: clauses, methods, task-nets, annotations [T 4], [S 3] ----------------
+
+
+class MonitorTime(Node, frozen=True, eq=False):
+    """`(monitor-time now|absolute start stop)`; start and stop in time units."""
+
+    reference: Literal["now", "absolute"]
+    start: Term
+    stop: Term
+    span: Span = NOWHERE
+
+
+class Resource(Node, frozen=True, eq=False):
+    """`(set ?name [set])` or `(counter ?name [number-or-counter])`."""
+
+    kind: Literal["set", "counter"]
+    variable: Var
+    initial: Term | None
+    span: Span = NOWHERE
+
+
+class DeclaredEffect(Node, frozen=True, eq=False):
+    """A fact a RAP brings about (or, negated, takes away), for planner and checker."""
+
+    pattern: Proposition
+    negated: bool
+    span: Span = NOWHERE
+
+
+class Goal(Node, frozen=True, eq=False):
+    """`(rap args... [=> outs...])`: what a step or a top-level task asks for."""
+
+    name: str
+    args: tuple[Term, ...]
+    outputs: tuple[Term, ...]
+    span: Span = NOWHERE
+
+
+class For(Node, frozen=True, eq=False):
+    """`(formula for tag)`, or `(for tag)` with no formula."""
+
+    formula: Formula | None
+    tag: str
+    span: Span = NOWHERE
+
+
+class UntilStart(Node, frozen=True, eq=False):
+    """`(until-start tag)`."""
+
+    tag: str
+    span: Span = NOWHERE
+
+
+class UntilEnd(Node, frozen=True, eq=False):
+    """`(until-end tag)`."""
+
+    tag: str
+    span: Span = NOWHERE
+
+
+class Window(Node, frozen=True, eq=False):
+    """`(window tag|now|absolute start stop)`.
+
+    `reference` is a tag; the words `now` and `absolute` are never tags here.
+    """
+
+    reference: str
+    start: Term
+    stop: Term
+    span: Span = NOWHERE
+
+
+class WaitFor(Node, frozen=True, eq=False):
+    """`(wait-for (:signal args...) [:proceed|:succeed|:fail])`."""
+
+    signal: str
+    args: tuple[Term, ...]
+    mode: Literal["proceed", "succeed", "fail"]
+    span: Span = NOWHERE
+
+
+class ResourceChange(Node, frozen=True, eq=False):
+    """`(set-add ?s x)`, `(set-sub ?s x)`, `(counter-add ?c n)`, `(counter-sub ...)`."""
+
+    op: Literal["set-add", "set-sub", "counter-add", "counter-sub"]
+    resource: Term
+    amount: Term
+    span: Span = NOWHERE
+
+
+Annotation = For | UntilStart | UntilEnd | Window | WaitFor | ResourceChange
+
+
+class Step(Node, frozen=True, eq=False):
+    """`(tag [priority] goal annotation...)`; the priority adds to the parent's."""
+
+    tag: str
+    priority: int
+    goal: Goal
+    annotations: tuple[Annotation, ...]
+    span: Span = NOWHERE
+
+
+class TaskNet(Node, frozen=True, eq=False):
+    """The steps of a method; none means the method ends well at once."""
+
+    steps: tuple[Step, ...]
+    span: Span = NOWHERE
+
+
+class Primitive(Node, frozen=True, eq=False):
+    """`(primitive (name args...))`: one request to the world."""
+
+    request: Request
+    span: Span = NOWHERE
+
+
+class Skills(Node, frozen=True, eq=False):
+    """`(primitive (enable ...) (wait-for ...)... (disable ...))` (S 3.2, semantics 8).
+
+    Skills are patterns whose names are keywords. Each wait's mode is `succeed` or
+    `fail`.
+    """
+
+    enable: tuple[Skill, ...]
+    waits: tuple[WaitFor, ...]
+    disable: tuple[Skill, ...]
+    span: Span = NOWHERE
+
+
+Body = TaskNet | Primitive | Skills
+
+
+class Method(Node, frozen=True, eq=False):
+    """One way to carry a RAP out. `position` counts from 1 in the text."""
+
+    name: str | int | None
+    position: int
+    context: Formula | None
+    notations: tuple[Proposition, ...]
+    body: Body
+    span: Span = NOWHERE
+
+
+class DefineRap(Node, frozen=True, eq=False):
+    """A RAP. `name_span` is where its name stands in the index."""
+
+    name: str
+    inputs: tuple[Var, ...]
+    outputs: tuple[Var, ...]
+    duration: Term | None
+    monitor_state: Formula | None
+    monitor_time: MonitorTime | None
+    repeat_while: Formula | None
+    succeed: Formula | None
+    preconditions: Formula | None
+    constraints: Formula | None
+    resources: tuple[Resource, ...]
+    effects: tuple[DeclaredEffect, ...]
+    methods: tuple[Method, ...]
+    name_span: Span = NOWHERE
+    span: Span = NOWHERE
+
+
+# --- declarations [T A] ---------------------------------------------------------
+
+
+class Argument(Node, frozen=True, eq=False):
+    """A declared argument: its variable and, if given, its kind (`number`, ...)."""
+
+    variable: Var
+    kind: str | None
+    span: Span = NOWHERE
+
+
+class Exclusion(Node, frozen=True, eq=False):
+    """`:excludes value (pattern)` of a property (semantics 7)."""
+
+    value: Atom
+    pattern: Proposition
+    span: Span = NOWHERE
+
+
+class DeclareProposition(Node, frozen=True, eq=False):
+    """`(declare-memory-proposition name (arg...) ["doc"])`; `args` may be missing."""
+
+    name: str
+    args: tuple[Argument, ...] | None
+    doc: str
+    span: Span = NOWHERE
+
+
+class DeclareProperty(Node, frozen=True, eq=False):
+    """`(declare-memory-property name (arg... value) default ["doc"])`.
+
+    `default` is `unknown`, `true`, `false` or the name of a registered function;
+    `args` is None in T's form without the list, else the value comes last.
+    """
+
+    name: str
+    args: tuple[Argument, ...] | None
+    default: str
+    excludes: tuple[Exclusion, ...]
+    doc: str
+    span: Span = NOWHERE
+
+
+class DeclareFunction(Node, frozen=True, eq=False):
+    """`(declare-memory-function name (arg...) [:reads (pred...)] ["doc"])`.
+
+    `reads` is None where nothing was said.
+    """
+
+    name: str
+    args: tuple[Argument, ...] | None
+    reads: tuple[str, ...] | None
+    doc: str
+    span: Span = NOWHERE
+
+
+class DeclareIndistinctClass(Node, frozen=True, eq=False):
+    """`(declare-indistinct-class name [comparator])`."""
+
+    name: str
+    comparator: str | None
+    span: Span = NOWHERE
+
+
+class ComparatorRow(Node, frozen=True, eq=False):
+    """One property of a comparator declared in RAP: `veto`, `ignore` or a weight."""
+
+    property: str
+    treatment: Literal["veto", "ignore", "score"]
+    weight: int | float
+    span: Span = NOWHERE
+
+
+class DeclareComparator(Node, frozen=True, eq=False):
+    """`(declare-class-comparator class [place] comparator-name | rows...)` (T A.5)."""
+
+    class_name: str
+    place: str | None
+    function: str | None
+    rows: tuple[ComparatorRow, ...]
+    span: Span = NOWHERE
+
+
+class DeclarePrimitive(Node, frozen=True, eq=False):
+    """`(declare-primitive name (arg...) (result...) [:atomic false] ["doc"])`."""
+
+    name: str
+    args: tuple[Argument, ...]
+    results: tuple[str, ...]
+    atomic: bool
+    doc: str
+    span: Span = NOWHERE
+
+
+class DeclareDatum(Node, frozen=True, eq=False):
+    """`(declare-sensor-datum name (arg...) ["doc"])`."""
+
+    name: str
+    args: tuple[Argument, ...]
+    doc: str
+    span: Span = NOWHERE
+
+
+class DeclareSkill(Node, frozen=True, eq=False):
+    """`(declare-skill :name (arg...) ["doc"])`; the name keeps its colon."""
+
+    name: str
+    args: tuple[Argument, ...]
+    doc: str
+    span: Span = NOWHERE
+
+
+class DeclareEvent(Node, frozen=True, eq=False):
+    """`(declare-event :name (arg...) ["doc"])`; the name keeps its colon."""
+
+    name: str
+    args: tuple[Argument, ...]
+    doc: str
+    span: Span = NOWHERE
+
+
+# --- rules over memory (S 4.2, 4.3) ------------------------------------------------
+
+
+class RuleAction(Node, frozen=True, eq=False):
+    """`(mem-add p)` or `(mem-del prefix)`."""
+
+    op: Literal["mem-add", "mem-del"]
+    pattern: Proposition
+    span: Span = NOWHERE
+
+
+class Alternative(Node, frozen=True, eq=False):
+    """`(query action...)` of a rule; no query is written as true."""
+
+    query: Formula
+    actions: tuple[RuleAction, ...]
+    span: Span = NOWHERE
+
+
+class Rule(Node, frozen=True, eq=False):
+    """`(rule (query action...)...)`: the first query with a solution acts."""
+
+    alternatives: tuple[Alternative, ...]
+    span: Span = NOWHERE
+
+
+class ResultCase(Node, frozen=True, eq=False):
+    """`(pattern (rule ...)...)` of a `match-result`.
+
+    `result` is a `Const` symbol (`succeed` or a failure), a `Var`, or, for
+    `(signal args...)`, a `Signal`.
+    """
+
+    result: Const | Var | Signal
+    rules: tuple[Rule, ...]
+    span: Span = NOWHERE
+
+
+class MemoryRule(Node, frozen=True, eq=False):
+    """`(define-memory-rule index :finish|:event (match-result case...))`."""
+
+    index: Goal
+    when: Literal["finish", "event"]
+    cases: tuple[ResultCase, ...]
+    span: Span = NOWHERE
+
+
+class EventRule(Node, frozen=True, eq=False):
+    """`(define-event-rule (:signal args...) (rule ...)...)`."""
+
+    signal: str
+    args: tuple[Term, ...]
+    rules: tuple[Rule, ...]
+    span: Span = NOWHERE
+
+
+class Require(Node, frozen=True, eq=False):
+    """`(require "name")`."""
+
+    name: str
+    span: Span = NOWHERE
+
+
+# --- what is given -----------------------------------------------------------------
+
+
+RowKind = Literal["request", "enable", "disable"]
+
+
+class ScriptRow(Node, frozen=True, eq=False):
+    """`((request) [result] option...)`: what the world answers, and what comes of it.
+
+    `request` may hold variables; with `kind` `enable` or `disable` its name is that of
+    a skill. `after` is None for an atomic primitive, `times` for a row without limit.
+    """
+
+    kind: RowKind
+    request: Request | Skill
+    result: str | None
+    times: int | None
+    takes: Number
+    after: Number | None
+    asserts: tuple[Proposition, ...]
+    erases: tuple[Proposition, ...]
+    data: tuple[Datum, ...]
+    signals: tuple[Signal, ...]
+    refused: bool
+    span: Span = NOWHERE
+
+
+class GivenTask(Node, frozen=True, eq=False):
+    """`(task goal [:priority n] [:deadline t] [:background true])`."""
+
+    goal: Goal
+    priority: int
+    deadline: Number | None
+    background: bool
+    span: Span = NOWHERE
+
+
+class Asserts(Node, frozen=True, eq=False):
+    """`(asserts fact...)`."""
+
+    facts: tuple[Proposition, ...]
+    span: Span = NOWHERE
+
+
+class Erases(Node, frozen=True, eq=False):
+    """`(erases prefix...)`."""
+
+    prefixes: tuple[Proposition, ...]
+    span: Span = NOWHERE
+
+
+class Signals(Node, frozen=True, eq=False):
+    """`(signals (:name args...)...)`."""
+
+    signals: tuple[Signal, ...]
+    span: Span = NOWHERE
+
+
+class Cancel(Node, frozen=True, eq=False):
+    """`(cancel goal)`: every live top-level task that matches it."""
+
+    goal: Goal
+    span: Span = NOWHERE
+
+
+class Until(Node, frozen=True, eq=False):
+    """`(until t)` or, with `cycles`, `(until (cycles n))` and `(cycles n)`."""
+
+    time: Number | None
+    cycles: int | None
+    span: Span = NOWHERE
+
+
+# --- what is expected --------------------------------------------------------------
+
+
+class ListPattern(Node, frozen=True, eq=False):
+    """A list in an event pattern: a goal, a fact, a list of data."""
+
+    items: tuple[TracePattern, ...]
+    span: Span = NOWHERE
+
+
+TracePattern = Const | Var | ListPattern
+
+
+class EventPattern(Node, frozen=True, eq=False):
+    """`(task-failed :goal (x ?a) ...)`: an event's name and some of its keys.
+
+    Keys are named without the colon.
+    """
+
+    event: str
+    keys: tuple[tuple[str, TracePattern], ...]
+    span: Span = NOWHERE
+
+
+class Succeeds(Node, frozen=True, eq=False):
+    """`(succeeds goal [output...])`."""
+
+    goal: Goal
+    outputs: tuple[Term, ...]
+    span: Span = NOWHERE
+
+
+class Fails(Node, frozen=True, eq=False):
+    """`(fails goal [result])`; the result is a symbol or a variable."""
+
+    goal: Goal
+    result: Const | Var | None
+    span: Span = NOWHERE
+
+
+class Active(Node, frozen=True, eq=False):
+    """`(active goal)`."""
+
+    goal: Goal
+    span: Span = NOWHERE
+
+
+class Primitives(Node, frozen=True, eq=False):
+    """`(primitives request...)`: all of them, in order."""
+
+    requests: tuple[Request, ...]
+    span: Span = NOWHERE
+
+
+class PrimitivesInclude(Node, frozen=True, eq=False):
+    """`(primitives-include request...)`: in order, with others between."""
+
+    requests: tuple[Request, ...]
+    span: Span = NOWHERE
+
+
+class Never(Node, frozen=True, eq=False):
+    """`(never request)`."""
+
+    request: Request
+    span: Span = NOWHERE
+
+
+class MemoryHolds(Node, frozen=True, eq=False):
+    """`(memory formula)`."""
+
+    formula: Formula
+    span: Span = NOWHERE
+
+
+class MethodChosen(Node, frozen=True, eq=False):
+    """`(method rap name [n times])`.
+
+    `method` is written as the trace has it: a name, or `#1` for one without;
+    `times` is None where any number from one will do.
+    """
+
+    rap: str
+    method: str
+    times: int | None
+    span: Span = NOWHERE
+
+
+class SelectedBefore(Node, frozen=True, eq=False):
+    """`(selected-before goal goal)`."""
+
+    first: Goal
+    second: Goal
+    span: Span = NOWHERE
+
+
+class EndsBy(Node, frozen=True, eq=False):
+    """`(ends-by time goal)`."""
+
+    time: Number
+    goal: Goal
+    span: Span = NOWHERE
+
+
+class TraceHas(Node, frozen=True, eq=False):
+    """`(trace event-pattern...)`: in order, with others between."""
+
+    events: tuple[EventPattern, ...]
+    span: Span = NOWHERE
+
+
+Expectation = (
+    Succeeds
+    | Fails
+    | Active
+    | Primitives
+    | PrimitivesInclude
+    | Never
+    | MemoryHolds
+    | MethodChosen
+    | SelectedBefore
+    | EndsBy
+    | TraceHas
 )
+
+
+class Expect(Node, frozen=True, eq=False):
+    """`(expect expectation...)`."""
+
+    expectations: tuple[Expectation, ...]
+    span: Span = NOWHERE
+
+
+# --- the whole -----------------------------------------------------------------------
+
+Action = Asserts | Erases | Signals | GivenTask | Cancel | Expect
+
+
+class At(Node, frozen=True, eq=False):
+    """`(at time action...)`, the actions in the order of the text."""
+
+    time: Number
+    actions: tuple[Action, ...]
+    span: Span = NOWHERE
+
+
+class DefineTest(Node, frozen=True, eq=False):
+    """`(define-test name ["doc"] clause...)`.
+
+    `name_span` is where its name stands.
+    """
+
+    name: str
+    doc: str
+    requires: tuple[Require, ...]
+    world: str | None
+    facts: tuple[Proposition, ...]
+    script: tuple[ScriptRow, ...]
+    ats: tuple[At, ...]
+    tasks: tuple[GivenTask, ...]
+    until: Until | None
+    expectations: tuple[Expectation, ...]
+    name_span: Span = NOWHERE
+    span: Span = NOWHERE
+
 
 TopForm = (
     DefineRap

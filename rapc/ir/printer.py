@@ -35,8 +35,10 @@ def format_goal(goal: nodes.Goal, bindings: Bindings | None = None) -> str:
     return f"({' '.join(words)})"
 
 
-def format_formula(formula: nodes.Formula, bindings: Bindings | None = None) -> str:
-    """A formula on one line."""
+def format_formula(
+    formula: nodes.Formula | nodes.Pattern, bindings: Bindings | None = None
+) -> str:
+    """A formula on one line, or any name with its arguments."""
     parts: Sequence[nodes.Formula] = ()
     args: Sequence[nodes.Term] = ()
     match formula:
@@ -58,7 +60,7 @@ def format_formula(formula: nodes.Formula, bindings: Bindings | None = None) -> 
             word, args = "count", (kind, place, number)
         case nodes.Pattern(word, args) | nodes.SetTest(word, args):
             pass
-        case nodes.History(word, args):
+        case nodes.HistoryTest(word, args):
             pass
     words = [word, *(format_formula(part, bindings) for part in parts)]
     return f"({' '.join((*words, *(format_term(arg, bindings) for arg in args)))})"

@@ -6,7 +6,9 @@ here: that depends on declarations and on the order of evaluation (`rapc.analysi
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
+from types import UnionType
 from typing import Literal
 
 import msgspec
@@ -32,74 +34,42 @@ Clause = Literal[
 """Where a formula of a RAP stands."""
 
 
-CHILDREN: Mapping[type, tuple[str, ...]] = {
-    nodes.Const: (),
-    nodes.Var: (),
-    nodes.Call: ("args",),
-    nodes.Truth: (),
-    nodes.Pattern: ("args",),
-    nodes.And: ("parts",),
-    nodes.Or: ("parts",),
-    nodes.Not: ("part",),
-    nodes.Compare: ("left", "right"),
-    nodes.Believe: ("pattern", "age"),
-    nodes.SetTest: ("args",),
-    nodes.History: ("args",),
-    nodes.SensorName: ("item", "value"),
-    nodes.Count: ("kind", "place", "number"),
-    nodes.MonitorTime: ("start", "stop"),
-    nodes.Resource: ("variable", "initial"),
-    nodes.Effect: ("pattern",),
-    nodes.Goal: ("args", "outputs"),
-    nodes.For: ("formula",),
-    nodes.UntilStart: (),
-    nodes.UntilEnd: (),
-    nodes.Window: ("start", "stop"),
-    nodes.WaitFor: ("args",),
-    nodes.ResourceEffect: ("resource", "amount"),
-    nodes.Step: ("goal", "annotations"),
-    nodes.TaskNet: ("steps",),
-    nodes.Primitive: ("request",),
-    nodes.Skills: ("enable", "waits", "disable"),
-    nodes.Method: ("context", "notations", "body"),
-    nodes.DefineRap: (
-        "inputs",
-        "outputs",
-        "duration",
-        "monitor_state",
-        "monitor_time",
-        "repeat_while",
-        "succeed",
-        "preconditions",
-        "constraints",
-        "resources",
-        "effects",
-        "methods",
-    ),
-    nodes.Argument: ("variable",),
-    nodes.Exclusion: ("pattern",),
-    nodes.DeclareProposition: ("args",),
-    nodes.DeclareProperty: ("args", "excludes"),
-    nodes.DeclareFunction: ("args",),
-    nodes.DeclareIndistinctClass: (),
-    nodes.ComparatorRow: (),
-    nodes.DeclareComparator: ("rows",),
-    nodes.DeclarePrimitive: ("args",),
-    nodes.DeclareDatum: ("args",),
-    nodes.DeclareSkill: ("args",),
-    nodes.DeclareEvent: ("args",),
-    nodes.RuleAction: ("pattern",),
-    nodes.Alternative: ("query", "actions"),
-    nodes.Rule: ("alternatives",),
-    nodes.ResultCase: ("result", "rules"),
-    nodes.MemoryRule: ("index", "cases"),
-    nodes.EventRule: ("args", "rules"),
-    nodes.Require: (),
-}
-"""For each type of node, the fields that hold nodes, in the order of the text.
+def _children(kind: type[nodes.Node]) -> tuple[str, ...]:
+    """The fields of a type of node whose declared types name nodes."""
+    return tuple(
+        field
+        for field in kind.__struct_fields__
+        if _NODES & set(_WORD.findall(_declared(kind, field))) and field not in _PAIRS
+    )
 
-Those of tests are not listed.
-"""
+
+def _declared(kind: type, field: str) -> str:
+    """The type of a field as it is written in its class or one above."""
+    found = (vars(above).get("__annotations__", {}) for above in kind.__mro__)
+    return next(str(types[field]) for types in found if field in types)
+
+
+_WORD = re.compile(r"\w+")
+_PAIRS = ("keys",)
+"""Fields of pairs of a word and a node, which are no nodes themselves."""
+
+_NODES = {
+    name
+    for name, value in vars(nodes).items()
+    if (isinstance(value, UnionType)
+    and name != "Atom"
+    and name != "Number")
+    or (isinstance(value, type)
+    and issubclass(value, nodes.Node))
+}
+
+CHILDREN: Mapping[type, tuple[str, ...]] = {
+    kind: _children(kind)
+    for kind in vars(nodes).values()
+    if isinstance(kind, type) and issubclass(kind, nodes.Node)
+    if kind not in (nodes.Node, nodes.Pattern)
+}
+"""For each type of node, the fields that hold nodes, in the order of the text."""
 
 
 class TermAt(msgspec.Struct, frozen=True):
@@ -173,7 +143,7 @@ def terms(formula: nodes.Formula) -> Iterator[TermAt]:
 def _own_terms(formula: nodes.Formula) -> Iterator[tuple[nodes.Term, Role]]:
     pairs: Iterable[tuple[nodes.Term, Role]] = ()
     match formula:
-        case nodes.Pattern(_, args) | nodes.History(_, args):
+        case nodes.Proposition(_, args) | nodes.HistoryTest(_, args):
             pairs = ((arg, "match") for arg in args)
         case nodes.Compare(_, left, right):
             pairs = ((left, "use"), (right, "use"))

@@ -15,7 +15,7 @@ import msgspec
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
-from rapc.ir.tests import DefineTest
+from rapc.ir.nodes import DefineTest
 from rapc.parser.names import CALLS, QUERIES, TRUTHS
 from rapc.parser.unit import SourceUnit
 

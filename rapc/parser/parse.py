@@ -15,11 +15,11 @@ from rapc.base.source import SourceFile, Span
 from rapc.base.values import Atom, Fact
 from rapc.errors import TextError
 from rapc.ir import nodes
-from rapc.ir.tests import DefineTest
+from rapc.ir.nodes import DefineTest
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.formulas import formula
 from rapc.parser.forms.table import FORMS
-from rapc.parser.forms.terms import goal, pattern
+from rapc.parser.forms.terms import goal, proposition
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
@@ -104,14 +104,14 @@ def parse_fact(text: str) -> Fact:
     return (made.name, *values)
 
 
-def parse_pattern(text: str) -> nodes.Pattern:
+def parse_pattern(text: str) -> nodes.Proposition:
     """A proposition that may hold variables, as in `(location ?x depot)`.
 
     Raises:
         TextError: if the text is anything else.
     """
     ctx, data = _small(text)
-    made = pattern(ctx, data[0])
+    made = proposition(ctx, data[0])
     _complain(ctx)
     if made is None or len(data) > 1:
         raise TextError(f"one proposition is wanted, not more: {text.strip()}")

@@ -107,7 +107,7 @@ class HostQuery:
 def _check_names(formula: Formula, vocabulary: Vocabulary) -> None:
     declared = {**vocabulary.relations, **vocabulary.functions}
     for part in subformulas(formula):
-        if isinstance(part, nodes.Pattern):
+        if isinstance(part, nodes.Proposition):
             _check_name(part.name, declared)
             relation = vocabulary.relations.get(part.name)
             count = len(part.args)

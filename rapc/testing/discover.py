@@ -17,7 +17,7 @@ from rapc.base.diagnostics import Severity
 from rapc.base.source import SourceFile
 from rapc.compiler.artifact import Artifact
 from rapc.compiler.program import Program
-from rapc.ir.tests import DefineTest
+from rapc.ir.nodes import DefineTest
 from rapc.library import loader
 from rapc.testing.run import Case
 

@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.values import Fact, format_atom, format_list, match
-from rapc.ir import nodes, tests, walk
+from rapc.ir import nodes, walk
 from rapc.runtime.events import events
 from rapc.testing.patterns import atom, event_matches, flat
 from rapc.testing.record import Record, TaskRecord
@@ -30,7 +30,7 @@ class Scene(msgspec.Struct, frozen=True):
     holds: Callable[[nodes.Formula], bool]
 
 
-def judge(expectation: tests.Expectation, scene: Scene) -> Happened | None:
+def judge(expectation: nodes.Expectation, scene: Scene) -> Happened | None:
     """None if an expectation holds now, else what happened instead."""
     return _JUDGES[type(expectation)](expectation, scene)
 
@@ -58,7 +58,7 @@ def _tasks(goal: nodes.Goal, scene: Scene, found: Iterable[TaskRecord]) -> Happe
     return (f"no task {asked} was made, but", *_some(lines))
 
 
-def _succeeds(node: tests.Succeeds, scene: Scene) -> Happened | None:
+def _succeeds(node: nodes.Succeeds, scene: Scene) -> Happened | None:
     found = scene.record.matching(node.goal)
     wanted = (*flat(node.goal), *[atom(out) for out in node.outputs])
     for task in found:
@@ -68,7 +68,7 @@ def _succeeds(node: tests.Succeeds, scene: Scene) -> Happened | None:
     return _tasks(node.goal, scene, found)
 
 
-def _fails(node: tests.Fails, scene: Scene) -> Happened | None:
+def _fails(node: nodes.Fails, scene: Scene) -> Happened | None:
     found = scene.record.matching(node.goal)
     wanted = flat(node.goal)
     if node.result is not None:
@@ -80,21 +80,21 @@ def _fails(node: tests.Fails, scene: Scene) -> Happened | None:
     return _tasks(node.goal, scene, found)
 
 
-def _active(node: tests.Active, scene: Scene) -> Happened | None:
+def _active(node: nodes.Active, scene: Scene) -> Happened | None:
     found = scene.record.matching(node.goal)
     if any(task.ended is None for task in found):
         return None
     return _tasks(node.goal, scene, found)
 
 
-def _ends_by(node: tests.EndsBy, scene: Scene) -> Happened | None:
+def _ends_by(node: nodes.EndsBy, scene: Scene) -> Happened | None:
     found = scene.record.matching(node.goal)
     if any(t.ended == "succeeded" and t.time <= node.time for t in found):
         return None
     return _tasks(node.goal, scene, found)
 
 
-def _selected_before(node: tests.SelectedBefore, scene: Scene) -> Happened | None:
+def _selected_before(node: nodes.SelectedBefore, scene: Scene) -> Happened | None:
     firsts = _selected(node.first, scene)
     seconds = _selected(node.second, scene)
     if any(a < b for a in firsts for b in seconds):
@@ -127,7 +127,7 @@ def _requests(scene: Scene) -> list[Fact]:
     return [request for request, _ in scene.record.requests]
 
 
-def _primitives(node: tests.Primitives, scene: Scene) -> Happened | None:
+def _primitives(node: nodes.Primitives, scene: Scene) -> Happened | None:
     done, wanted = _requests(scene), node.requests
     same = 0
     for pattern, request in zip(wanted, done, strict=False):
@@ -154,7 +154,7 @@ def _listed(requests: Sequence[Fact]) -> Happened:
     return _some([format_list(request) for request in requests])
 
 
-def _include(node: tests.PrimitivesInclude, scene: Scene) -> Happened | None:
+def _include(node: nodes.PrimitivesInclude, scene: Scene) -> Happened | None:
     rest = iter(_requests(scene))
     for at, pattern in enumerate(node.requests):
         wanted = flat(pattern)
@@ -167,7 +167,7 @@ def _include(node: tests.PrimitivesInclude, scene: Scene) -> Happened | None:
     return None
 
 
-def _never(node: tests.Never, scene: Scene) -> Happened | None:
+def _never(node: nodes.Never, scene: Scene) -> Happened | None:
     for request, event in scene.record.requests:
         if match(flat(node.request), request) is not None:
             task = scene.record.tasks[event.task]
@@ -181,11 +181,15 @@ def _never(node: tests.Never, scene: Scene) -> Happened | None:
 # --- memory, methods, the trace -----------------------------------------------------
 
 
-def _memory(node: tests.MemoryHolds, scene: Scene) -> Happened | None:
+def _memory(node: nodes.MemoryHolds, scene: Scene) -> Happened | None:
     if scene.holds(node.formula):
         return None
     lines: list[str] = []
-    names = [f.name for f in walk.subformulas(node.formula) if type(f) is nodes.Pattern]
+    names = [
+        f.name
+        for f in walk.subformulas(node.formula)
+        if isinstance(f, nodes.Proposition)
+    ]
     for name in dict.fromkeys(names):
         facts = scene.record.about(name)
         if facts:
@@ -195,7 +199,7 @@ def _memory(node: tests.MemoryHolds, scene: Scene) -> Happened | None:
     return tuple(lines) or ("it does not hold",)
 
 
-def _method(node: tests.MethodChosen, scene: Scene) -> Happened | None:
+def _method(node: nodes.MethodChosen, scene: Scene) -> Happened | None:
     chosen = [
         event.method
         for event in scene.record.events
@@ -214,7 +218,7 @@ def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _trace(node: tests.TraceHas, scene: Scene) -> Happened | None:
+def _trace(node: nodes.TraceHas, scene: Scene) -> Happened | None:
     reached = -1
     for at, pattern in enumerate(node.events):
         same = scene.record.of_kind(pattern.event)
@@ -244,15 +248,15 @@ def _shown(value: object) -> str:
 
 
 _JUDGES: Mapping[type, Callable[[Any, Scene], Happened | None]] = {
-    tests.Succeeds: _succeeds,
-    tests.Fails: _fails,
-    tests.Active: _active,
-    tests.EndsBy: _ends_by,
-    tests.SelectedBefore: _selected_before,
-    tests.Primitives: _primitives,
-    tests.PrimitivesInclude: _include,
-    tests.Never: _never,
-    tests.MemoryHolds: _memory,
-    tests.MethodChosen: _method,
-    tests.TraceHas: _trace,
+    nodes.Succeeds: _succeeds,
+    nodes.Fails: _fails,
+    nodes.Active: _active,
+    nodes.EndsBy: _ends_by,
+    nodes.SelectedBefore: _selected_before,
+    nodes.Primitives: _primitives,
+    nodes.PrimitivesInclude: _include,
+    nodes.Never: _never,
+    nodes.MemoryHolds: _memory,
+    nodes.MethodChosen: _method,
+    nodes.TraceHas: _trace,
 }

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rapc.base.values import Atom, Fact, Text, match, number
-from rapc.ir import nodes, tests
+from rapc.ir import nodes
 
 Value = Atom | tuple[Any, ...]
 """A term of a trace: an atom, or a list as a tuple; `#counter(3)` is one symbol."""
@@ -85,7 +85,7 @@ def goal_matches(goal: nodes.Goal, inputs: Fact) -> bool:
 # --- events ------------------------------------------------------------------------
 
 
-def event_matches(pattern: tests.EventPattern, event: Mapping[str, Any]) -> bool:
+def event_matches(pattern: nodes.EventPattern, event: Mapping[str, Any]) -> bool:
     """Whether an event, as plain data under the keys of the trace, fits a pattern."""
     if event["event"] != pattern.event:
         return False
@@ -104,8 +104,8 @@ def event_matches(pattern: tests.EventPattern, event: Mapping[str, Any]) -> bool
     return True
 
 
-def _names_outputs(pattern: tests.TracePattern) -> bool:
-    if not isinstance(pattern, tests.ListPattern):
+def _names_outputs(pattern: nodes.TracePattern) -> bool:
+    if not isinstance(pattern, nodes.ListPattern):
         return True
     return any(i.value == "=>" for i in pattern.items if isinstance(i, nodes.Const))
 
@@ -122,7 +122,7 @@ def _term(value: object) -> Value:
     return value
 
 
-def _unify(pattern: tests.TracePattern, value: Value, bound: dict[str, Value]) -> bool:
+def _unify(pattern: nodes.TracePattern, value: Value, bound: dict[str, Value]) -> bool:
     """Whether a value fits; data are nested at most as deep as the reader allows."""
     if isinstance(pattern, nodes.Var):
         return pattern.anonymous or bound.setdefault(pattern.name, value) == value

@@ -15,7 +15,7 @@ from rapc.base.source import Span
 from rapc.base.values import format_atom, format_list
 from rapc.compiler.program import Program
 from rapc.errors import FactError, RefusedError, WorldError
-from rapc.ir import tests
+from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
@@ -35,7 +35,7 @@ MOST_CYCLES = 100_000
 class Case(msgspec.Struct, frozen=True):
     """A test with the library it runs, ready to be run any number of times."""
 
-    test: tests.DefineTest
+    test: nodes.DefineTest
     library: Program
 
 
@@ -119,7 +119,7 @@ def _error(case: Case, seed: int, found: Sequence[Problem]) -> Outcome:
     return Outcome(case, seed, Status.ERROR, failures)
 
 
-def _helper(test: tests.DefineTest, seed: int) -> World | None:
+def _helper(test: nodes.DefineTest, seed: int) -> World | None:
     """The world whose handlers and functions a test uses, if it names one."""
     if test.world is None:
         return None
@@ -141,8 +141,8 @@ class _Run:
         self._seed = seed
         self._record = Record()
         self._failures: list[Failure] = []
-        self._pending: list[tests.Expect] = []
-        self._unreached: dict[int, tests.At] = dict(enumerate(case.test.ats))
+        self._pending: list[nodes.Expect] = []
+        self._unreached: dict[int, nodes.At] = dict(enumerate(case.test.ats))
         self._broken = False
         scripted = ScriptedWorld(
             [row_of(row) for row in case.test.script],
@@ -167,7 +167,7 @@ class _Run:
         interpreter, test = self.interpreter, self.test
         interpreter.listen(self._record)
         interpreter.call_at_end(self._judge_at_the_end)
-        until = test.until or tests.Until(None, None)
+        until = test.until or nodes.Until(None, None)
         cycles = until.cycles
         if cycles is None and until.time is None:
             cycles = MOST_CYCLES
@@ -194,7 +194,7 @@ class _Run:
                 "say when with `(until time)`",
             )
 
-    def _action(self, number: int, at: tests.At) -> Callable[[], None]:
+    def _action(self, number: int, at: nodes.At) -> Callable[[], None]:
         def act() -> None:
             del self._unreached[number]
             for action in at.actions:
@@ -202,22 +202,22 @@ class _Run:
 
         return act
 
-    def _do(self, action: tests.Action) -> None:
+    def _do(self, action: nodes.Action) -> None:
         match action:
-            case tests.Asserts(facts):
+            case nodes.Asserts(facts):
                 for fact in facts:
                     self.interpreter.assert_fact(*flat(fact))
-            case tests.Erases(prefixes):
+            case nodes.Erases(prefixes):
                 for prefix in prefixes:
                     self.interpreter.erase(*flat(prefix))
-            case tests.Signals(signals):
+            case nodes.Signals(signals):
                 for signal in signals:
                     self.interpreter.signal(*flat(signal))
-            case tests.GivenTask():
+            case nodes.GivenTask():
                 self.interpreter.submit(submission(action))
-            case tests.Cancel(goal):
+            case nodes.Cancel(goal):
                 self.interpreter.cancel(flat(goal))
-            case tests.Expect():
+            case nodes.Expect():
                 self._pending.append(action)
 
     def _leaving(self) -> None:
@@ -232,7 +232,7 @@ class _Run:
         for at in self._unreached.values():
             self._not_reached(at)
 
-    def _judge(self, expectations: Sequence[tests.Expectation]) -> None:
+    def _judge(self, expectations: Sequence[nodes.Expectation]) -> None:
         self._record.refresh(self.interpreter.goals())
         scene = Scene(self._record, lambda f: self.interpreter.question(f).holds())
         for expectation in expectations:
@@ -240,8 +240,8 @@ class _Run:
             if happened is not None:
                 self._fail(expectation.span, *happened)
 
-    def _not_reached(self, at: tests.At) -> None:
-        if any(isinstance(action, tests.Expect) for action in at.actions):
+    def _not_reached(self, at: nodes.At) -> None:
+        if any(isinstance(action, nodes.Expect) for action in at.actions):
             now = format_atom(self.interpreter.now)
             reason = self.interpreter.reason
             self._fail(
@@ -263,13 +263,13 @@ class _Run:
         return Outcome(self._case, self._seed, status, tuple(self._failures), trace)
 
 
-def _all_tasks(test: tests.DefineTest) -> list[TaskRequest]:
+def _all_tasks(test: nodes.DefineTest) -> list[TaskRequest]:
     actions = [action for at in test.ats for action in at.actions]
-    later = [action for action in actions if isinstance(action, tests.GivenTask)]
+    later = [action for action in actions if isinstance(action, nodes.GivenTask)]
     return [submission(task) for task in (*test.tasks, *later)]
 
 
-def submission(task: tests.GivenTask) -> TaskRequest:
+def submission(task: nodes.GivenTask) -> TaskRequest:
     """A task of a test as the interpreter takes it."""
     return TaskRequest(
         goal=flat(task.goal),

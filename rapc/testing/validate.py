@@ -14,7 +14,7 @@ from rapc.base.names import counted, nearest
 from rapc.base.source import Span
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.errors import FactError
-from rapc.ir import nodes, tests, walk
+from rapc.ir import nodes, walk
 from rapc.library.library import Library
 from rapc.runtime.events import events
 from rapc.runtime.events.recorder import Recorder
@@ -31,7 +31,7 @@ class Problem(msgspec.Struct, frozen=True):
 
 
 def problems(
-    test: tests.DefineTest,
+    test: nodes.DefineTest,
     library: Library,
     handled: Collection[str],
     solved: Collection[str],
@@ -48,7 +48,7 @@ def problems(
     return list(validator.test(test))
 
 
-def row_of(row: tests.ScriptRow) -> Row:
+def row_of(row: nodes.ScriptRow) -> Row:
     """A row of a test's script as the scripted world takes it."""
     return Row(
         pattern=flat(row.request),
@@ -75,7 +75,7 @@ class _Validator:
         self._offer = offer_of(library)
         self._memory = Memory(Vocabulary.of(library), Recorder())
 
-    def test(self, test: tests.DefineTest) -> Iterator[Problem]:
+    def test(self, test: nodes.DefineTest) -> Iterator[Problem]:
         """Everything, in the order of the clauses."""
         yield from self._facts(test.facts)
         for row in test.script:
@@ -90,7 +90,7 @@ class _Validator:
 
     # --- what is given -------------------------------------------------------------
 
-    def _facts(self, facts: Iterable[nodes.Pattern]) -> Iterator[Problem]:
+    def _facts(self, facts: Iterable[nodes.Proposition]) -> Iterator[Problem]:
         for fact in facts:
             values = [a.value if isinstance(a, nodes.Const) else "?" for a in fact.args]
             try:
@@ -98,12 +98,12 @@ class _Validator:
             except FactError as error:
                 yield Problem(fact.span, str(error))
 
-    def _prefixes(self, prefixes: Iterable[nodes.Pattern]) -> Iterator[Problem]:
+    def _prefixes(self, prefixes: Iterable[nodes.Proposition]) -> Iterator[Problem]:
         for prefix in prefixes:
             if prefix.name not in self._memory.vocabulary.relations:
                 yield Problem(prefix.span, f"`{prefix.name}` is not declared")
 
-    def _row(self, row: tests.ScriptRow) -> Iterator[Problem]:
+    def _row(self, row: nodes.ScriptRow) -> Iterator[Problem]:
         if row.kind != "request" or row.refused:
             yield Problem(row.span, "skills and conflicts cannot be run yet")
             return
@@ -112,42 +112,42 @@ class _Validator:
         yield from self._facts(row.asserts)
         yield from self._prefixes(row.erases)
 
-    def _action(self, action: tests.Action) -> Iterator[Problem]:
+    def _action(self, action: nodes.Action) -> Iterator[Problem]:
         match action:
-            case tests.Asserts(facts):
+            case nodes.Asserts(facts):
                 yield from self._facts(facts)
-            case tests.Erases(prefixes):
+            case nodes.Erases(prefixes):
                 yield from self._prefixes(prefixes)
-            case tests.Signals(signals):
+            case nodes.Signals(signals):
                 for signal in signals:
                     yield from self._offered(signal, "event", self._offer.events)
-            case tests.GivenTask(goal) | tests.Cancel(goal):
+            case nodes.GivenTask(goal) | nodes.Cancel(goal):
                 yield from self._goal(goal)
-            case tests.Expect(expectations):
+            case nodes.Expect(expectations):
                 for expectation in expectations:
                     yield from self._expectation(expectation)
 
     # --- what is expected ------------------------------------------------------------
 
-    def _expectation(self, node: tests.Expectation) -> Iterator[Problem]:
+    def _expectation(self, node: nodes.Expectation) -> Iterator[Problem]:
         match node:
-            case tests.Succeeds() | tests.Fails() | tests.Active() | tests.EndsBy():
+            case nodes.Succeeds() | nodes.Fails() | nodes.Active() | nodes.EndsBy():
                 yield from self._goal(node.goal)
-                if isinstance(node, tests.Succeeds):
+                if isinstance(node, nodes.Succeeds):
                     yield from self._outputs(node)
-            case tests.SelectedBefore(first, second):
+            case nodes.SelectedBefore(first, second):
                 yield from self._goal(first)
                 yield from self._goal(second)
-            case tests.Primitives(requests) | tests.PrimitivesInclude(requests):
+            case nodes.Primitives(requests) | nodes.PrimitivesInclude(requests):
                 for request in requests:
                     yield from self._request(request)
-            case tests.Never(request):
+            case nodes.Never(request):
                 yield from self._request(request)
-            case tests.MemoryHolds(formula):
+            case nodes.MemoryHolds(formula):
                 yield from self._formula(formula)
-            case tests.MethodChosen():
+            case nodes.MethodChosen():
                 yield from self._method(node)
-            case tests.TraceHas(patterns):
+            case nodes.TraceHas(patterns):
                 for pattern in patterns:
                     yield from _event(pattern)
 
@@ -159,7 +159,7 @@ class _Validator:
             message = f"`{goal.name}` takes {counted(len(rap.inputs), 'input')}"
             yield Problem(goal.span, f"{message}, not {len(goal.args)}")
 
-    def _outputs(self, node: tests.Succeeds) -> Iterator[Problem]:
+    def _outputs(self, node: nodes.Succeeds) -> Iterator[Problem]:
         rap = self._library.raps.get(node.goal.name)
         if rap and node.outputs and len(node.outputs) != len(rap.outputs):
             message = f"`{rap.name}` has {counted(len(rap.outputs), 'output')}"
@@ -181,10 +181,12 @@ class _Validator:
 
     def _formula(self, formula: nodes.Formula) -> Iterator[Problem]:
         functions = self._memory.vocabulary.functions
-        patterns = [f for f in walk.subformulas(formula) if type(f) is nodes.Pattern]
+        patterns = [
+            f for f in walk.subformulas(formula) if isinstance(f, nodes.Proposition)
+        ]
         yield from self._facts(p for p in patterns if p.name not in functions)
 
-    def _method(self, node: tests.MethodChosen) -> Iterator[Problem]:
+    def _method(self, node: nodes.MethodChosen) -> Iterator[Problem]:
         rap = self._library.raps.get(node.rap)
         if rap is None:
             yield _unknown(node.span, "there is no RAP", node.rap, self._library.raps)
@@ -204,7 +206,7 @@ def _unknown(span: Span, what: str, name: str, known: Collection[str]) -> Proble
     return Problem(span, f"{what} `{name}`{hint}")
 
 
-def _event(pattern: tests.EventPattern) -> Iterator[Problem]:
+def _event(pattern: nodes.EventPattern) -> Iterator[Problem]:
     kinds = _event_keys()
     keys = kinds.get(pattern.event)
     if keys is None:

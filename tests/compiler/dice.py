@@ -115,14 +115,14 @@ class Dice:
         args = [self.one((self.term(), nodes.Const(2))) for _ in range(count)]
         return nodes.Call(function, tuple(args))
 
-    def pattern(self) -> nodes.Pattern:
+    def pattern(self) -> nodes.Proposition:
         """A proposition or property that often matches a fact that is there."""
         fact = self.one(self.known) if self.known and self.odds(0.8) else self.fact()
         name, *values = fact
         short = name in PROPERTIES and 1 < len(values) == PROPERTIES[str(name)][0]
         if short and values[-1] == "true" and self.odds(0.7):
             values = values[:-1]
-        return nodes.Pattern(str(name), tuple(self.term(value) for value in values))
+        return nodes.Proposition(str(name), tuple(self.term(value) for value in values))
 
     def test(self) -> nodes.Formula:
         """A formula that is no connective and no proposition."""
@@ -136,15 +136,19 @@ class Dice:
             nodes.Compare(self.one(ops), one, two),
             nodes.SetTest("member", (in_set, one)),
             nodes.SetTest("empty", (in_set,)),
-            nodes.History("method-tried", (nodes.Const(method),)),
-            nodes.History("last-result", (self.one((one, nodes.Const("dropped"))),)),
-            nodes.History("result-with-method", (self.one((nodes.Const(2), one)), two)),
+            nodes.HistoryTest("method-tried", (nodes.Const(method),)),
+            nodes.HistoryTest(
+                "last-result", (self.one((one, nodes.Const("dropped"))),)
+            ),
+            nodes.HistoryTest(
+                "result-with-method", (self.one((nodes.Const(2), one)), two)
+            ),
             nodes.SensorName(one, self.one((flag, two))),
             nodes.SensorName(one, flag),
             nodes.Count(nodes.Const("thing"), nodes.Const(self.one(PLACES)), one),
             nodes.Count(one, two, three),
             nodes.Truth(self.odds(0.5)),
-            nodes.Pattern("odd", (one,)),
+            nodes.Proposition("odd", (one,)),
         )
         return self.one(options)
 

@@ -101,7 +101,7 @@ def _tests(mind: Mind, env: Env, formula: nodes.Formula) -> Iterator[Env]:
             members = list(of.members)
             if thing[0] in members if test == "member" else not members:
                 yield env
-        case nodes.History(query, args):
+        case nodes.HistoryTest(query, args):
             yield from _history(mind, env, query, args)
         case nodes.SensorName(item, known):
             yield from _sensor_name(mind, env, item, known)
@@ -109,7 +109,7 @@ def _tests(mind: Mind, env: Env, formula: nodes.Formula) -> Iterator[Env]:
             yield from _count(mind, env, kind, place, size)
         case nodes.Believe(pattern, age):
             yield from _believe(mind, env, pattern, age)
-        case nodes.Pattern():
+        case nodes.Proposition():
             yield from _pattern(mind, env, formula)
         case _:
             raise AssertionError(formula)
@@ -224,7 +224,7 @@ def _open(env: Env, term: nodes.Term) -> bool:
     return isinstance(term, nodes.Var) and (term.anonymous or term.name not in env)
 
 
-def _pattern(mind: Mind, env: Env, pattern: nodes.Pattern) -> Iterator[Env]:
+def _pattern(mind: Mind, env: Env, pattern: nodes.Proposition) -> Iterator[Env]:
     if pattern.name == "odd":
         given = value(mind, env, pattern.args[0])
         if isinstance(given, int) and given % 2:
@@ -236,7 +236,7 @@ def _pattern(mind: Mind, env: Env, pattern: nodes.Pattern) -> Iterator[Env]:
 
 
 def _stored(
-    mind: Mind, env: Env, pattern: nodes.Pattern
+    mind: Mind, env: Env, pattern: nodes.Proposition
 ) -> Iterator[tuple[Env, float]]:
     """Each fact that matches, with its stamp: oldest assertion first."""
     args = _arguments(mind, env, pattern)
@@ -247,7 +247,9 @@ def _stored(
                 yield bound, stamp
 
 
-def _arguments(mind: Mind, env: Env, pattern: nodes.Pattern) -> tuple[nodes.Term, ...]:
+def _arguments(
+    mind: Mind, env: Env, pattern: nodes.Proposition
+) -> tuple[nodes.Term, ...]:
     """The arguments with the computed ones computed and a short form made full."""
     args = tuple(
         nodes.Const(value(mind, env, arg))  # type: ignore[arg-type]
@@ -278,7 +280,7 @@ def _all_matched(
         yield from _all_matched(mind, bound, args[1:], values[1:])
 
 
-def _by_default(mind: Mind, env: Env, pattern: nodes.Pattern) -> Iterator[Env]:
+def _by_default(mind: Mind, env: Env, pattern: nodes.Proposition) -> Iterator[Env]:
     """A property's default, where its index is known and has no fact."""
     if pattern.name not in mind.properties:
         return
@@ -291,7 +293,7 @@ def _by_default(mind: Mind, env: Env, pattern: nodes.Pattern) -> Iterator[Env]:
 
 
 def _believe(
-    mind: Mind, env: Env, pattern: nodes.Pattern, age: nodes.Term
+    mind: Mind, env: Env, pattern: nodes.Proposition, age: nodes.Term
 ) -> Iterator[Env]:
     for bound, stamp in _stored(mind, env, pattern):
         if _open(bound, age):

@@ -32,7 +32,7 @@ TERMS: st.SearchStrategy[nodes.Term] = st.recursive(
     max_leaves=6,
 )
 ARGS = st.lists(TERMS, max_size=3).map(tuple)
-PATTERNS = st.builds(nodes.Pattern, NAMES, ARGS)
+PATTERNS = st.builds(nodes.Proposition, NAMES, ARGS)
 KNOWN = st.one_of(
     st.sampled_from(["true", "false"]).map(nodes.Const), st.just(nodes.Var("?y"))
 )
@@ -44,7 +44,7 @@ LEAVES = st.one_of(
     st.builds(nodes.Believe, PATTERNS, TERMS),
     st.builds(nodes.SetTest, st.just("member"), st.tuples(TERMS, TERMS).map(tuple)),
     st.builds(nodes.SetTest, st.just("empty"), st.tuples(TERMS).map(tuple)),
-    st.builds(nodes.History, st.just("last-result"), st.tuples(TERMS).map(tuple)),
+    st.builds(nodes.HistoryTest, st.just("last-result"), st.tuples(TERMS).map(tuple)),
     st.builds(nodes.SensorName, TERMS, KNOWN),
     st.builds(nodes.Count, TERMS, TERMS, TERMS),
 )

@@ -20,7 +20,7 @@ def test_fact() -> None:
 def test_pattern() -> None:
     made = parse_pattern(" (size ?x (+ 1 2)) ; of something ")
     call = nodes.Call("+", (nodes.Const(1), nodes.Const(2)))
-    assert made == nodes.Pattern("size", (nodes.Var("?x"), call))
+    assert made == nodes.Proposition("size", (nodes.Var("?x"), call))
 
 
 def test_goal_with_options() -> None:

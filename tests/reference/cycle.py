@@ -15,7 +15,7 @@ from tests.reference.run import Run
 from tests.reference.tasks import Task
 from tests.reference.waking import block, monitors_hold, read_inputs
 
-_DONE = nodes.History("last-result", (nodes.Const("okay"),))
+_DONE = nodes.HistoryTest("last-result", (nodes.Const("okay"),))
 
 
 def process(run: Run, task: Task) -> None:

@@ -78,7 +78,7 @@ def effects(
     parent = task.parent.task
     changes: list[tuple[str, Counter | SetResource, Any]] = []
     for note in task.place.step.annotations:
-        if not isinstance(note, nodes.ResourceEffect):
+        if not isinstance(note, nodes.ResourceChange):
             continue
         resource, why = run.value(parent, note.resource, env)
         amount: Any = None

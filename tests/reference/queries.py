@@ -103,15 +103,15 @@ class Asker(Terms):
     def facts(self, formula: nodes.Formula, env: Bindings) -> Iterator[Bindings]:
         """What memory, a declared function or the task's past has to say."""
         match formula:
-            case nodes.Pattern(name, args) if name in self.memory.library.functions:
+            case nodes.Proposition(name, args) if name in self.memory.library.functions:
                 values = [self.term(arg, env) for arg in args]
                 if self.functions[name](self.memory, *values):
                     yield env
-            case nodes.Pattern():
+            case nodes.Proposition():
                 yield from self.pattern(formula, env)
             case nodes.Believe(pattern, age):
                 yield from self.believe(pattern, age, env)
-            case nodes.History():
+            case nodes.HistoryTest():
                 yield from self.past(formula, env)
             case nodes.SensorName(item, value):
                 # every plain symbol is its own sensor name; nothing was introduced
@@ -126,7 +126,7 @@ class Asker(Terms):
         """Whether a term is no variable, or one with a value."""
         return not isinstance(term, nodes.Var) or term.name in env
 
-    def slots(self, pattern: nodes.Pattern, env: Bindings) -> list[Slot]:
+    def slots(self, pattern: nodes.Proposition, env: Bindings) -> list[Slot]:
         """A pattern in its whole form, with what has a value put in."""
         terms = list(pattern.args)
         if is_short(self.memory.library, pattern.name, len(terms)):
@@ -157,7 +157,7 @@ class Asker(Terms):
                 return None
         return found
 
-    def pattern(self, pattern: nodes.Pattern, env: Bindings) -> Iterator[Bindings]:
+    def pattern(self, pattern: nodes.Proposition, env: Bindings) -> Iterator[Bindings]:
         """A proposition; for a property with its default (T 2.2.2's steps)."""
         slots = self.slots(pattern, env)
         direct = False
@@ -192,7 +192,7 @@ class Asker(Terms):
     # --- believe ------------------------------------------------------------------
 
     def believe(
-        self, pattern: nodes.Pattern, age: nodes.Term, env: Bindings
+        self, pattern: nodes.Proposition, age: nodes.Term, env: Bindings
     ) -> Iterator[Bindings]:
         """A fact younger than an age; or, with the age unbound, how old one is.
 
@@ -240,7 +240,7 @@ class Asker(Terms):
 
     # --- the task's past ----------------------------------------------------------
 
-    def past(self, formula: nodes.History, env: Bindings) -> Iterator[Bindings]:
+    def past(self, formula: nodes.HistoryTest, env: Bindings) -> Iterator[Bindings]:
         """`method-tried`, `last-result` and `result-with-method`."""
         assert self.history is not None
         if formula.query == "method-tried":

@@ -63,7 +63,7 @@ def matches(
     if wait.signal != content[0] or len(wait.args) != len(content) - 1:
         return None
     asker = run.asker(task.parent.task)
-    pattern = nodes.Pattern(wait.signal, wait.args)
+    pattern = nodes.Proposition(wait.signal, wait.args)
     try:
         slots = asker.slots(pattern, task.parent.env)
     except Fault as fault:

@@ -334,5 +334,5 @@ def let_go(run: Run, place: Place) -> None:
 def format_signal(wait: nodes.WaitFor, task: Task) -> str:
     """A signal as the trace prints it, with what is bound put in."""
     assert task.parent is not None
-    pattern = nodes.Pattern(wait.signal, wait.args)
+    pattern = nodes.Signal(wait.signal, wait.args)
     return format_formula(pattern, task.parent.env)

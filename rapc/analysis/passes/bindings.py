@@ -235,7 +235,7 @@ def _windows(walk: _Walk, step: nodes.Step, bound: Bound) -> None:
 
 def _resource_effects(walk: _Walk, step: nodes.Step, bound: Bound) -> None:
     for annotation in step.annotations:
-        if type(annotation) is nodes.ResourceEffect:
+        if type(annotation) is nodes.ResourceChange:
             walk.walker.values((annotation.resource, annotation.amount), bound)
 
 
@@ -315,7 +315,7 @@ def _memory_rule(walk: _Walk, rule: nodes.MemoryRule) -> None:
     base = Bound(None, _names((*rule.index.args, *rule.index.outputs)))
     for case in rule.cases:
         result = case.result
-        args = result.args if isinstance(result, nodes.Pattern) else (result,)
+        args = result.args if isinstance(result, nodes.Signal) else (result,)
         _rules(walk, case.rules, Bound(base, _names(args)))
 
 

@@ -92,7 +92,7 @@ ANALYZER = Analyzer(
 )
 
 
-def _implied(pattern: nodes.Pattern, declared: Predicate, form: str) -> Diagnostic:
+def _implied(pattern: nodes.Proposition, declared: Predicate, form: str) -> Diagnostic:
     end = pattern.args[-1].span.end
     edit = Edit(Span(pattern.span.file, end, end), " true")
     return Diagnostic(

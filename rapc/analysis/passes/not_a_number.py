@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.occurrences import Occurrences
+from rapc.analysis.occurrences import Occurrences, Use
 from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.analysis.passes.predicates import PREDICATES
 from rapc.analysis.vocabulary import Predicate
@@ -40,6 +40,7 @@ but two numbers, and a number never equals a symbol.""",
 ARITHMETIC = ("+", "-", "*", "/")
 
 Found = Iterator[tuple[nodes.Term, str]]
+Table = Mapping[str, Sequence[nodes.Argument]]
 """Terms at fault with the end of the sentence that says why."""
 
 
@@ -114,7 +115,7 @@ def _times(occurrences: Occurrences) -> Found:
         yield from _must_be_numbers("is no time", delay.node.start, delay.node.stop)
     for rap in occurrences.of(nodes.DefineRap):
         yield from _must_be_numbers("is no time", rap.node.duration)
-    for effect in occurrences.of(nodes.ResourceEffect):
+    for effect in occurrences.of(nodes.ResourceChange):
         if effect.node.op in ("counter-add", "counter-sub"):
             yield from _must_be_numbers("is no amount", effect.node.amount)
     for resource in occurrences.of(nodes.Resource):
@@ -132,11 +133,10 @@ def _declared(run: Pass, occurrences: Occurrences) -> Found:
     """Arguments that were declared to be numbers."""
     facts = _with_numbers(run.result(PREDICATES))
     requests = _with_numbers(run.library.primitives)
-    for use in occurrences.of(nodes.Pattern) if facts or requests else ():
-        kind = type(use.parent)
-        if kind is nodes.Skills or kind is nodes.ResultCase:
-            continue
-        table = requests if kind is nodes.Primitive else facts
+    uses: list[tuple[Table, Use[nodes.Proposition] | Use[nodes.Request]]] = []
+    uses += [(facts, use) for use in occurrences.of(nodes.Proposition) if facts]
+    uses += [(requests, use) for use in occurrences.of(nodes.Request) if requests]
+    for table, use in uses:
         for term, arg in zip(use.node.args, table.get(use.node.name, ()), strict=False):
             if arg.kind == "number" and _is_other(term) and not _unknown(term):
                 yield term, f"is no number, which `{arg.variable.name}` was declared"

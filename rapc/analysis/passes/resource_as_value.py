@@ -49,7 +49,7 @@ def _run(run: Pass) -> None:
         (id(use.owner), use.node.variable.name): use.node
         for use in occurrences.of(nodes.Resource)
     }
-    effects = {id(use.node.pattern) for use in occurrences.of(nodes.Effect)}
+    effects = {id(use.node.pattern) for use in occurrences.of(nodes.DeclaredEffect)}
     for use in occurrences.of(nodes.Var) if resources else ():
         declared = resources.get((id(use.owner), use.node.name))
         if declared is None or id(use.parent) in effects:
@@ -74,13 +74,13 @@ def _needs_value(
     match parent:
         case nodes.Goal() | nodes.Resource():
             needed = False
-        case nodes.Pattern():
+        case nodes.Proposition():
             needed = parent.name not in functions
         case nodes.Call():
             needed = parent.function in CALLS and parent.function not in _LOOK_INSIDE
         case nodes.SetTest():
             needed = variable is not parent.args[0]
-        case nodes.ResourceEffect():
+        case nodes.ResourceChange():
             needed = variable is parent.amount
         case nodes.DefineRap():
             needed = variable is parent.duration

@@ -129,7 +129,7 @@ def _places(
         if call.node.function in ("size-of", "value"):
             kind: Kind = "set" if call.node.function == "size-of" else "counter"
             yield call.node.args[0], kind, call.owner
-    for effect in occurrences.of(nodes.ResourceEffect):
+    for effect in occurrences.of(nodes.ResourceChange):
         kind = "set" if effect.node.op in ("set-add", "set-sub") else "counter"
         yield effect.node.resource, kind, effect.owner
     for resource in occurrences.of(nodes.Resource):

@@ -69,7 +69,7 @@ sent with those it was declared with: another number of them never matches.""",
 """,
 )
 
-Signal = nodes.Pattern | nodes.WaitFor
+Signal = nodes.Signal | nodes.Skill | nodes.WaitFor
 Declared = nodes.DeclareSkill | nodes.DeclareEvent
 
 
@@ -119,5 +119,5 @@ def _events(occurrences: Occurrences) -> Iterator[Signal]:
     for rule in occurrences.of(nodes.EventRule):
         yield nodes.WaitFor(rule.node.signal, rule.node.args, "proceed", rule.node.span)
     for case in occurrences.of(nodes.ResultCase):
-        if isinstance(case.node.result, nodes.Pattern):
+        if isinstance(case.node.result, nodes.Signal):
             yield case.node.result

@@ -35,7 +35,7 @@ methods of its own, a problem solver may bring methods with any name.)""",
 
 
 def _run(run: Pass) -> None:
-    for use in run.result(OCCURRENCES).of(nodes.History):
+    for use in run.result(OCCURRENCES).of(nodes.HistoryTest):
         rap, history = use.owner, use.node
         if history.query == "last-result" or not isinstance(rap, nodes.DefineRap):
             continue

@@ -76,7 +76,7 @@ def _declared(library: Library) -> Iterator[str]:
 def _asked(occurrences: Occurrences) -> Iterator[nodes.Const]:
     """Every constant that stands for a result."""
     bound: set[tuple[int, str]] = set()
-    for use in occurrences.of(nodes.History):
+    for use in occurrences.of(nodes.HistoryTest):
         if use.node.query != "method-tried":
             result = use.node.args[-1]
             if type(result) is nodes.Const:

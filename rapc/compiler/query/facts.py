@@ -66,7 +66,7 @@ class _Query(msgspec.Struct, frozen=True):
         return tuple(at for at, k in enumerate(self.known, 1) if k is not None)
 
 
-def pattern(clause: Clause, scope: Scope, formula: nodes.Pattern) -> None:
+def pattern(clause: Clause, scope: Scope, formula: nodes.Proposition) -> None:
     """A proposition, a property, or a declared function used as a test."""
     relation = clause.vocabulary.relations.get(formula.name)
     if relation is not None:
@@ -97,8 +97,8 @@ def _fact(
     clause: Clause,
     scope: Scope,
     relation: Relation,
-    wanted: nodes.Pattern,
-    formula: nodes.Pattern | nodes.Believe,
+    wanted: nodes.Proposition,
+    formula: nodes.Proposition | nodes.Believe,
 ) -> None:
     args = relation.full(wanted.args)
     known = tuple([known_value(clause, scope, arg) for arg in args])

@@ -237,7 +237,7 @@ def _set_test(clause: Clause, scope: Scope, formula: nodes.SetTest) -> None:
         scope.refuse(members)
 
 
-def _history(clause: Clause, scope: Scope, formula: nodes.History) -> None:
+def _history(clause: Clause, scope: Scope, formula: nodes.HistoryTest) -> None:
     clause.note(formula, Way.TEST)
     if formula.query == "method-tried":
         args = arguments(clause, scope, formula.args)
@@ -289,9 +289,9 @@ _WRITERS: dict[type, Callable[..., None]] = {
     nodes.Not: _not,
     nodes.Compare: _compare,
     nodes.SetTest: _set_test,
-    nodes.History: _history,
+    nodes.HistoryTest: _history,
     nodes.SensorName: _sensor_name,
     nodes.Count: _count,
-    nodes.Pattern: facts.pattern,
+    nodes.Proposition: facts.pattern,
     nodes.Believe: facts.believe,
 }

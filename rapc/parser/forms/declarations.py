@@ -11,7 +11,7 @@ from rapc.base.values import Atom, Text
 from rapc.ir import nodes
 from rapc.parser.forms.context import Context, head_of
 from rapc.parser.forms.parts import Option, Parts, arguments, parts, symbol, symbols
-from rapc.parser.forms.terms import pattern
+from rapc.parser.forms.terms import proposition as read_proposition
 from rapc.parser.syntax import Keyword, List, Numeral, String, Symbol, Variable
 
 
@@ -88,7 +88,7 @@ def _exclusion(ctx: Context, option: Option) -> nodes.Exclusion | None:
         case List() | Variable():
             ctx.report("malformed-form", "`:excludes` begins with a value", first)
             return None
-    excluded = pattern(ctx, second)
+    excluded = read_proposition(ctx, second)
     if excluded is None:
         return None
     span = ctx.span(option.word).to(ctx.span(second))

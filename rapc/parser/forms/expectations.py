@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, cast
 
-from rapc.ir import nodes, tests
+from rapc.ir import nodes
 from rapc.parser.forms.clauses import lone_formula
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.script import (
@@ -27,15 +27,15 @@ class _Kind(NamedTuple):
     form: str
     least: int
     most: int | None
-    read: Callable[[Context, List], tests.Expectation | None]
+    read: Callable[[Context, List], nodes.Expectation | None]
 
 
-def expectations(ctx: Context, data: Sequence[Datum]) -> tuple[tests.Expectation, ...]:
+def expectations(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Expectation, ...]:
     """What stands in an `expect`."""
     return made(_expectation(ctx, datum) for datum in data)
 
 
-def _expectation(ctx: Context, datum: Datum) -> tests.Expectation | None:
+def _expectation(ctx: Context, datum: Datum) -> nodes.Expectation | None:
     name = head_of(datum)
     if name is None or not isinstance(datum, List):
         message = f"an expectation is wanted here, not {kind_of(datum)}"
@@ -61,16 +61,16 @@ def _wrong(ctx: Context, datum: List) -> None:
     ctx.report("malformed-clause", message, datum)
 
 
-def _succeeds(ctx: Context, datum: List) -> tests.Succeeds | None:
+def _succeeds(ctx: Context, datum: List) -> nodes.Succeeds | None:
     asked = asked_goal(ctx, datum.items[1])
     outputs = terms(ctx, datum.items[2:])
     if any(isinstance(one, nodes.Call) for one in outputs):
         _wrong(ctx, datum)
         return None
-    return tests.Succeeds(asked, outputs, ctx.span(datum)) if asked else None
+    return nodes.Succeeds(asked, outputs, ctx.span(datum)) if asked else None
 
 
-def _fails(ctx: Context, datum: List) -> tests.Fails | None:
+def _fails(ctx: Context, datum: List) -> nodes.Fails | None:
     asked = asked_goal(ctx, datum.items[1])
     result = None
     if len(datum.items) == 3:
@@ -79,33 +79,33 @@ def _fails(ctx: Context, datum: List) -> tests.Fails | None:
             _wrong(ctx, datum)
             return None
         result = cast(nodes.Const | nodes.Var, term(ctx, word))
-    return tests.Fails(asked, result, ctx.span(datum)) if asked else None
+    return nodes.Fails(asked, result, ctx.span(datum)) if asked else None
 
 
-def _active(ctx: Context, datum: List) -> tests.Active | None:
+def _active(ctx: Context, datum: List) -> nodes.Active | None:
     asked = asked_goal(ctx, datum.items[1])
-    return tests.Active(asked, ctx.span(datum)) if asked else None
+    return nodes.Active(asked, ctx.span(datum)) if asked else None
 
 
-def _primitives(ctx: Context, datum: List) -> tests.Primitives:
-    return tests.Primitives(requests(ctx, datum.items[1:]), ctx.span(datum))
+def _primitives(ctx: Context, datum: List) -> nodes.Primitives:
+    return nodes.Primitives(requests(ctx, datum.items[1:]), ctx.span(datum))
 
 
-def _include(ctx: Context, datum: List) -> tests.PrimitivesInclude:
-    return tests.PrimitivesInclude(requests(ctx, datum.items[1:]), ctx.span(datum))
+def _include(ctx: Context, datum: List) -> nodes.PrimitivesInclude:
+    return nodes.PrimitivesInclude(requests(ctx, datum.items[1:]), ctx.span(datum))
 
 
-def _never(ctx: Context, datum: List) -> tests.Never | None:
+def _never(ctx: Context, datum: List) -> nodes.Never | None:
     unwanted = request(ctx, datum.items[1])
-    return tests.Never(unwanted, ctx.span(datum)) if unwanted else None
+    return nodes.Never(unwanted, ctx.span(datum)) if unwanted else None
 
 
-def _memory(ctx: Context, datum: List) -> tests.MemoryHolds | None:
+def _memory(ctx: Context, datum: List) -> nodes.MemoryHolds | None:
     formula = lone_formula(ctx, datum)
-    return tests.MemoryHolds(formula, ctx.span(datum)) if formula else None
+    return nodes.MemoryHolds(formula, ctx.span(datum)) if formula else None
 
 
-def _method(ctx: Context, datum: List) -> tests.MethodChosen | None:
+def _method(ctx: Context, datum: List) -> nodes.MethodChosen | None:
     """`(method rap name)`, `(method rap name n)` or `(method rap name n times)`."""
     rap, name, *more = datum.items[1:]
     if len(more) == 2 and isinstance(more[1], Symbol) and more[1].name in _TIMES:
@@ -119,36 +119,36 @@ def _method(ctx: Context, datum: List) -> tests.MethodChosen | None:
         return None
     times = whole(ctx, more[0], "a number", least=0) if more else None
     word = name.name if isinstance(name, Symbol) else str(name.value)
-    return tests.MethodChosen(rap.name, word, times, ctx.span(datum))
+    return nodes.MethodChosen(rap.name, word, times, ctx.span(datum))
 
 
 _TIMES = ("times", "time")
 
 
-def _selected_before(ctx: Context, datum: List) -> tests.SelectedBefore | None:
+def _selected_before(ctx: Context, datum: List) -> nodes.SelectedBefore | None:
     first, second = asked_goal(ctx, datum.items[1]), asked_goal(ctx, datum.items[2])
     if first is None or second is None:
         return None
-    return tests.SelectedBefore(first, second, ctx.span(datum))
+    return nodes.SelectedBefore(first, second, ctx.span(datum))
 
 
-def _ends_by(ctx: Context, datum: List) -> tests.EndsBy | None:
+def _ends_by(ctx: Context, datum: List) -> nodes.EndsBy | None:
     time = number(ctx, datum.items[1], "a time")
     asked = asked_goal(ctx, datum.items[2])
     if time is None or asked is None:
         return None
-    return tests.EndsBy(time, asked, ctx.span(datum))
+    return nodes.EndsBy(time, asked, ctx.span(datum))
 
 
 # --- event patterns -------------------------------------------------------------------
 
 
-def _trace(ctx: Context, datum: List) -> tests.TraceHas:
+def _trace(ctx: Context, datum: List) -> nodes.TraceHas:
     events = made(_event(ctx, one) for one in datum.items[1:])
-    return tests.TraceHas(events, ctx.span(datum))
+    return nodes.TraceHas(events, ctx.span(datum))
 
 
-def _event(ctx: Context, datum: Datum) -> tests.EventPattern | None:
+def _event(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
     """`(event-name :key value...)`."""
     name = head_of(datum)
     if name is None or not isinstance(datum, List):
@@ -160,14 +160,14 @@ def _event(ctx: Context, datum: Datum) -> tests.EventPattern | None:
     words = {word.name: 1 for word in rest if isinstance(word, Keyword)}
     given = options(ctx, rest, f"`{name}`", words)
     keys = tuple((key[1:], _value(ctx, value)) for key, value in given.items())
-    return tests.EventPattern(name, keys, ctx.span(datum))
+    return nodes.EventPattern(name, keys, ctx.span(datum))
 
 
-def _value(ctx: Context, datum: Datum) -> tests.TracePattern:
+def _value(ctx: Context, datum: Datum) -> nodes.TracePattern:
     """A term of the trace, as it is written there."""
     if isinstance(datum, List):
         items = [_value(ctx, item) for item in _joined(ctx, datum.items)]
-        return tests.ListPattern(tuple(items), ctx.span(datum))
+        return nodes.ListPattern(tuple(items), ctx.span(datum))
     if isinstance(datum, Symbol):
         return nodes.Const(datum.name, ctx.span(datum))
     return cast(nodes.Const | nodes.Var, term(ctx, datum))

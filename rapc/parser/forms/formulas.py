@@ -11,7 +11,7 @@ from typing import Literal, cast
 
 from rapc.ir import nodes
 from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.terms import pattern, term, terms
+from rapc.parser.forms.terms import proposition, term, terms
 from rapc.parser.names import CALLS, TRUTHS
 from rapc.parser.syntax import Datum, List, Symbol
 
@@ -51,7 +51,7 @@ def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
             if special:
                 return special(ctx, datum)
             if name not in CALLS and name not in TRUTHS:
-                return pattern(ctx, datum)
+                return proposition(ctx, datum)
     elif type(datum) is Symbol and datum.name in TRUTHS:
         return nodes.Truth(TRUTHS[datum.name], ctx.span(datum))
     _no_formula(ctx, datum)
@@ -141,7 +141,7 @@ def _believe(ctx: Context, datum: List) -> nodes.Formula | None:
             "malformed-formula", "`believe` takes a proposition and an age", datum
         )
         return None
-    inner = pattern(ctx, args[0])
+    inner = proposition(ctx, args[0])
     age = term(ctx, args[1])
     if inner is None or age is None:
         return None
@@ -160,17 +160,19 @@ def _empty(ctx: Context, datum: List) -> nodes.Formula | None:
 
 def _method_tried(ctx: Context, datum: List) -> nodes.Formula | None:
     args = _exactly(ctx, datum, 1, 1, "the name of a method")
-    return nodes.History("method-tried", args, ctx.span(datum)) if args else None
+    return nodes.HistoryTest("method-tried", args, ctx.span(datum)) if args else None
 
 
 def _last_result(ctx: Context, datum: List) -> nodes.Formula | None:
     args = _exactly(ctx, datum, 1, 1, "a result")
-    return nodes.History("last-result", args, ctx.span(datum)) if args else None
+    return nodes.HistoryTest("last-result", args, ctx.span(datum)) if args else None
 
 
 def _result_with_method(ctx: Context, datum: List) -> nodes.Formula | None:
     args = _exactly(ctx, datum, 2, 2, "the name of a method and a result")
-    return nodes.History("result-with-method", args, ctx.span(datum)) if args else None
+    return (
+        nodes.HistoryTest("result-with-method", args, ctx.span(datum)) if args else None
+    )
 
 
 def _know_sensor_name(ctx: Context, datum: List) -> nodes.Formula | None:

@@ -8,7 +8,7 @@ from typing import Literal, cast
 from rapc.ir import nodes
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.formulas import formula
-from rapc.parser.forms.terms import goal, pattern, signal, terms
+from rapc.parser.forms.terms import goal, proposition, signal, terms
 from rapc.parser.names import TRUTHS
 from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
 
@@ -51,7 +51,7 @@ def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
         ctx.report("malformed-rule", message, datum)
         return None
     first = datum.items[0]
-    result: nodes.Const | nodes.Var | nodes.Pattern | None = None
+    result: nodes.Const | nodes.Var | nodes.Signal | None = None
     if isinstance(first, Symbol):
         result = nodes.Const(first.name, ctx.span(first))
     elif isinstance(first, Variable):
@@ -65,12 +65,12 @@ def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
     return nodes.ResultCase(result, found, ctx.span(datum)) if result else None
 
 
-def _awaited(ctx: Context, datum: List) -> nodes.Pattern | None:
+def _awaited(ctx: Context, datum: List) -> nodes.Signal | None:
     """A signal; S 4.2 prints it here without the colon it has elsewhere."""
     first = datum.items[0]
     if isinstance(first, Symbol):
         args = terms(ctx, datum.items[1:])
-        return nodes.Pattern(f":{first.name}", args, ctx.span(datum))
+        return nodes.Signal(f":{first.name}", args, ctx.span(datum))
     return signal(ctx, datum)
 
 
@@ -140,7 +140,7 @@ def _action(ctx: Context, datum: Datum) -> nodes.RuleAction | None:
             datum,
         )
         return None
-    fact = pattern(ctx, datum.items[1])
+    fact = proposition(ctx, datum.items[1])
     if fact is None:
         return None
     op = cast(Literal["mem-add", "mem-del"], name)

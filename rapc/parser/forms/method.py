@@ -8,7 +8,7 @@ from rapc.ir import nodes
 from rapc.parser.forms.clauses import clauses, lone_formula, single
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.steps import task_net, wait_for
-from rapc.parser.forms.terms import pattern, patterns, signal
+from rapc.parser.forms.terms import colon, pattern, propositions
 from rapc.parser.names import METHOD_CLAUSES
 from rapc.parser.syntax import Datum, List, Numeral, Symbol
 
@@ -31,7 +31,7 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
         name=name,
         position=position,
         context=lone_formula(ctx, context) if context else None,
-        notations=patterns(ctx, notations.items[1:]) if notations else (),
+        notations=propositions(ctx, notations.items[1:]) if notations else (),
         body=_body(ctx, datum, one),
         span=ctx.span(datum),
     )
@@ -83,7 +83,7 @@ def _primitive(ctx: Context, clause: List) -> nodes.Primitive | nodes.Skills | N
             operands[1] if operands else clause,
             help="a request is a name and its arguments, as in `(arm-grasp arm1 ?x)`",
         )
-    request = pattern(ctx, operands[0]) if operands else None
+    request = pattern(ctx, operands[0], nodes.Request) if operands else None
     return nodes.Primitive(request, ctx.span(clause)) if request else None
 
 
@@ -92,8 +92,8 @@ _SKILL_PARTS = ("enable", "wait-for", "disable")
 
 def _skills(ctx: Context, clause: List, operands: Sequence[Datum]) -> nodes.Skills:
     """`(primitive (enable (:skill args...)...) (wait-for ...)... (disable ...))`."""
-    enable: list[nodes.Pattern] = []
-    disable: list[nodes.Pattern] = []
+    enable: list[nodes.Skill] = []
+    disable: list[nodes.Skill] = []
     waits: list[nodes.WaitFor] = []
     for datum in operands:
         name = head_of(datum)
@@ -107,7 +107,7 @@ def _skills(ctx: Context, clause: List, operands: Sequence[Datum]) -> nodes.Skil
             wait = wait_for(ctx, datum, ("succeed", "fail"))
             waits.extend([wait] if wait else [])
         else:
-            made = [signal(ctx, one) for one in datum.items[1:]]
+            made = [colon(ctx, one, nodes.Skill) for one in datum.items[1:]]
             named = enable if name == "enable" else disable
             named.extend(one for one in made if one)
     return nodes.Skills(tuple(enable), tuple(waits), tuple(disable), ctx.span(clause))

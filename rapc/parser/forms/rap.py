@@ -14,7 +14,7 @@ from rapc.parser.forms.clauses import clauses, lone_formula, single
 from rapc.parser.forms.context import Context, head_of
 from rapc.parser.forms.method import method
 from rapc.parser.forms.parts import parameter
-from rapc.parser.forms.terms import pattern, split_arrow, term
+from rapc.parser.forms.terms import proposition, split_arrow, term
 from rapc.parser.names import METHOD_CLAUSES, RAP_CLAUSES
 from rapc.parser.syntax import Datum, List, Symbol
 
@@ -234,7 +234,7 @@ def _resource(
     return nodes.Resource(named, variable, initial, ctx.span(datum))
 
 
-def _effects(ctx: Context, clause: List | None) -> tuple[nodes.Effect, ...]:
+def _effects(ctx: Context, clause: List | None) -> tuple[nodes.DeclaredEffect, ...]:
     if clause is None:
         return ()
     made = []
@@ -247,9 +247,9 @@ def _effects(ctx: Context, clause: List | None) -> tuple[nodes.Effect, ...]:
             message = "`not` takes one effect away; write one for each"
             ctx.report("malformed-clause", message, datum)
         for one in inner:
-            fact = pattern(ctx, one)
+            fact = proposition(ctx, one)
             if fact is not None:
-                made.append(nodes.Effect(fact, negated, ctx.span(datum)))
+                made.append(nodes.DeclaredEffect(fact, negated, ctx.span(datum)))
     return tuple(made)
 
 

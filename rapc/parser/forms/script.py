@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
 from rapc.base.values import Number
-from rapc.ir import nodes, tests
+from rapc.ir import nodes
 from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.terms import goal, pattern, signal
+from rapc.parser.forms.terms import colon, goal, pattern
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
 
 OPTIONS = {
@@ -24,6 +24,7 @@ OPTIONS = {
 """The options of a row, with the number of their values."""
 
 T = TypeVar("T")
+D = TypeVar("D", nodes.Proposition, nodes.Datum)
 
 
 def made(found: Iterable[T | None]) -> tuple[T, ...]:
@@ -31,7 +32,7 @@ def made(found: Iterable[T | None]) -> tuple[T, ...]:
     return tuple([one for one in found if one is not None])
 
 
-def row(ctx: Context, datum: Datum) -> tests.ScriptRow | None:
+def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
     """`((request) [result] option...)`."""
     if not isinstance(datum, List) or not datum.items:
         message = f"a row of the script is wanted here, not {kind_of(datum)}"
@@ -48,30 +49,32 @@ def row(ctx: Context, datum: Datum) -> tests.ScriptRow | None:
         return None
     times, takes, after = (given.get(f":{n}") for n in ("times", "takes", "after"))
     taken = None if takes is None else number(ctx, takes, "a duration")
-    return tests.ScriptRow(
+    return nodes.ScriptRow(
         kind=kind,
         request=asked,
         result=result,
         times=None if times is None else whole(ctx, times, "a number", least=1),
         takes=taken or 0,
         after=None if after is None else number(ctx, after, "a duration"),
-        asserts=requests(ctx, _listed(ctx, given, ":asserts")),
-        erases=requests(ctx, _listed(ctx, given, ":erases")),
-        data=requests(ctx, _listed(ctx, given, ":data")),
+        asserts=told(ctx, _listed(ctx, given, ":asserts"), nodes.Proposition),
+        erases=told(ctx, _listed(ctx, given, ":erases"), nodes.Proposition),
+        data=told(ctx, _listed(ctx, given, ":data"), nodes.Datum),
         signals=signals(ctx, _listed(ctx, given, ":signals")),
         refused=":refused" in given,
         span=ctx.span(datum),
     )
 
 
-def _request(ctx: Context, datum: Datum) -> tuple[tests.RowKind, nodes.Pattern | None]:
+def _request(
+    ctx: Context, datum: Datum
+) -> tuple[nodes.RowKind, nodes.Request | nodes.Skill | None]:
     """A request, or a skill that is enabled or disabled."""
     name = head_of(datum)
     inner = datum.items[1] if isinstance(datum, List) and len(datum.items) == 2 else 0
     if name == "enable" and isinstance(inner, List):
-        return "enable", _plain(ctx, signal(ctx, inner))
+        return "enable", _plain(ctx, colon(ctx, inner, nodes.Skill))
     if name == "disable" and isinstance(inner, List):
-        return "disable", _plain(ctx, signal(ctx, inner))
+        return "disable", _plain(ctx, colon(ctx, inner, nodes.Skill))
     return "request", request(ctx, datum)
 
 
@@ -90,9 +93,9 @@ def _listed(ctx: Context, given: Mapping[str, Datum], name: str) -> Sequence[Dat
 # --- shared by the clauses of a test -------------------------------------------------
 
 
-def request(ctx: Context, datum: Datum) -> nodes.Pattern | None:
-    """A proposition of constants and variables, as requests and facts are."""
-    return _plain(ctx, pattern(ctx, datum))
+def request(ctx: Context, datum: Datum) -> nodes.Request | None:
+    """A request of constants and variables."""
+    return _plain(ctx, pattern(ctx, datum, nodes.Request))
 
 
 def asked_goal(
@@ -107,25 +110,30 @@ def asked_goal(
     return _ground(ctx, found) if ground else _plain(ctx, found)
 
 
-def requests(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:
-    """Such propositions in a row."""
+def requests(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Request, ...]:
+    """Such requests in a row."""
     return made(request(ctx, datum) for datum in data)
 
 
-def facts(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:
+def told(ctx: Context, data: Sequence[Datum], kind: type[D]) -> tuple[D, ...]:
+    """What is told in a script: propositions or data of constants and variables."""
+    return made(_plain(ctx, pattern(ctx, datum, kind)) for datum in data)
+
+
+def facts(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Proposition, ...]:
     """Propositions without variables."""
-    return made(_ground(ctx, pattern(ctx, datum)) for datum in data)
+    return made(_ground(ctx, pattern(ctx, one, nodes.Proposition)) for one in data)
 
 
 def signals(
     ctx: Context, data: Sequence[Datum], *, ground: bool = False
-) -> tuple[nodes.Pattern, ...]:
+) -> tuple[nodes.Signal, ...]:
     """Signals, where need be without variables."""
     check = _ground if ground else _plain
-    return made(check(ctx, signal(ctx, datum)) for datum in data)
+    return made(check(ctx, colon(ctx, datum, nodes.Signal)) for datum in data)
 
 
-P = TypeVar("P", nodes.Pattern, nodes.Goal)
+P = TypeVar("P", bound=nodes.Pattern | nodes.Goal)
 
 
 def _plain(ctx: Context, node: P | None) -> P | None:

@@ -250,7 +250,7 @@ def _wait_for(ctx: Context, name: str, datum: List) -> nodes.WaitFor | None:
     return wait_for(ctx, datum)
 
 
-def _effect(ctx: Context, name: str, datum: List) -> nodes.ResourceEffect | None:
+def _effect(ctx: Context, name: str, datum: List) -> nodes.ResourceChange | None:
     """`(set-add ?s x)` and the like (T 4.8.1)."""
     operands = datum.items[1:]
     if len(operands) != 2:
@@ -261,7 +261,7 @@ def _effect(ctx: Context, name: str, datum: List) -> nodes.ResourceEffect | None
     if resource is None or amount is None:
         return None
     op = cast(Literal["set-add", "set-sub", "counter-add", "counter-sub"], name)
-    return nodes.ResourceEffect(op, resource, amount, ctx.span(datum))
+    return nodes.ResourceChange(op, resource, amount, ctx.span(datum))
 
 
 _READERS: Mapping[str, Callable[[Context, str, List], nodes.Annotation | None]] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from rapc.ir import nodes
-from rapc.ir.tests import DefineTest
+from rapc.ir.nodes import DefineTest
 from rapc.parser.forms import declarations, memory_rules, offers
 from rapc.parser.forms.context import Context
 from rapc.parser.forms.rap import define_rap

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TypeVar
 
 from rapc.base.source import Span
 from rapc.base.values import Text
@@ -83,7 +84,11 @@ def _call(ctx: Context, datum: List) -> nodes.Call | None:
     return nodes.Call(name, args, ctx.span(datum))
 
 
-def pattern(ctx: Context, datum: Datum) -> nodes.Pattern | None:
+P = TypeVar("P", nodes.Proposition, nodes.Request, nodes.Datum)
+S = TypeVar("S", nodes.Signal, nodes.Skill)
+
+
+def pattern(ctx: Context, datum: Datum, kind: type[P]) -> P | None:
     """A plain proposition: a name and its arguments."""
     name = head_of(datum)
     if name is None or type(datum) is not List:
@@ -103,18 +108,28 @@ def pattern(ctx: Context, datum: Datum) -> nodes.Pattern | None:
         )
         return None
     place = Span(ctx.file, datum.start, datum.end)
-    return nodes.Pattern(name, terms(ctx, datum.items[1:]), place)
+    return kind(name, terms(ctx, datum.items[1:]), place)
 
 
 _NO_PROPOSITIONS = frozenset((*QUERIES, *CALLS, ARROW))
 
 
-def patterns(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Pattern, ...]:
+def proposition(ctx: Context, datum: Datum) -> nodes.Proposition | None:
+    """A proposition of any kind of terms."""
+    return pattern(ctx, datum, nodes.Proposition)
+
+
+def propositions(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Proposition, ...]:
     """Propositions in a row; what is none has been reported and is left out."""
-    return tuple(filter(None, [pattern(ctx, datum) for datum in data]))
+    return tuple(filter(None, [proposition(ctx, datum) for datum in data]))
 
 
-def signal(ctx: Context, datum: Datum) -> nodes.Pattern | None:
+def signal(ctx: Context, datum: Datum) -> nodes.Signal | None:
+    """An event or signal with its arguments: `(:name args...)`."""
+    return colon(ctx, datum, nodes.Signal)
+
+
+def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
     """A skill, event or signal with its arguments: `(:name args...)`."""
     if isinstance(datum, List) and datum.items:
         first = datum.items[0]
@@ -127,7 +142,7 @@ def signal(ctx: Context, datum: Datum) -> nodes.Pattern | None:
             )
         if isinstance(first, Symbol | Keyword):
             name = first.name if first.name.startswith(":") else f":{first.name}"
-            return nodes.Pattern(name, terms(ctx, datum.items[1:]), ctx.span(datum))
+            return kind(name, terms(ctx, datum.items[1:]), ctx.span(datum))
     ctx.report(
         "malformed-proposition",
         f"a signal or skill is wanted here, not {_what(datum)}",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from rapc.ir import nodes, tests
+from rapc.ir import nodes
 from rapc.parser.forms.clauses import clauses, single
 from rapc.parser.forms.context import Context
 from rapc.parser.forms.expectations import expectations
@@ -30,7 +30,7 @@ _MANY = ("require", "facts", "script", "at", "task", "expect")
 _TASK_OPTIONS = {":priority": 1, ":deadline": 1, ":background": 1}
 
 
-def define_test(ctx: Context, datum: List) -> tests.DefineTest | None:
+def define_test(ctx: Context, datum: List) -> nodes.DefineTest | None:
     """`(define-test name ["doc"] clause...)`."""
     items = datum.items[1:]
     name = items[0] if items else datum
@@ -43,7 +43,7 @@ def define_test(ctx: Context, datum: List) -> tests.DefineTest | None:
         doc, items = first.value, items[1:]
     found = clauses(ctx, items[1:], "define-test", TEST_CLAUSES)
     kept = single(ctx, found, _MANY)
-    return tests.DefineTest(
+    return nodes.DefineTest(
         name=name.name,
         doc=doc,
         requires=made(require(ctx, clause) for clause in kept.get("require", ())),
@@ -82,7 +82,7 @@ def _world(ctx: Context, kept: Mapping[str, Sequence[List]]) -> str | None:
     return None
 
 
-def _until(ctx: Context, kept: Mapping[str, Sequence[List]]) -> tests.Until | None:
+def _until(ctx: Context, kept: Mapping[str, Sequence[List]]) -> nodes.Until | None:
     """`(until t)`, `(until (cycles n))`, and `cycles` as a clause of its own."""
     time: nodes.Const | None = None
     cycles: int | None = None
@@ -104,13 +104,13 @@ def _until(ctx: Context, kept: Mapping[str, Sequence[List]]) -> tests.Until | No
         return None
     value = time.value if time is not None else None
     assert value is None or isinstance(value, int | float)
-    return tests.Until(value, cycles, ctx.span(place))
+    return nodes.Until(value, cycles, ctx.span(place))
 
 
 # --- tasks and times ---------------------------------------------------------------
 
 
-def _task(ctx: Context, clause: List) -> tests.GivenTask | None:
+def _task(ctx: Context, clause: List) -> nodes.GivenTask | None:
     """`(task goal [:priority n] [:deadline t] [:background true])`."""
     if len(clause.items) == 1:
         ctx.report("malformed-clause", "`task` lacks its goal", clause)
@@ -125,7 +125,7 @@ def _task(ctx: Context, clause: List) -> tests.GivenTask | None:
     if background is not None and ctx.text(background).lower() not in _TRUTHS:
         message = "`:background` takes `true` or `false`"
         ctx.report("malformed-clause", message, background)
-    return tests.GivenTask(
+    return nodes.GivenTask(
         goal=asked,
         priority=0 if priority is None else whole(ctx, priority, "a priority") or 0,
         deadline=None if deadline is None else number(ctx, deadline, "a time"),
@@ -137,13 +137,13 @@ def _task(ctx: Context, clause: List) -> tests.GivenTask | None:
 _TRUTHS = ("true", "false")
 
 
-def _cancel(ctx: Context, clause: List) -> tests.Cancel | None:
+def _cancel(ctx: Context, clause: List) -> nodes.Cancel | None:
     operand = _lone(ctx, clause, "one goal")
     asked = None if operand is None else asked_goal(ctx, operand)
-    return None if asked is None else tests.Cancel(asked, ctx.span(clause))
+    return None if asked is None else nodes.Cancel(asked, ctx.span(clause))
 
 
-def _at(ctx: Context, clause: List) -> tests.At | None:
+def _at(ctx: Context, clause: List) -> nodes.At | None:
     """`(at time action...)`."""
     time = number(ctx, clause.items[1], "a time") if len(clause.items) > 1 else None
     if time is None:
@@ -151,25 +151,25 @@ def _at(ctx: Context, clause: List) -> tests.At | None:
             ctx.report("malformed-clause", "`at` lacks its time", clause)
         return None
     found = clauses(ctx, clause.items[2:], "at", tuple(ACTIONS))
-    actions: tuple[tests.Action, ...] = made(
+    actions: tuple[nodes.Action, ...] = made(
         ACTIONS[name](ctx, one) for name, one in found
     )
-    return tests.At(time, actions, ctx.span(clause))
+    return nodes.At(time, actions, ctx.span(clause))
 
 
-ACTIONS: Mapping[str, Callable[[Context, List], tests.Action | None]] = {
-    "asserts": lambda ctx, clause: tests.Asserts(
+ACTIONS: Mapping[str, Callable[[Context, List], nodes.Action | None]] = {
+    "asserts": lambda ctx, clause: nodes.Asserts(
         facts(ctx, clause.items[1:]), ctx.span(clause)
     ),
-    "erases": lambda ctx, clause: tests.Erases(
+    "erases": lambda ctx, clause: nodes.Erases(
         facts(ctx, clause.items[1:]), ctx.span(clause)
     ),
-    "signals": lambda ctx, clause: tests.Signals(
+    "signals": lambda ctx, clause: nodes.Signals(
         signals(ctx, clause.items[1:], ground=True), ctx.span(clause)
     ),
     "task": _task,
     "cancel": _cancel,
-    "expect": lambda ctx, clause: tests.Expect(
+    "expect": lambda ctx, clause: nodes.Expect(
         expectations(ctx, clause.items[1:]), ctx.span(clause)
     ),
 }

@@ -95,7 +95,7 @@ def _owner(declared: nodes.DeclareProperty, exclusion: nodes.Exclusion) -> _Side
     return _Side(declared.name, (*names, nodes.Const(exclusion.value)))
 
 
-def _excluded(pattern: nodes.Pattern, vocabulary: Vocabulary) -> _Side:
+def _excluded(pattern: nodes.Proposition, vocabulary: Vocabulary) -> _Side:
     relation = vocabulary.relations.get(pattern.name)
     args: list[str | nodes.Const] = []
     for term in pattern.args if relation is None else relation.full(pattern.args):
