@@ -34,7 +34,7 @@ from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library, link
 from rapc.parser.unit import SourceUnit
 
-FORMAT = 1
+FORMAT = 2
 """The version of the format; a change of the IR is one of the format."""
 
 _MOST_SAID = 200

@@ -56,11 +56,8 @@ _PAIRS = ("keys",)
 _NODES = {
     name
     for name, value in vars(nodes).items()
-    if (isinstance(value, UnionType)
-    and name != "Atom"
-    and name != "Number")
-    or (isinstance(value, type)
-    and issubclass(value, nodes.Node))
+    if (isinstance(value, UnionType) and name not in {"Atom", "Number"})
+    or (isinstance(value, type) and issubclass(value, nodes.Node))
 }
 
 CHILDREN: Mapping[type, tuple[str, ...]] = {

@@ -7,7 +7,7 @@ import msgspec
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
-from rapc.ir.tests import DefineTest
+from rapc.ir.nodes import DefineTest
 from rapc.parser.syntax import Comment, Datum
 
 
