@@ -24,6 +24,10 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 Definition = Function | ast.ClassDef
 
 
+DATA = ("rapc/ir/nodes.py", "rapc/language/grammar.py")
+"""Modules that hold data alone, one row after the other."""
+
+
 def _name(path: Path) -> str:
     return path.relative_to(CHECKOUT).as_posix()
 
@@ -66,7 +70,7 @@ def test_module_and_public_names_are_documented(module: Path) -> None:
 
 def test_module_and_functions_are_short(module: Path) -> None:
     text = module.read_text(encoding="utf-8")
-    assert text.count("\n") <= LONGEST_MODULE
+    assert text.count("\n") <= LONGEST_MODULE or _name(module) in DATA
     long = [
         node.name
         for node in _functions(ast.parse(text))

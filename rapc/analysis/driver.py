@@ -174,7 +174,7 @@ def _must_be_documented(analyzer: Analyzer[Any], codes: set[str]) -> None:
 def _analyze(loaded: Loaded) -> Iterator[Diagnostic]:
     complete = all(d.rule != loader.UNRESOLVED.name for d in loaded.diagnostics)
     results: dict[str, object] = {}
-    partial = _Partial(loaded.partial)
+    partial = _Partial(form.span for form in loaded.partial)
     for analyzer in passes():
         run = Pass(analyzer, loaded.library, results, complete)
         results[analyzer.name] = analyzer.run(run)

@@ -11,30 +11,31 @@ from typing import TypeVar
 
 from rapc.ir.nodes import Node
 
+K = TypeVar("K", bound=Node)
 V = TypeVar("V")
 
 
-class NodeMap(MutableMapping[Node, V]):
+class NodeMap(MutableMapping[K, V]):
     """Values by node, in the order in which they were put in."""
 
-    def __init__(self, rows: Iterable[tuple[Node, V]] = ()) -> None:
-        self._rows: dict[int, tuple[Node, V]] = {}
+    def __init__(self, rows: Iterable[tuple[K, V]] = ()) -> None:
+        self._rows: dict[int, tuple[K, V]] = {}
         for node, value in rows:
             self[node] = value
 
-    def __getitem__(self, node: Node) -> V:
+    def __getitem__(self, node: K) -> V:
         """Return the value of `node`; raises KeyError if it has none."""
         return self._rows[id(node)][1]
 
-    def __setitem__(self, node: Node, value: V) -> None:
+    def __setitem__(self, node: K, value: V) -> None:
         """Set the value of `node`."""
         self._rows[id(node)] = (node, value)
 
-    def __delitem__(self, node: Node) -> None:
+    def __delitem__(self, node: K) -> None:
         """Forget `node`; raises KeyError if it has no value."""
         del self._rows[id(node)]
 
-    def __iter__(self) -> Iterator[Node]:
+    def __iter__(self) -> Iterator[K]:
         """Return the nodes that have values."""
         return iter([node for node, _ in self._rows.values()])
 

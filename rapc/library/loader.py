@@ -28,12 +28,13 @@ from rapc.base.files import (
 )
 from rapc.base.gc_paused import gc_paused
 from rapc.base.names import nearest
-from rapc.base.source import SourceFile, Span
+from rapc.base.source import SourceFile
 from rapc.ir import nodes
+from rapc.ir.node_map import NodeMap
 from rapc.library import library
 from rapc.library.library import Library
 from rapc.parser.parse import parse
-from rapc.parser.unit import SourceUnit
+from rapc.parser.unit import Partial, SourceUnit
 
 _LONG = 60
 """How much of a required name is repeated in messages."""
@@ -74,9 +75,9 @@ class Loaded(msgspec.Struct, frozen=True):
         return self.library.files
 
     @property
-    def partial(self) -> tuple[Span, ...]:
-        """The places of forms from which something had to be left out."""
-        return tuple([span for unit in self.units for span in unit.partial])
+    def partial(self) -> Partial:
+        """The forms that lack something, with the names of their clauses that do."""
+        return NodeMap(row for unit in self.units for row in unit.partial.items())
 
 
 @gc_paused()

@@ -11,10 +11,11 @@ from typing import cast
 import msgspec
 
 from rapc.base.names import nearest
-from rapc.base.source import SourceFile, Span
+from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
 from rapc.errors import TextError
 from rapc.ir import nodes
+from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
 from rapc.parser.forms.context import Context, head_of, kind_of
 from rapc.parser.forms.formulas import formula
@@ -23,7 +24,7 @@ from rapc.parser.forms.terms import goal, proposition
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
-from rapc.parser.unit import SourceUnit
+from rapc.parser.unit import ANY_CLAUSE, Partial, SourceUnit
 
 __all__ = (
     "Comment",
@@ -45,7 +46,7 @@ def parse(source: SourceFile) -> SourceUnit:
     forms: list[nodes.TopForm] = []
     tests: list[DefineTest] = []
     found = list(reading.diagnostics)
-    partial: list[Span] = []
+    partial: Partial = NodeMap()
     for top in reading.forms:
         ctx = Context(source, 0 if top.damaged else MAX_FINDINGS - len(found))
         form = _form(ctx, top.datum)
@@ -54,8 +55,8 @@ def parse(source: SourceFile) -> SourceUnit:
         elif form is not None:
             forms.append(form)
         found.extend(ctx.diagnostics)
-        if top.damaged or ctx.lost:
-            partial.append(ctx.span(top.datum))
+        if form is not None and (top.damaged or ctx.lost):
+            partial[form] = frozenset((ANY_CLAUSE,))
     found.sort(key=lambda d: d.span.start)
     if len(found) >= MAX_FINDINGS:
         note = f"this is the last of {MAX_FINDINGS}: further faults are not shown"
@@ -67,7 +68,7 @@ def parse(source: SourceFile) -> SourceUnit:
         data=tuple([top.datum for top in reading.forms]),
         comments=reading.comments,
         diagnostics=tuple(found),
-        partial=tuple(partial),
+        partial=partial,
     )
 
 

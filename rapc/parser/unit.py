@@ -5,10 +5,20 @@ from __future__ import annotations
 import msgspec
 
 from rapc.base.diagnostics import Diagnostic
-from rapc.base.source import SourceFile, Span
+from rapc.base.source import SourceFile
 from rapc.ir import nodes
+from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
 from rapc.parser.syntax import Comment, Datum
+
+Partial = NodeMap[nodes.TopForm | DefineTest, frozenset[str]]
+"""Forms with the names of their clauses from which something is missing."""
+
+ANY_CLAUSE = "*"
+"""Stands among the names of clauses for any of them."""
+
+NO_PARTIAL: Partial = NodeMap()
+"""For files from whose forms nothing is missing; never added to."""
 
 
 class SourceUnit(msgspec.Struct, frozen=True):
@@ -26,6 +36,7 @@ class SourceUnit(msgspec.Struct, frozen=True):
     comments: tuple[Comment, ...] = ()
     #: What is wrong with the text, in its order.
     diagnostics: tuple[Diagnostic, ...] = ()
-    #: The places of forms from which something had to be left out: what is missing in
-    #: them is not the author's fault.
-    partial: tuple[Span, ...] = ()
+    #: The forms and tests from which something had to be left out, each with the names
+    #: of the clauses that lack it: what is missing there is not the author's fault.
+    #: `ANY_CLAUSE` is among the names where nobody can say which clause it is.
+    partial: Partial = NO_PARTIAL

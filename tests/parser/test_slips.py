@@ -144,13 +144,14 @@ def test_safe_fix_of_an_example_leaves_nothing_to_find(rule: object) -> None:
 def test_slip_whose_meaning_is_clear_leaves_nothing_out() -> None:
     slip = parsed("(define-rap (a) (success (p)))")
     sound = parsed("(define-rap (a) (succeed (p)))")
-    assert slip.partial == ()
+    assert not slip.partial
     assert slip.forms == sound.forms
 
 
 def test_what_is_left_out_is_told() -> None:
     lost = parsed("(define-rap (a) (succeed p))")
-    assert [form.span for form in lost.forms] == list(lost.partial)
+    (form,) = lost.forms
+    assert form in lost.partial
 
 
 SUGGESTIONS = [
