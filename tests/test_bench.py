@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from bench.run import BENCHES
 
 CHECKOUT = Path(__file__).parents[1]
@@ -22,6 +24,7 @@ def _rows(text: str) -> list[tuple[str, str, str]]:
     ]
 
 
+@pytest.mark.slow
 def test_benchmarks_run_and_the_page_has_their_figures() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "bench.run", "--quick"],

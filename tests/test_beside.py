@@ -159,6 +159,7 @@ def test_the_page_shows_what_was_measured_last() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_table_and_chart_are_made_again_of_saved_figures(tmp_path: Path) -> None:
     (tmp_path / "beside.json").write_bytes(msgspec.json.encode(RESULTS))
     command = [sys.executable, "-m", "bench.beside", "--out", str(tmp_path)]

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import permutations
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.analysis.driver import check_library
 from rapc.base.diagnostics import Label
 from rapc.base.source import Span
 from rapc.library.loader import load_text
+from tests.effort import examples
 
 Net = Sequence[tuple[str | None, str | None, str | None, Sequence[int], str]]
 """Steps: the variable used, the one handed out, the one a formula binds, the steps put
@@ -86,7 +87,7 @@ def _lacking(net: Net) -> set[int]:
     return lacking
 
 
-@settings(max_examples=600)
+@examples(600)
 @given(nets())
 def test_agrees_with_all_orders_tried(net: Net) -> None:
     report = check_library(load_text(_program(net)))

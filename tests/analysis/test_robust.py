@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.analysis.driver import check_library
 from rapc.console import findings as render
 from rapc.library.loader import load_text
+from tests.effort import examples
 
 CHECKOUT = Path(__file__).parents[2]
 TEXTS = [
@@ -51,7 +52,7 @@ def damaged(draw: st.DrawFn) -> str:
     return text
 
 
-@settings(max_examples=150)
+@examples(150)
 @given(damaged())
 def test_damaged_programs_can_be_checked_and_shown(text: str) -> None:
     report = check_library(load_text(text))

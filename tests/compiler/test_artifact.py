@@ -76,6 +76,7 @@ def test_a_run_in_a_world_has_the_same_trace(tmp_path: Path) -> None:
     assert _traced(rapc.compile(file), 5) == _traced(rapc.compile(path), 5)
 
 
+@pytest.mark.slow
 def test_another_process_and_hash_seed_make_the_same_bytes() -> None:
     code = (
         "import sys; from tests.compiler.compiled import *; "

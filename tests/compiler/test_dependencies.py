@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.base.resources import Counter, SetResource, Value
@@ -15,6 +15,7 @@ from rapc.ir.printer import format_formula
 from rapc.library.loader import load_text
 from rapc.runtime.monitors.listeners import Listeners
 from rapc.runtime.state.task import Task
+from tests.effort import examples
 
 from .dice import Dice, dice, sizes
 from .memories import VOCABULARY, Change, Memories, apply, erase, memories, query
@@ -57,7 +58,7 @@ class Ear:
         return heard
 
 
-@settings(max_examples=1500)
+@examples(1500)
 @given(dice(), sizes, st.integers(1, 6))
 def test_no_change_of_the_answer_goes_unheard(
     thrown: Dice, size: int, leaves: int

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.compiler.artifact import Artifact, seal
@@ -16,6 +16,7 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
 from rapc.testing import run as testing
 from rapc.testing.run import Case, run_case
+from tests.effort import examples
 
 from .compiled import KITCHEN, YesWorld, compiled
 
@@ -93,7 +94,7 @@ def test_what_is_not_nested_too_deeply_runs() -> None:
     assert _use(_nested(140))
 
 
-@settings(max_examples=50)
+@examples(50)
 @given(st.integers(0, len(PAYLOAD) - 1), st.binary(max_size=4), st.integers(0, 4))
 def test_bytes_put_in_place_of_others(at: int, new: bytes, old: int) -> None:
     _use(PAYLOAD[:at] + new + PAYLOAD[at + old :])
@@ -117,7 +118,7 @@ LISTS = [[], [[]], {}, {"type": "text"}, {"type": "text", "value": "a (b"}]
 ODD = st.sampled_from([*WORDS, *NUMBERS, *LISTS]).map(lambda value: [value])
 
 
-@settings(max_examples=100)
+@examples(100)
 @given(st.sampled_from(PATHS), st.sampled_from(PATHS) | ODD)
 def test_parts_put_in_place_of_others(path: Path, new: Any) -> None:
     part = _at(TREE, new) if isinstance(new, tuple) else new[0]
@@ -126,7 +127,7 @@ def test_parts_put_in_place_of_others(path: Path, new: Any) -> None:
     _use(json.dumps(tree).encode())
 
 
-@settings(max_examples=50)
+@examples(50)
 @given(st.sampled_from(PATHS), st.booleans())
 def test_parts_left_out_or_put_in_twice(path: Path, twice: bool) -> None:
     tree = json.loads(PAYLOAD)

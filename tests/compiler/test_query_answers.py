@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.base.resources import Value
@@ -13,6 +13,7 @@ from rapc.compiler.query.code import Ending
 from rapc.compiler.query.query import Query
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from tests.effort import examples
 
 from .dice import Case, Dice, dice, sizes
 from .memories import Memories, apply, memories, query
@@ -47,7 +48,7 @@ def one_by_one(
     return ask(*[env[name] for name in names])
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(dice(), sizes, st.integers(1, 5))
 def test_answers_follow_a_memory_that_changes(
     thrown: Dice, size: int, leaves: int
@@ -63,14 +64,14 @@ def test_answers_follow_a_memory_that_changes(
         apply(both, thrown.change())
 
 
-@settings(max_examples=1500)
+@examples(1500)
 @given(dice(), sizes, st.integers(1, 9))
 def test_any_formula(thrown: Dice, size: int, leaves: int) -> None:
     case = Case(thrown.changes(size), [thrown.formula(leaves)], thrown.env())
     agree(case, case.parts[0])
 
 
-@settings(max_examples=1000)
+@examples(1000)
 @given(dice(), sizes, st.integers(1, 3), st.integers(1, 3))
 def test_variables_bound_in_one_branch_only(
     thrown: Dice, size: int, branches: int, users: int
@@ -82,7 +83,7 @@ def test_variables_bound_in_one_branch_only(
     agree(Case(changes, [], thrown.env()), nodes.And((either, *then)))
 
 
-@settings(max_examples=200)
+@examples(200)
 @given(dice(), sizes, st.integers(13, 18))
 def test_more_conjuncts_than_python_has_blocks(
     thrown: Dice, size: int, parts: int

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.compiler.query.code import Ending, made
 from rapc.ir import nodes
+from tests.effort import examples
 
 from .dice import Dice, dice
 from .memories import memories, query
@@ -65,7 +66,7 @@ def test_a_shape_that_is_shared_keeps_the_constants_apart() -> None:
     assert first.first(other.context, {}) is None
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(dice(), st.integers(1, 9))
 def test_no_text_of_a_program_gets_into_the_code(thrown: Dice, leaves: int) -> None:
     asked = thrown.formula(leaves)

@@ -12,7 +12,7 @@ from rapc.experiments.batch import Done, jobs, run_batch
 from rapc.experiments.local import LocalWorkers
 from rapc.experiments.run import Job, Result, run_job
 
-from .workshop import config, session
+from .small_experiment import config, session
 
 SEEDS = range(8)
 

@@ -15,6 +15,8 @@ from rapc.experiments.run import measure
 
 from .test_chapter6 import chapter6
 
+pytestmark = pytest.mark.slow
+
 SEEDS = range(12)
 
 

@@ -18,7 +18,7 @@ from rapc.experiments.batch import WorkersLost
 from rapc.experiments.cluster import ClusterWorkers
 from rapc.experiments.run import Job, run_job
 
-from .workshop import TRUCK, rows, session, wait_for, watched
+from .small_experiment import TRUCK, rows, session, wait_for, watched
 
 
 @contextmanager
@@ -42,6 +42,7 @@ def worker(folder: Path, address: str) -> list[str]:
     return ["worker", address, *own, "--local-directory", str(folder)]
 
 
+@pytest.mark.slow
 def test_a_worker_killed_in_the_middle_changes_nothing(tmp_path: Path) -> None:
     (tmp_path / "truck.toml").write_text(TRUCK)
     with dask(tmp_path, "scheduler", "--host", "127.0.0.1", "--port", "0") as scheduler:

@@ -16,7 +16,7 @@ import pytest
 
 from tests.cli.command import rapc
 
-from .workshop import TRUCK, on_a_terminal, rows, session, wait_for, watched
+from .small_experiment import TRUCK, on_a_terminal, rows, session, wait_for, watched
 
 NAPS = """\
 world = "naps:Naps"
@@ -165,6 +165,7 @@ def test_a_run_is_repeated_by_hand(finished: Path) -> None:
     assert (float(found[1]), int(found[2]), int(found[3])) == told
 
 
+@pytest.mark.slow
 def test_killed_and_started_again_it_does_the_rest(finished: Path, truck: Path) -> None:
     args = ("-v", "experiment", "truck.toml", "--out", "out", "--jobs", "2")
     with watched(*args, cwd=truck) as process:
@@ -207,6 +208,7 @@ def naps(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
     done = rapc("experiment", "naps.toml", "--jobs", "2", cwd=naps)
     assert done.returncode == 1
@@ -230,6 +232,7 @@ def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
     assert [seed for _, seed, _ in rows(naps / "naps-results")] == [0]
 
 
+@pytest.mark.slow
 def test_without_matplotlib_there_are_tables(truck: Path) -> None:
     """A module that cannot be imported stands in for one that is not installed."""
     blocked = "raise ModuleNotFoundError(name='matplotlib')\n"
@@ -243,6 +246,7 @@ def test_without_matplotlib_there_are_tables(truck: Path) -> None:
     assert (truck / "truck-results" / "tables.md").exists()
 
 
+@pytest.mark.slow
 def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
     args = ("experiment", "truck.toml", "--out", "out", "--jobs", "1")
     file = copied / "out" / "results.sqlite"
@@ -335,6 +339,7 @@ def test_help_imports_nothing_of_it() -> None:
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.slow
 def test_tables_that_cannot_be_written_are_printed_all_the_same(copied: Path) -> None:
     (copied / "out" / "tables.md").unlink()
     (copied / "out" / "tables.md").mkdir()

@@ -9,7 +9,7 @@ import pytest
 from rapc.experiments import definition
 from rapc.experiments.definition import ExperimentError, decode
 
-from .workshop import LIBRARY, TRUCK, session
+from .small_experiment import LIBRARY, TRUCK, session
 
 
 def refusal(text: str) -> tuple[str, str | None]:

@@ -15,7 +15,7 @@ from rapc.experiments.output import as_text
 from rapc.experiments.summary import Summary, summarize
 from rapc.experiments.tables import grid, markdown, remarks
 
-from .workshop import session
+from .small_experiment import session
 
 PART = Part(
     "drops",

@@ -8,12 +8,13 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from rapc.base.values import Atom
 from rapc.runtime.events import events
 from rapc.runtime.memory.recognition.scoring import Described
+from tests.effort import examples
 from tests.memory.bench import MemoryBench
 
 from .walking import TEXT, Step, Walk
@@ -21,7 +22,7 @@ from .walking import TEXT, Step, Walk
 STEPS = 250
 
 
-@settings(max_examples=40, suppress_health_check=list(HealthCheck))
+@examples(40, suppress_health_check=list(HealthCheck))
 @given(
     st.lists(
         st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
@@ -50,7 +51,7 @@ def _pairs(memory: MemoryBench) -> set[tuple[str, str]]:
     return found
 
 
-@settings(max_examples=25, suppress_health_check=list(HealthCheck))
+@examples(25, suppress_health_check=list(HealthCheck))
 @given(
     st.lists(
         st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
@@ -106,7 +107,7 @@ def test_the_outcome_does_not_depend_on_the_order_of_sets_and_dictionaries() -> 
     assert outcomes[0] == outcomes[1]
 
 
-@settings(max_examples=25, suppress_health_check=list(HealthCheck))
+@examples(25, suppress_health_check=list(HealthCheck))
 @given(
     st.lists(
         st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
@@ -131,7 +132,7 @@ def _by_ten(one: Described, other: Described) -> int:
     return 10 + 10 * len(shared)
 
 
-@settings(max_examples=25, suppress_health_check=list(HealthCheck))
+@examples(25, suppress_health_check=list(HealthCheck))
 @given(
     st.lists(
         st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),

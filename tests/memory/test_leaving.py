@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.runtime.memory.recognition import departure as leaving
 from rapc.runtime.memory.recognition.scoring import plain
 from rapc.runtime.memory.recognition.sets import Description, ExpectationSet
+from tests.effort import examples
 
 Rows = list[tuple[int, int]]
 
@@ -49,7 +50,7 @@ def _sizes(of: ExpectationSet, item: Description) -> tuple[int, int] | None:
     return None
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(st.lists(st.tuples(st.integers(0, 3), st.integers(1, 7)), max_size=7))
 def test_the_collection_is_the_smallest_and_the_fewest_leave(rows: Rows) -> None:
     of = _set(rows, 3)

@@ -8,7 +8,7 @@ from rapc.errors import FactError
 from rapc.runtime.events import events
 from rapc.runtime.memory.recognition.scoring import Described
 
-from .driving import DRUMS, WORDS, bench, leave, merges, names, see, the_set, values
+from .sightings import DRUMS, WORDS, bench, leave, merges, names, see, the_set, values
 
 VETO = DRUMS + "(declare-class-comparator drum (veto color) (score size 30))\n"
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.base.values import Atom, Fact
 from rapc.compiler.vocabulary import Relation
 from rapc.runtime.memory.mentions import Mentions
 from rapc.runtime.memory.store import FactStore
+from tests.effort import examples
 
 RELATIONS = {
     "near": Relation("near", 2, False),
@@ -52,7 +53,7 @@ class Plain:
         return replaced
 
 
-@settings(max_examples=150)
+@examples(150)
 @given(st.data())
 def test_the_store_says_what_a_list_says(data: st.DataObject) -> None:
     store, plain, mentions = FactStore(RELATIONS.get), Plain(), Mentions()

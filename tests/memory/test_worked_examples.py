@@ -6,8 +6,8 @@ from collections import Counter
 
 from tests.memory.bench import MemoryBench
 
-from .driving import BOXES, DRUMS, WORDS, bench, leave, merges, names, see, the_set
-from .driving import values as of
+from .sightings import BOXES, DRUMS, WORDS, bench, leave, merges, names, see, the_set
+from .sightings import values as of
 
 WAREHOUSE = WORDS + (
     "(declare-indistinct-class box)\n"

@@ -11,7 +11,7 @@ from typing import Any
 from rapc.base.values import Atom
 from tests.memory.bench import MemoryBench
 
-from .driving import WORDS, bench
+from .sightings import WORDS, bench
 
 TEXT = WORDS + (
     "(declare-indistinct-class drum)(declare-indistinct-class box)"

@@ -17,6 +17,7 @@ import pytest
 CHECKOUT = Path(__file__).parents[2]
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.xdist_group("wheel"),
     pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler"),
 ]

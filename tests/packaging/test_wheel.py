@@ -19,7 +19,7 @@ import pytest
 CHECKOUT = Path(__file__).parents[2]
 LINKED = ("stdlib", "examples")
 
-pytestmark = pytest.mark.xdist_group("wheel")
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("wheel")]
 
 
 class Installed(msgspec.Struct, frozen=True):

@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.lark import from_lark
 from lark import Token, Tree
@@ -23,6 +23,7 @@ from rapc.language.build import parser as reference
 from rapc.parser import reader
 from rapc.parser.lexicon import Notes
 from rapc.parser.repair import cut as recovery
+from tests.effort import examples, first
 from tests.parser.programs import FILES as PROGRAMS
 from tests.parser.reading import FILE, Plain, plain, reading
 
@@ -151,7 +152,7 @@ def test_files_of_the_repository(path: Path) -> None:
     check(path.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("batch", range(10))
+@pytest.mark.parametrize("batch", first(1, range(10)))
 def test_ten_thousand_made_texts(batch: int) -> None:
     """Half of them are sound, so their data and places are held against lark's."""
     rng = random.Random(f"texts:{batch}")
@@ -174,19 +175,19 @@ def _sound(rng: random.Random, depth: int) -> str:
     return "".join(made)
 
 
-@settings(max_examples=1000)
+@examples(1000)
 @given(TEXTS)
 def test_texts_made_of_pieces(text: str) -> None:
     check(text)
 
 
-@settings(max_examples=500)
+@examples(500)
 @given(from_lark(reference(), start="data"))
 def test_texts_made_by_the_grammar(text: str) -> None:
     check(text)
 
 
-@settings(max_examples=1000)
+@examples(1000)
 @given(TEXTS)
 def test_recovery_reads_sound_texts_like_the_fast_reader(text: str) -> None:
     """The slow reader is for broken texts, but must not break others.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.base.source import SourceFile
@@ -15,6 +15,7 @@ from rapc.parser.forms.formulas import formula
 from rapc.parser.forms.terms import goal, term
 from rapc.parser.reader import read
 from rapc.parser.syntax import Datum
+from tests.effort import examples
 
 NAMES = st.sampled_from(["p", "arm-at", "#1", "x2", "..."])
 NUMBERS = st.one_of(
@@ -68,7 +69,7 @@ def _datum(text: str) -> tuple[Context, Datum]:
     return Context(source, 10), top.datum
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(TERMS)
 def test_terms_read_back(made: nodes.Term) -> None:
     ctx, datum = _datum(format_term(made))
@@ -76,7 +77,7 @@ def test_terms_read_back(made: nodes.Term) -> None:
     assert ctx.diagnostics == []
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(FORMULAS)
 def test_formulas_read_back(made: nodes.Formula) -> None:
     ctx, datum = _datum(format_formula(made))

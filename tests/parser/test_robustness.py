@@ -5,12 +5,13 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.parser import names
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.unit import SourceUnit
+from tests.effort import examples
 from tests.parser.reading import FILE, parsed, rules
 
 WORDS = [
@@ -54,19 +55,19 @@ def _sane(text: str, made: SourceUnit) -> None:
         assert 0 <= form.span.start < form.span.end <= len(text)
 
 
-@settings(max_examples=500)
+@examples(500)
 @given(st.text())
 def test_random_text(text: str) -> None:
     _sane(text, parsed(text))
 
 
-@settings(max_examples=1000)
+@examples(1000)
 @given(LOOSE)
 def test_random_words_and_marks(text: str) -> None:
     _sane(text, parsed(text))
 
 
-@settings(max_examples=1500)
+@examples(1500)
 @given(FORMS)
 def test_random_forms(text: str) -> None:
     _sane(text, parsed(text))

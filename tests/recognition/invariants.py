@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from rapc.base.values import Atom
 
-from .driving import Described, Operation, Picture
+from .pictures import Described, Operation, Picture
 
 Batch = Sequence[Operation]
 

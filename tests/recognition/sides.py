@@ -1,4 +1,4 @@
-"""The memory under test and the plain one, each as a side that `driving` reads."""
+"""The memory under test and the plain one, each as a side that `pictures` reads."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from rapc.library.loader import load_text
 from rapc.runtime.events.events import ItemEvent
 from tests.memory.bench import DescriptionView, MemoryBench
 
-from .driving import Pictured, Read, Side, Told
+from .pictures import Pictured, Read, Side, Told
 from .plain import Plain
 from .plain_facts import NEVER
 from .plain_parts import Declared, Thing

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from rapc.base.values import Atom
 
-from .driving import Described, Operation, Pictured, Side
+from .pictures import Described, Operation, Pictured, Side
 from .plain_parts import Comparator, Declared
 
 DEPOT = Declared(

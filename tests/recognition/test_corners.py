@@ -6,7 +6,7 @@ from typing import cast
 
 import pytest
 
-from .driving import Side, Told
+from .pictures import Side, Told
 from .sides import ByHand, UnderTest
 from .story import DEPOT, Looked, Seen, Story, items
 

@@ -10,7 +10,7 @@ from typing import cast
 
 import pytest
 
-from .driving import Side
+from .pictures import Side
 from .sides import ByHand, UnderTest
 from .story import DEPOT, Looked, Seen, Story, items, tally
 

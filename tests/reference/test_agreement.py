@@ -1,6 +1,7 @@
 """rapc's interpreter and the reference make the same trace, event for event.
 
-Seeds 0 to 2999 here; more by hand with `python -m tests.reference.compare`.
+Seeds 0 to 299 by default, to 2999 among the slow tests; more by hand with
+`python -m tests.reference.compare`.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from collections import Counter
 
 import pytest
 
+from tests.effort import first
 from tests.reference.compare import compare, kind_of, report
 from tests.reference.generate import generate
 
@@ -53,7 +55,7 @@ OFTEN = (
 """What must come up in some twelve hundred runs, or the comparison says little."""
 
 
-@pytest.mark.parametrize("chunk", range(CHUNKS))
+@pytest.mark.parametrize("chunk", first(3, range(CHUNKS)))
 def test_both_interpreters_make_the_same_trace(chunk: int) -> None:
     for seed in range(chunk * CHUNK, (chunk + 1) * CHUNK):
         case = generate(seed)
@@ -61,6 +63,7 @@ def test_both_interpreters_make_the_same_trace(chunk: int) -> None:
         assert outcome.verdict == "agree", report(case, outcome)
 
 
+@pytest.mark.slow
 def test_the_runs_compared_are_eventful() -> None:
     counts: Counter[str] = Counter()
     for seed in range(1200):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 
 import msgspec
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.base.resources import Counter, SetResource
@@ -25,6 +25,7 @@ from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.task import Task
 from tests.compiler.dice import ATOMS, Dice, dice, sizes
 from tests.compiler.memories import VOCABULARY, Memories, apply, memories, query
+from tests.effort import examples
 
 TASKS, CHANGES = 3, 10
 
@@ -88,7 +89,7 @@ class Sleepers:
                 self.monitors.resource_changed(value)
 
 
-@settings(max_examples=400)
+@examples(400)
 @given(dice(), sizes, st.integers(1, 6))
 def test_who_waits_stands_where_its_formula_says(
     thrown: Dice, size: int, leaves: int

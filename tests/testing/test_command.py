@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ..cli.command import rapc
-from .workshop import GRAB, LIBRARY
+from .small_suite import GRAB, LIBRARY
 
 CHECKOUT = Path(__file__).parents[2]
 GIVEN = f"(script {GRAB}) (task (fetch box))"

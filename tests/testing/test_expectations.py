@@ -8,7 +8,7 @@ import pytest
 
 from rapc.testing.run import Status
 
-from .workshop import GRAB, happened, run
+from .small_suite import GRAB, happened, run
 
 FETCH = f"(script {GRAB}) (task (fetch box))"
 DROP = "(script ((grab ?x) dropped :takes 1)) (task (fetch box))"

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 from rapc.testing.junit import as_junit
 
-from .workshop import run
+from .small_suite import run
 
 
 def _parsed(data: bytes) -> ElementTree.Element:

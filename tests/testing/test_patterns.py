@@ -10,7 +10,7 @@ from rapc.base.values import Text
 from rapc.testing.patterns import read_value, split_goal
 from rapc.testing.run import Status
 
-from .workshop import happened, run
+from .small_suite import happened, run
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from rapc.testing import explain
 from rapc.testing.run import Status, run_case
 
-from .workshop import GRAB, LIBRARY, cases, happened, run
+from .small_suite import GRAB, LIBRARY, cases, happened, run
 
 PROBLEMS = [
     ("(facts (hold box))", "`hold` is not declared"),

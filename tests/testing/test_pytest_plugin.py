@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from .workshop import GRAB, LIBRARY
+from .small_suite import GRAB, LIBRARY
 
 pytest_plugins = ["pytester"]
 

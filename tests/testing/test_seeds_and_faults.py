@@ -15,7 +15,7 @@ from rapc.testing.session import Session, exit_status, summary
 from rapc.world import World
 from rapc.worlds.faults import Fault, FaultyWorld
 
-from .workshop import GRAB, LIBRARY, cases, happened, run
+from .small_suite import GRAB, LIBRARY, cases, happened, run
 
 CHANCE = """
 (define-rap (guess)

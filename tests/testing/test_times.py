@@ -8,7 +8,7 @@ import pytest
 
 from rapc.testing.run import Status, run_case
 
-from .workshop import GRAB, LIBRARY, cases, happened, run
+from .small_suite import GRAB, LIBRARY, cases, happened, run
 
 LONG = "(script ((grab ?x) okay :takes 10 :asserts ((have ?x)))) (task (fetch box))"
 """A primitive from time 0 to 10, and nothing else."""

@@ -13,7 +13,7 @@ import pytest
 
 from .runs import STDLIB, Run, library, order, task
 
-pytestmark = pytest.mark.xdist_group("situations")
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("situations")]
 
 SEEDS = range(200)
 OPTIONS = {"enemy-interval": 60, "fuel": 1000, "fuel-capacity": 1000}

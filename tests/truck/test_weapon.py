@@ -6,6 +6,8 @@ library.
 
 from __future__ import annotations
 
+import pytest
+
 from rapc.base.values import Number
 
 from .runs import PLENTY, STDLIB, Run, library, task
@@ -30,6 +32,7 @@ def test_an_empty_weapon_is_loaded_whatever_the_seed() -> None:
         assert run.faults == []
 
 
+@pytest.mark.slow
 def test_a_search_ends_wherever_gun_and_tool_have_gone() -> None:
     options = {**PLENTY, "shuffle-interval": 30, "shuffle-tools": True}
     outcomes: set[str] = set()

@@ -7,12 +7,13 @@ import random
 from collections import Counter
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.worlds.truck import TruckWorld
+from tests.effort import examples
 
-from .walks import HARDEST, LONG, MORTAL, Wanderer, check
+from .wanderer import HARDEST, LONG, MORTAL, Wanderer, check
 
 
 def wanderer(seed: int, **options: float) -> Wanderer:
@@ -23,7 +24,7 @@ def wanderer(seed: int, **options: float) -> Wanderer:
 
 
 @given(st.integers(0, 10**9), st.integers(1, 60))
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_items_never_vanish_or_double(seed: int, steps: int) -> None:
     one = wanderer(seed)
     for _ in range(steps):
@@ -65,7 +66,7 @@ def test_a_thousand_walks_through_the_hardest_world_end_as_walks_do() -> None:
 
 
 @given(st.integers(0, 10**9), st.integers(0, 40), st.integers(1, 40))
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_a_saved_world_goes_on_as_if_nothing_had_been(
     seed: int, before: int, after: int
 ) -> None:

@@ -1,7 +1,7 @@
 """What tests of the language need from a world package: callables and handlers.
 
-Tests name it `(world "tests.rap.workshop:Workshop")`. The world itself is never run:
-what happens is in each test's script.
+Tests name it `(world "tests.rap.language_world:LanguageWorld")`. The world itself is
+never run: what happens is in each test's script.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from rapc.world import Callables, HandlerMemory
 from rapc.worlds.scripted import ScriptedWorld
 
 
-class Workshop(ScriptedWorld):
+class LanguageWorld(ScriptedWorld):
     """Functions, a default function, problem solvers and handlers of sensor data."""
 
-    name = "workshop"
+    name = "language-world"
 
     def __init__(self, rng: Random, options: Mapping[str, Atom | bool]) -> None:
         super().__init__((), data_handlers={"seen": _seen, "moved-on": _moved_on})

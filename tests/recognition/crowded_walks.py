@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 
 from rapc.base.values import Atom
 
-from .driving import Operation
+from .pictures import Operation
 from .plain_parts import Comparator, Declared
 
 MOST = 3

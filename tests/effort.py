@@ -1,0 +1,33 @@
+"""How much of a test `pytest` does by default, and how much `.ci/run` does.
+
+Some tests say the same of many seeds or of many examples. A few of these belong to the
+default set, so that no room goes untested; the rest is marked `slow`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+from hypothesis import settings
+
+THOROUGH = "thorough"
+"""The profile of hypothesis under which tests try all the examples they ask for."""
+
+SHARE = 6
+"""By default a test tries one in so many of its examples."""
+
+
+def first(number: int, values: Iterable[Any]) -> list[Any]:
+    """Return parameters of a test of which all but the first `number` are slow."""
+    return [
+        value if at < number else pytest.param(value, marks=pytest.mark.slow)
+        for at, value in enumerate(values)
+    ]
+
+
+def examples(most: int, **others: Any) -> settings:
+    """Settings of hypothesis: `most` examples if thorough, else a sixth of them."""
+    thorough = settings.get_current_profile_name() == THOROUGH
+    return settings(max_examples=most if thorough else most // SHARE, **others)
