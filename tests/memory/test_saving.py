@@ -13,7 +13,7 @@ from rapc.runtime.memory.saving import MemoryState, capture, restore
 from rapc.runtime.memory.store import NEVER
 
 from .bench import MemoryBench
-from .driving import BOXES, DRUMS, bench, leave, see
+from .sightings import BOXES, DRUMS, bench, leave, see
 from .walking import Step, Walk
 
 
