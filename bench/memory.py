@@ -104,7 +104,7 @@ class Drive:
         world = build_world(TruckWorld, seed, _options(items, seed))
         assert isinstance(world, TruckWorld)
         self.world = world
-        self._handlers = self.world.handlers()
+        self._handlers = self.world.kit.handlers
         self._recorder = Recorder()
         library = _library(recognising)
         words = Vocabulary.of(library)

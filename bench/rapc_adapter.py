@@ -29,7 +29,15 @@ from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
 from rapc.parser.parse import parse
 from rapc.parser.reader import read
-from rapc.world import Handlers, Message, Offer, Option, Reply, Time, World
+from rapc.world import (
+    Handlers,
+    Kit,
+    Message,
+    Offer,
+    Reply,
+    Time,
+    World,
+)
 
 MONITORS = """\
 (declare-primitive reset (?sensor) (okay))
@@ -121,20 +129,9 @@ class Functions(World):
     ) -> None:
         given = primitives or {}
         self._calls = {name: call for name, (_, call) in given.items()}
-        self._arity = {name: arity for name, (arity, _) in given.items()}
-
-    @classmethod
-    def options(cls) -> Sequence[Option]:
-        """None."""
-        return ()
-
-    def offer(self) -> Offer:
-        """The functions given; all of them end well."""
-        return Offer({name: (at, ("okay",)) for name, at in self._arity.items()}, {})
-
-    def handlers(self) -> Handlers:
-        """After a `reset` the robot believes the sensor's state no longer."""
-        return Handlers({"reset": _forget}, {})
+        arity = {name: (arity, ("okay",)) for name, (arity, _) in given.items()}
+        # After a `reset` the robot believes the sensor's state no longer.
+        self.kit = Kit(Offer(arity), Handlers({"reset": _forget}))
 
     def now(self) -> Time:
         """Always the beginning."""

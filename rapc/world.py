@@ -1,22 +1,52 @@
-"""The port between interpreter and world, and all that either knows of the other.
+"""The port between interpreter and world: all that authors of worlds import.
 
-A world has a clock, takes requests, returns results and sensor data, may send more
-unasked, and may end the run. Its handlers turn results and data into changes of
-memory through `HandlerMemory` (T 3.3, semantics 9). The interpreter cannot see into
-a world, nor a world into the interpreter.
+A `World` has a clock, takes requests, returns results and sensor data, may send more
+unasked, and may end the run. Its `Kit` says what libraries find there: primitives and
+data, options, and the Python code that belongs to the world, such as the handlers that
+turn results and data into changes of memory through `HandlerMemory` [T 3.3]. What only
+some worlds can do stands in protocols of its own: `Drawable`, `Savable`, `Timed`. The
+interpreter cannot see into a world, nor a world into the interpreter.
 """
 
 from __future__ import annotations
 
-import random
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from io import UnsupportedOperation
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import msgspec
 
-from rapc.base.values import Atom, Fact, Number
+from rapc.base.values import Atom, Fact, Number, Text
+
+__all__ = (
+    "OKAY",
+    "Atom",
+    "Callables",
+    "Datum",
+    "DatumHandler",
+    "Drawable",
+    "Fact",
+    "Finished",
+    "Gauge",
+    "HandlerMemory",
+    "Handlers",
+    "Kit",
+    "Message",
+    "Number",
+    "Offer",
+    "Option",
+    "Picture",
+    "Reply",
+    "ResultHandler",
+    "Savable",
+    "Signal",
+    "Spot",
+    "Text",
+    "Thing",
+    "Time",
+    "Timed",
+    "World",
+)
 
 Time = Number
 """Simulated time units since the start of the run; never negative."""
@@ -132,34 +162,34 @@ class Handlers(msgspec.Struct, frozen=True):
     of the world package.
     """
 
-    results: Mapping[str, ResultHandler]
-    data: Mapping[str, DatumHandler]
+    results: Mapping[str, ResultHandler] = {}
+    data: Mapping[str, DatumHandler] = {}
 
 
 class Option(msgspec.Struct, frozen=True):
-    """One option of a world: what `rapc worlds NAME` lists and `--set` changes.
-
-    `kind` is one of `number`, `integer`, `flag`, `symbol`, `text`.
-    """
+    """One option of a world: what `rapc worlds NAME` lists and `--set` changes."""
 
     name: str
+    #: One of `number`, `integer`, `flag`, `symbol`, `text`.
     kind: str
+    #: The value if nobody sets another; of kind `text` a `rapc.world.Text`.
     default: Atom | bool
     unit: str
     doc: str
 
 
 class Offer(msgspec.Struct, frozen=True):
-    """What a world understands and sends: names with numbers of arguments.
+    """What a world understands and sends, by name."""
 
-    `primitives` maps a name to its arguments' number and its possible results;
-    `sensors` are those among them that only look and change nothing (T 6.3).
-    """
-
-    primitives: Mapping[str, tuple[int, tuple[str, ...]]]
-    data: Mapping[str, int]
+    #: The number of arguments of each primitive, and its results.
+    primitives: Mapping[str, tuple[int, tuple[str, ...]]] = {}
+    #: The number of arguments of each sensor datum.
+    data: Mapping[str, int] = {}
+    #: The number of arguments of each skill, its name with the colon.
     skills: Mapping[str, int] = {}
+    #: The number of arguments of each signal, its name with the colon (`:alarm`).
     events: Mapping[str, int] = {}
+    #: The primitives that only look and change nothing [T 6.3].
     sensors: tuple[str, ...] = ()
 
 
@@ -209,63 +239,50 @@ class Picture(msgspec.Struct, frozen=True):
 
 
 Callables = Mapping[str, Callable[..., object]]
+"""Python callables by the name under which libraries know them."""
+
+
+class Kit(msgspec.Struct, frozen=True):
+    """What a world brings along for libraries; nothing in it changes during a run."""
+
+    #: The primitives, data, skills and signals of the world.
+    offer: Offer = Offer()
+    #: What turns results and data into changes of memory.
+    handlers: Handlers = Handlers()
+    #: The options with their defaults.
+    options: tuple[Option, ...] = ()
+    #: Functions `(memory, arg...)` and default functions `(memory, index)`, by name;
+    #: an index is the tuple of the property's name and its arguments but the value.
+    functions: Callables = {}
+    #: Problem solvers `(goal, memory)` by the name of the RAP they help [T 7.4.1]; they
+    #: return methods (see `rapc.methods`).
+    solvers: Callables = {}
+    #: Comparators `(one, other)` of descriptions, by name [T A.5]: each returns a
+    #: number, 0 or less if the two cannot be the same item.
+    comparators: Callables = {}
 
 
 class World(ABC):
     """A world as the interpreter sees it. One instance serves one run.
 
-    Args:
-        rng: the world's own random stream, made from the run's seed.
-        options: values for some of `options()`; checked and converted by
-            `rapc.worlds.registry` before they arrive here.
+    A world that is opened by name is made with its own random stream, which comes from
+    the seed of the run, and with a value for each option: `(rng, options)`. It raises
+    ValueError for values that make no sense together.
     """
 
+    #: What the world is called: by `--set`, in traces and in messages.
     name: str
-
-    @abstractmethod
-    def __init__(
-        self, rng: random.Random, options: Mapping[str, Atom | bool]
-    ) -> None: ...
-
-    @classmethod
-    @abstractmethod
-    def options(cls) -> Sequence[Option]:
-        """The options with their defaults."""
-
-    @abstractmethod
-    def offer(self) -> Offer:
-        """The primitives, data, skills and events of this world."""
-
-    @abstractmethod
-    def handlers(self) -> Handlers:
-        """The handlers that belong to this world."""
-
-    @classmethod
-    def functions(cls) -> Callables:
-        """Functions and default functions for libraries, by registered name."""
-        return {}
-
-    @classmethod
-    def comparators(cls) -> Callables:
-        """Comparators of descriptions for libraries, by registered name (T A.5).
-
-        Each gets two `rapc.runtime.memory.recognition.scoring.Described` and returns
-        a number; 0 or less rules the pair out.
-        """
-        return {}
-
-    @classmethod
-    def solvers(cls) -> Callables:
-        """Problem solvers by the name of the RAP they help."""
-        return {}
+    #: What the world brings along for libraries. A world that is opened by name has one
+    #: in its class; the constructor may put another in its place.
+    kit: Kit
 
     def facts(self) -> Iterable[Fact]:
-        """What the robot knows before it has sensed anything (its map, say)."""
+        """Return what the robot knows before it has sensed anything: a map, say."""
         return ()
 
     @abstractmethod
     def now(self) -> Time:
-        """The clock."""
+        """Return the time of the clock."""
 
     @abstractmethod
     def perform(self, ticket: int, request: Fact) -> Reply | None:
@@ -275,17 +292,9 @@ class World(ABC):
         reply; None means that the end comes later as a `Finished` with `ticket`.
         """
 
-    def usual_time(self, request: Fact) -> Time:
-        """How long a request usually holds the robot, in time units.
-
-        A request that is made to fail (`--fault`) takes so long; 0 where the world
-        cannot say.
-        """
-        return 0
-
     @abstractmethod
     def next_time(self) -> Time | None:
-        """When the world will next send something if nothing is asked of it."""
+        """Return when the world will next send something if nothing is asked of it."""
 
     @abstractmethod
     def advance(self, to: Time) -> None:
@@ -293,24 +302,43 @@ class World(ABC):
 
     @abstractmethod
     def messages(self) -> Sequence[Message]:
-        """What the world has sent since this was last asked, in order."""
+        """Return what the world has sent since this was last asked, in order."""
 
     def ended(self) -> str | None:
-        """The reason why the world has ended the run, or None."""
+        """Return the reason why the world has ended the run, or None."""
         return None
 
-    def picture(self) -> Picture | None:
-        """The truth as it is now, for `rapc run --show`; None: there is no picture."""
-        return None
+
+@runtime_checkable
+class Timed(Protocol):
+    """A world that can say beforehand how long requests take."""
+
+    def usual_time(self, request: Fact) -> Time:
+        """Return how long a request usually holds the robot, in time units.
+
+        A request that is made to fail (`--fault`) takes as long, and no time at all in
+        a world that is not `Timed`.
+        """
+
+
+@runtime_checkable
+class Drawable(Protocol):
+    """A world that `rapc run --show` can draw."""
+
+    def picture(self) -> Picture:
+        """Return the truth as it is now; nothing changes by that."""
+
+
+@runtime_checkable
+class Savable(Protocol):
+    """A simulator whose state can be saved."""
 
     def save(self) -> bytes:
-        """The state of a simulator, exactly. Worlds of stone and steel cannot.
-
-        Raises:
-            io.UnsupportedOperation: if this world cannot be saved.
-        """
-        raise UnsupportedOperation(f"the world `{self.name}` cannot be saved")
+        """Return the state, exactly, random streams among it; nothing changes."""
 
     def restore(self, state: bytes) -> None:
-        """Take up a state that `save` returned. Raises io.UnsupportedOperation."""
-        raise UnsupportedOperation(f"the world `{self.name}` cannot be restored")
+        """Go back to a state that `save` returned, in place.
+
+        Raises:
+            ValueError: if `state` is none of this world, or of one otherwise made.
+        """

@@ -33,7 +33,7 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings, read_settings
 from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.testing.faults import read_fault
-from rapc.world import Time, World
+from rapc.world import Drawable, Time, World
 from rapc.worlds import registry
 from rapc.worlds.faults import Fault, FaultyWorld, problem
 
@@ -126,13 +126,12 @@ def run(
     failing = [_fault(text) for text in faults]
     interpreter, options, world = _build(library, world_name, seed, values, failing)
     _refuse(interpreter, submissions, known)
-    if show:
-        _refuse_unseen(world, world_name)
+    drawn = _drawable(world, world_name) if show else None
     with ExitStack() as stack:
         files = (path, *library.library.files)
         report = _listeners(stack, interpreter, files, trace, trace_format)
-        if show:
-            _show(stack, interpreter, world)
+        if drawn is not None:
+            _show(stack, interpreter, drawn)
         elif not settings().quiet:
             interpreter.listen(TextTrace(sys.stdout))
         interpreter.start(options, tasks, faults)
@@ -216,7 +215,7 @@ def _fault(text: str) -> Fault:
 
 def _with_faults(world: World, faults: Sequence[Fault], seed: int) -> World:
     """A world with faults, if any; ends the command for one that cannot be."""
-    offer = world.offer()
+    offer = world.kit.offer
     for fault in faults:
         wrong = problem(fault, offer)
         if wrong is not None:
@@ -282,17 +281,18 @@ def _listeners(
     return report
 
 
-def _refuse_unseen(world: World, world_name: str) -> None:
-    """Refuse to show a world that has no picture of itself."""
+def _drawable(world: World, world_name: str) -> Drawable:
+    """Return a world that can be drawn; any other ends the command."""
+    if not isinstance(world, Drawable):
+        fail(f"the world `{world_name}` has no picture of itself to --show")
     try:
-        seen = world.picture() is not None
+        world.picture()
     except Exception as error:
         _blame(world_name, error)
-    if not seen:
-        fail(f"the world `{world_name}` has no picture of itself to --show")
+    return world
 
 
-def _show(stack: ExitStack, interpreter: Interpreter, world: World) -> None:
+def _show(stack: ExitStack, interpreter: Interpreter, world: Drawable) -> None:
     """Draw the run while it goes on."""
     from rapc.console.show.live import LiveView  # noqa: PLC0415  # brings rich along
 

@@ -20,7 +20,7 @@ def list_worlds(worlds: Mapping[str, str], width: int) -> str:
 
 def describe_world(world: World, width: int) -> str:
     """All that a world offers: primitives with results, data, skills, options."""
-    offer = world.offer()
+    offer = world.kit.offer
     primitives = [
         (f"{name}/{arity}", ", ".join(results))
         for name, (arity, results) in offer.primitives.items()
@@ -38,7 +38,7 @@ def describe_world(world: World, width: int) -> str:
             lines += ["", *wrap(title, width)]
             wrapped = wrap("  ".join(words), width - 2, break_on_hyphens=False)
             lines += ["  " + line for line in wrapped]
-    rows = [(option.name, _option(option)) for option in world.options()]
+    rows = [(option.name, _option(option)) for option in world.kit.options]
     lines += _section(f"options, as `--set {world.name}.option=value`", rows, width)
     return "\n".join(lines)
 

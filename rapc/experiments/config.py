@@ -67,7 +67,7 @@ def world_options(
     world: type[World], plain: Mapping[str, Plain]
 ) -> dict[str, Atom | bool]:
     """Values of options as a world takes them."""
-    kinds = {option.name: option.kind for option in world.options()}
+    kinds = {option.name: option.kind for option in world.kit.options}
     return {
         name: Text(str(value)) if kinds[name] == "text" else value
         for name, value in plain.items()
@@ -78,7 +78,7 @@ def plain_options(
     world: type[World], given: Mapping[str, Atom | bool]
 ) -> dict[str, Plain]:
     """The values of all options of a world: those given, and the defaults."""
-    values = {option.name: option.default for option in world.options()} | dict(given)
+    values = {option.name: option.default for option in world.kit.options} | dict(given)
     return {n: v.value if isinstance(v, Text) else v for n, v in values.items()}
 
 

@@ -214,5 +214,5 @@ def _try(
 def unit(world: type[World], vary: str) -> str:
     """The unit of what is varied; empty if it has none."""
     owner, _, name = vary.partition(".")
-    units = {option.name: option.unit for option in world.options()}
+    units = {option.name: option.unit for option in world.kit.options}
     return units.get(name, "") if owner == world.name else ""

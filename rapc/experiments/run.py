@@ -83,7 +83,7 @@ def measure(config: Config, seed: int) -> Measures:
     library = _compiled(config.library, config.sources, threading.get_ident())
     settings = msgspec.convert(config.settings, Settings)
     interpreter = Interpreter(library, world, seed, settings)
-    tally = Tally(world.offer(), config.count)
+    tally = Tally(world.kit.offer, config.count)
     interpreter.listen(tally, *Tally.kinds)
     tasks = [read_task_request(task) for task in config.tasks]
     interpreter.start()

@@ -44,7 +44,7 @@ def refusals(
 
 def _lacking(library: Library, world: World) -> Iterator[str]:
     """What the library declares and the world does not offer, or not so."""
-    offer = world.offer()
+    offer = world.kit.offer
     primitives = {name: arity for name, (arity, _) in offer.primitives.items()}
     yield from _unoffered(library, world, "primitive", library.primitives, primitives)
     yield from _unoffered(library, world, "datum", library.data, offer.data)

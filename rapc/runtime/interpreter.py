@@ -66,14 +66,14 @@ class Interpreter:
         comparators: Mapping[str, Callable[..., Any]] | None = None,
     ) -> None:
         self.seed = seed
-        compare = {**world.comparators(), **(comparators or {})}
+        compare = {**world.kit.comparators, **(comparators or {})}
         self._machine = Machine(
             library,
             world,
             random.Random(f"{seed}:interpreter"),
             settings or Settings(),
-            {**world.functions(), **(functions or {})},
-            {**world.solvers(), **(solvers or {})},
+            {**world.kit.functions, **(functions or {})},
+            {**world.kit.solvers, **(solvers or {})},
             compare,
         )
         self._machine.recognizer.renamed = partial(rename, self._machine)

@@ -16,7 +16,7 @@ from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.start import create_top, release_at_start_time
-from rapc.world import Time, World
+from rapc.world import Time
 
 _QUIET = ""
 """No reason to be over, only for not turning on."""
@@ -30,12 +30,6 @@ class Loop:
         self._cost = machine.settings.cycle_cost
         self._patience = machine.settings.idle_cycles
 
-    @property
-    def _may_end(self) -> bool:
-        """Whether the world has something to say about the end of the run."""
-        ended = self._machine.world.ended
-        return getattr(ended, "__func__", None) is not World.ended
-
     def run(self, most: int | None, wait: bool) -> str | None:
         """Turn until the run is over, and say why; or until so `most` cycles are done.
 
@@ -48,7 +42,7 @@ class Loop:
         to_test, host_timers = monitors.to_test, machine.host_timers
         scheduled = state.scheduled
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
-        may_end, limited = self._may_end, state.until is not None
+        ended, limited = machine.world.ended, state.until is not None
         idle, patience = state.idle, self._patience
         while left != 0 and not state.over:
             now = clock()
@@ -66,7 +60,7 @@ class Loop:
                 self._create_scheduled()
             if to_test or recorder.time >= monitors.next_look:
                 self._wake()
-            if may_end or idle > patience or not state.foreground:
+            if ended() is not None or idle > patience or not state.foreground:
                 state.idle = idle
                 reason = self.reason()
                 if reason is not None:

@@ -83,7 +83,7 @@ class Machine:
         #: Whether a sole method may be chosen without further ado: no solver may help,
         #: and nobody is to be told of contexts.
         self.is_plain = not solvers
-        self.handlers = world.handlers()
+        self.handlers = world.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
 

@@ -24,7 +24,7 @@ from rapc.testing.judge import Scene, judge
 from rapc.testing.patterns import flat
 from rapc.testing.record import Record
 from rapc.testing.validate import Problem, problems, row_of
-from rapc.world import World
+from rapc.world import Kit, World
 from rapc.worlds import registry
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 
@@ -94,8 +94,8 @@ def run_case(
         found = problems(
             case.test,
             case.library.library,
-            handled=helper.handlers().data if helper else (),
-            solved=helper.solvers() if helper else (),
+            handled=helper.kit.handlers.data if helper else (),
+            solved=helper.kit.solvers if helper else (),
         )
         if found:
             return _error(case, seed, found)
@@ -147,16 +147,13 @@ class _Run:
         scripted = ScriptedWorld(
             [row_of(row) for row in case.test.script],
             declared=case.library.library,
-            data_handlers=helper.handlers().data if helper else None,
+            kit=helper.kit if helper else Kit(),
             leaving=self._leaving,
         )
         self.interpreter = Interpreter(
             case.library,
             scripted if wrap is None else wrap(scripted, seed),
             seed,
-            functions=helper.functions() if helper else None,
-            comparators=helper.comparators() if helper else None,
-            solvers=helper.solvers() if helper else None,
         )
         self.interpreter.check(_all_tasks(case.test))
 

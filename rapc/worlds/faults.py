@@ -1,7 +1,7 @@
 """Faults put into any world: chosen requests fail as told, whatever the world is.
 
 A faulted request never reaches the world. It takes the time that the world says such
-requests usually take (`World.usual_time`) and holds the robot meanwhile; then its
+requests usually take (`Timed.usual_time`) and holds the robot meanwhile; then its
 result, and the handler for it, are what the fault says. No data come with it.
 """
 
@@ -15,17 +15,8 @@ import msgspec
 
 from rapc.base.names import counted, nearest
 from rapc.base.values import Fact, match, number
-from rapc.world import (
-    Callables,
-    Handlers,
-    Message,
-    Offer,
-    Option,
-    Picture,
-    Reply,
-    Time,
-    World,
-)
+from rapc.world import Drawable, Message, Offer, Reply, Savable, Time, Timed, World
+from rapc.worlds.streams import Stream, stream_in, stream_state
 
 
 class Fault(msgspec.Struct, frozen=True):
@@ -69,15 +60,19 @@ def _meant(name: str, names: Iterable[str]) -> str:
 
 
 class _Saved(msgspec.Struct, frozen=True):
+    """What `save` writes: the state of the world behind, and of the random stream."""
+
     world: str
-    rng: tuple[int, tuple[int, ...], float | None]
+    rng: Stream
 
 
 class FaultyWorld(World):
     """A world some of whose requests fail.
 
+    The optional parts of the port are there if the world behind has them.
+
     Args:
-        world: what is behind it.
+        world: the world behind.
         faults: tried in this order for each request; the first that hits counts.
         seed: the run's seed; faults have a random stream of their own, drawn from
             once for each fault of a chance below 1 that concerns a request.
@@ -85,64 +80,43 @@ class FaultyWorld(World):
 
     def __init__(self, world: World, faults: Sequence[Fault], seed: int) -> None:
         self.name = world.name
+        self.kit = world.kit
         self._world = world
         self._faults = tuple(faults)
         self._rng = random.Random(f"{seed}:faults")
-        # What a class registers is asked of the one behind, whose class is not known.
-        self.functions = self._functions  # type: ignore[method-assign]
-        self.comparators = self._comparators  # type: ignore[method-assign]
-        self.solvers = self._solvers  # type: ignore[method-assign]
-
-    @classmethod
-    def options(cls) -> Sequence[Option]:
-        """None: it is put around a world that has its own."""
-        return ()
-
-    def offer(self) -> Offer:
-        """What the world behind offers."""
-        return self._world.offer()
-
-    def handlers(self) -> Handlers:
-        """The handlers of the world behind."""
-        return self._world.handlers()
-
-    def _functions(self) -> Callables:
-        return self._world.functions()
-
-    def _comparators(self) -> Callables:
-        return self._world.comparators()
-
-    def _solvers(self) -> Callables:
-        return self._world.solvers()
+        if isinstance(world, Drawable):
+            self.picture = world.picture
+        if isinstance(world, Timed):
+            self.usual_time = world.usual_time
+        if isinstance(world, Savable):
+            self._behind = world
+            self.save, self.restore = self._save, self._restore
 
     def facts(self) -> Iterable[Fact]:
-        """What the robot knows at first."""
+        """Return what the robot knows at first."""
         return self._world.facts()
 
     def now(self) -> Time:
-        """The clock."""
+        """Return the time of the clock."""
         return self._world.now()
 
     def perform(self, ticket: int, request: Fact) -> Reply | None:
-        """Fail as told, or hand the request on."""
+        """Fail as a fault says, or hand the request on."""
         now = self._world.now()
         for fault in self._faults:
             if fault.concerns(request, now) and self._hits(fault):
-                takes = self._world.usual_time(request)
+                behind = self._world
+                takes = behind.usual_time(request) if isinstance(behind, Timed) else 0
                 if takes:
-                    self._world.advance(number(now + takes))
+                    behind.advance(number(now + takes))
                 return Reply(fault.result)
         return self._world.perform(ticket, request)
 
     def _hits(self, fault: Fault) -> bool:
         return fault.p >= 1 or self._rng.random() < fault.p
 
-    def usual_time(self, request: Fact) -> Time:
-        """What the world behind says."""
-        return self._world.usual_time(request)
-
     def next_time(self) -> Time | None:
-        """When the world behind will send something."""
+        """Return when the world behind will send something."""
         return self._world.next_time()
 
     def advance(self, to: Time) -> None:
@@ -150,25 +124,22 @@ class FaultyWorld(World):
         self._world.advance(to)
 
     def messages(self) -> Sequence[Message]:
-        """What the world behind has sent."""
+        """Return what the world behind has sent."""
         return self._world.messages()
 
     def ended(self) -> str | None:
-        """Why the world behind has ended the run, or None."""
+        """Return why the world behind has ended the run, or None."""
         return self._world.ended()
 
-    def picture(self) -> Picture | None:
-        """The picture of the world behind, or None."""
-        return self._world.picture()
+    def _save(self) -> bytes:
+        inner = b64encode(self._behind.save()).decode()
+        return msgspec.json.encode(_Saved(inner, stream_state(self._rng)))
 
-    def save(self) -> bytes:
-        """The state of the world behind and of the random stream, as JSON."""
-        version, internal, gauss = self._rng.getstate()
-        inner = b64encode(self._world.save()).decode()
-        return msgspec.json.encode(_Saved(inner, (version, tuple(internal), gauss)))
-
-    def restore(self, state: bytes) -> None:
-        """Take up a state that `save` returned."""
-        saved = msgspec.json.decode(state, type=_Saved)
-        self._rng.setstate(saved.rng)
-        self._world.restore(b64decode(saved.world))
+    def _restore(self, state: bytes) -> None:
+        try:
+            saved = msgspec.json.decode(state, type=_Saved)
+            rng, inner = stream_in(saved.rng), b64decode(saved.world, validate=True)
+        except ValueError as error:
+            raise ValueError(f"no state of a world with faults: {error}") from error
+        self._behind.restore(inner)
+        self._rng = rng

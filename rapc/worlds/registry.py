@@ -8,11 +8,10 @@ wrong is a `WorldError`; how it is shown is for the front ends.
 from __future__ import annotations
 
 import importlib
-import inspect
 import random
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -53,9 +52,11 @@ def find_world(name: str) -> type[World]:
     found = _load(point)
     if not (isinstance(found, type) and issubclass(found, World)):
         raise WorldError(f"`{point.value}` is not a subclass of `rapc.World`")
-    if inspect.isabstract(found):
-        missing = ", ".join(sorted(found.__abstractmethods__))
-        raise WorldError(f"the world `{point.value}` does not define {missing}")
+    missing = sorted(getattr(found, "__abstractmethods__", ()))
+    missing += [part for part in ("name", "kit") if not hasattr(found, part)]
+    if missing:
+        listed = ", ".join(missing)
+        raise WorldError(f"the world `{point.value}` does not define {listed}")
     return found
 
 
@@ -121,7 +122,7 @@ def read_options(
     Raises:
         WorldError: for an unknown option or a value of another kind.
     """
-    options = {option.name: option for option in world.options()}
+    options = {option.name: option for option in world.kit.options}
     return {
         name: _value(world, _known(world, options, name), text)
         for name, text in texts.items()
@@ -174,9 +175,10 @@ def build_world(
     Raises:
         WorldError: for option values that the world refuses, and if it breaks.
     """
-    rng = random.Random(f"{seed}:world")
+    make: Callable[..., World] = world
+    values = {option.name: option.default for option in world.kit.options}
     try:
-        return world(rng, options)
+        return make(random.Random(f"{seed}:world"), {**values, **options})
     except ValueError as error:
         raise WorldError(f"the world `{world.name}` refuses: {error}") from error
     except Exception as error:  # whatever code from elsewhere may raise
@@ -192,7 +194,7 @@ def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
     """
     world = find_world(name)
     given = {key.replace("_", "-"): value for key, value in options.items()}
-    known = {option.name: option for option in world.options()}
+    known = {option.name: option for option in world.kit.options}
     for option in given:
         _known(world, known, option)
     return build_world(world, seed, given)

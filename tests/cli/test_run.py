@@ -25,25 +25,22 @@ LIBRARY = """\
 """
 
 WORLD = """\
-from rapc.world import Handlers, Offer, Reply, World
+from rapc.world import Handlers, Kit, Offer, Reply, World
+
+def napped(memory, request, result):
+    raise KeyError("pillow")
 
 class Bed(World):
     "A bed."
     name = "bed"
     def __init__(self, rng, options): pass
-    @classmethod
-    def options(cls): return ()
-    def offer(self): return Offer({"nap": (0, ("okay",))}, {})
-    def handlers(self): return Handlers({"nap": napped}, {})
+    kit = Kit(Offer({"nap": (0, ("okay",))}), Handlers({"nap": napped}))
     def facts(self): return []
     def now(self): return 0
     def perform(self, ticket, request): return Reply("okay")
     def next_time(self): return None
     def advance(self, to): pass
     def messages(self): return []
-
-def napped(memory, request, result):
-    raise KeyError("pillow")
 
 class Broken(Bed):
     def __init__(self): pass

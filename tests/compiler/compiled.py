@@ -16,7 +16,14 @@ from rapc.library.library import Library
 from rapc.runtime.events.events import Event
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
-from rapc.world import Handlers, Message, Offer, Option, Reply, Time, World
+from rapc.world import (
+    Handlers,
+    Kit,
+    Message,
+    Reply,
+    Time,
+    World,
+)
 from rapc.worlds.script import offer_of
 
 HERE = Path(__file__).parent
@@ -63,21 +70,9 @@ class YesWorld(World):
     name = "yes"
 
     def __init__(self, library: Program) -> None:
-        self._offer = offer_of(library.library)
+        offer = offer_of(library.library)
+        self.kit = Kit(offer, Handlers({}, dict.fromkeys(offer.data, _ignored)))
         self._time: Time = 0
-
-    @classmethod
-    def options(cls) -> Sequence[Option]:
-        """None."""
-        return ()
-
-    def offer(self) -> Offer:
-        """All that is declared."""
-        return self._offer
-
-    def handlers(self) -> Handlers:
-        """None: nothing changes."""
-        return Handlers({}, dict.fromkeys(self._offer.data, _ignored))
 
     def now(self) -> Time:
         """A time unit for each request."""

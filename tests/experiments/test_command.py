@@ -38,17 +38,17 @@ NAPS_RAP = """\
 
 NAPS_PY = '''\
 import os, signal
-from rapc.world import Handlers, Offer, Option, Reply, World
+from rapc.world import Handlers, Kit, Offer, Option, Reply, World
 
 class Naps(World):
     """Naps, from some of which nobody wakes."""
     name = "naps"
     def __init__(self, rng, options):
         self.time, self.how = 0, options["how"]
-    @classmethod
-    def options(cls): return (Option("how", "symbol", "well", "", "how it goes"),)
-    def offer(self): return Offer({"nap": (0, ("okay",))}, {})
-    def handlers(self): return Handlers({}, {})
+    kit = Kit(
+        Offer({"nap": (0, ("okay",))}),
+        options=(Option("how", "symbol", "well", "", "how it goes"),),
+    )
     def now(self): return self.time
     def perform(self, ticket, request):
         self.time += 2

@@ -15,9 +15,9 @@ from rapc.world import (
     OKAY,
     HandlerMemory,
     Handlers,
+    Kit,
     Message,
     Offer,
-    Option,
     Reply,
     World,
 )
@@ -92,17 +92,11 @@ class Yard(World):
     def __init__(self, rng: random.Random, options: Mapping[str, Atom | bool]) -> None:
         self.time: Number = 0
         self.touched: list[Atom] = []
-
-    @classmethod
-    def options(cls) -> Sequence[Option]:
-        return ()
-
-    def offer(self) -> Offer:
-        ends = (OKAY,)
-        return Offer({"look": (2, ends), "leave": (0, ends), "touch": (1, ends)}, {})
-
-    def handlers(self) -> Handlers:
-        return Handlers({"look": _look, "leave": _leave, "touch": _touch}, {})
+        offer = Offer(
+            {"look": (2, (OKAY,)), "leave": (0, (OKAY,)), "touch": (1, (OKAY,))}
+        )
+        handlers = Handlers({"look": _look, "leave": _leave, "touch": _touch})
+        self.kit = Kit(offer, handlers)
 
     def now(self) -> Number:
         return self.time

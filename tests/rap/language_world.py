@@ -13,7 +13,7 @@ from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
 from rapc.ir.nodes import DefineRap, Method
 from rapc.parser.parse import parse
-from rapc.world import Callables, HandlerMemory
+from rapc.world import HandlerMemory, Handlers, Kit
 from rapc.worlds.scripted import ScriptedWorld
 
 
@@ -21,23 +21,10 @@ class LanguageWorld(ScriptedWorld):
     """Functions, a default function, problem solvers and handlers of sensor data."""
 
     name = "language-world"
+    kit = Kit()
 
     def __init__(self, rng: Random, options: Mapping[str, Atom | bool]) -> None:
-        super().__init__((), data_handlers={"seen": _seen, "moved-on": _moved_on})
-
-    @classmethod
-    def functions(cls) -> Callables:
-        """See the functions below."""
-        return {
-            "usual-place": usual_place,
-            "distance": distance,
-            "heavier": heavier,
-        }
-
-    @classmethod
-    def solvers(cls) -> Callables:
-        """For the RAPs of method-choice.test.rap that have no way of their own."""
-        return {"open-anyhow": break_open, "open-again": same_again}
+        super().__init__((), kit=_kit())
 
 
 # --- functions -----------------------------------------------------------------------
@@ -92,3 +79,16 @@ def _seen(memory: HandlerMemory, datum: Fact) -> None:
 
 def _moved_on(memory: HandlerMemory, datum: Fact) -> None:
     memory.expire()
+
+
+def _kit() -> Kit:
+    """Return what the tests find: the solvers are for method-choice.test.rap."""
+    return Kit(
+        handlers=Handlers(data={"seen": _seen, "moved-on": _moved_on}),
+        functions={
+            "usual-place": usual_place,
+            "distance": distance,
+            "heavier": heavier,
+        },
+        solvers={"open-anyhow": break_open, "open-again": same_again},
+    )

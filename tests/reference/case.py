@@ -18,7 +18,7 @@ from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import read_task_request
-from rapc.world import HandlerMemory, Time
+from rapc.world import HandlerMemory, Handlers, Kit, Time
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 from tests.reference.interpreter import Reference
@@ -163,7 +163,10 @@ def read_atom(word: str) -> Atom:
 
 def _world(case: Case, library: Library) -> ScriptedWorld:
     return ScriptedWorld(
-        case.rows, case.at, declared=library, data_handlers={"seen": _seen}
+        case.rows,
+        case.at,
+        declared=library,
+        kit=Kit(handlers=Handlers(data={"seen": _seen})),
     )
 
 

@@ -61,7 +61,7 @@ class Run:
         self.methods = {name: list(r.methods) for name, r in library.raps.items()}
         self.appointments: list[tuple[Time, Callable[[], None]]] = []
         self.memory = Memory(library, lambda: self.time, self.changed)
-        self.handlers = world.handlers()
+        self.handlers = world.kit.handlers
         self.time: Time = 0
         self.late = False
         self.cycle = 0

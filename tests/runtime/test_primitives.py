@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import msgspec
 import pytest
 
 from rapc.base.values import Fact
 from rapc.errors import PortError
+from rapc.library.library import Library
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
@@ -17,10 +19,12 @@ from rapc.world import (
     Finished,
     HandlerMemory,
     Handlers,
+    Kit,
     Message,
     Reply,
     Time,
 )
+from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
 from .helpers import ANY, Play, at, compiled, play, row
@@ -88,23 +92,26 @@ def test_primitives_that_end_at_one_time_end_in_the_order_of_the_world() -> None
 # --- items -------------------------------------------------------------------------
 
 
+def _look(memory: HandlerMemory, request: Fact, result: str) -> None:
+    memory.arrive("kitchen")
+
+
+def _act(memory: HandlerMemory, request: Fact, result: str) -> None:
+    if request[1] == "leave":
+        memory.expire()
+
+
+def _seen(memory: HandlerMemory, datum: Fact) -> None:
+    memory.introduce(str(datum[1]), "mug", "external")
+
+
 class Eyes(ScriptedWorld):
     """A world whose `look` shows `mug-1` in the kitchen; `act leave` leaves it."""
 
-    def handlers(self) -> Handlers:
-        """Handlers that introduce and expire."""
-
-        def look(memory: HandlerMemory, request: Fact, result: str) -> None:
-            memory.arrive("kitchen")
-
-        def act(memory: HandlerMemory, request: Fact, result: str) -> None:
-            if request[1] == "leave":
-                memory.expire()
-
-        def seen(memory: HandlerMemory, datum: Fact) -> None:
-            memory.introduce(str(datum[1]), "mug", "external")
-
-        return Handlers({"look": look, "act": act}, {"seen": seen})
+    def __init__(self, rows: Sequence[Row], library: Library) -> None:
+        handlers = Handlers({"look": _look, "act": _act}, {"seen": _seen})
+        super().__init__(rows, declared=library, kit=Kit(handlers=handlers))
+        self.kit = msgspec.structs.replace(self.kit, handlers=handlers)
 
 
 ITEMS = """
@@ -124,9 +131,8 @@ ITEMS = """
 def items_run() -> tuple[Interpreter, list[events.Event]]:
     """A run in which an item is seen, used, left, and used again."""
     library = compiled(ITEMS + USE)
-    seen: dict[str, Any] = {"seen": lambda memory, datum: None}
     rows = [row("(look ?)", data=(("seen", "mug-1"),)), *ANY]
-    world = Eyes(rows, declared=library.library, data_handlers=seen)
+    world = Eyes(rows, library.library)
     interpreter = Interpreter(library, world)
     heard: list[events.Event] = []
     interpreter.listen(heard.append)

@@ -14,6 +14,7 @@ import pytest
 
 import rapc
 from rapc.console.show.live import LiveView
+from rapc.world import Drawable
 from tests.cli.command import COMMAND
 from tests.cli.command import rapc as command
 
@@ -34,6 +35,7 @@ class Terminal(io.StringIO):
 def _show(stream: io.StringIO, *, color: bool) -> str:
     world = rapc.open_world("truck", seed=7)
     run = rapc.Interpreter(rapc.compile(EXAMPLE), world, 7)
+    assert isinstance(world, Drawable)
     view = LiveView(run, world.picture, stream, lambda: (80, 24), color=color, pace=0)
     with view:
         run.listen(view)

@@ -29,7 +29,7 @@ class Robot:
 
     def __init__(self, world: World, library: Library) -> None:
         self.world = world
-        self.handlers = world.handlers()
+        self.handlers = world.kit.handlers
         self.recorder = Recorder()
         self.memory = Memory(Vocabulary.of(library), self.recorder)
         self.access = Gate(self.memory, self.recorder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 from rapc.library.loader import load_text
+from rapc.world import Handlers, Kit
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 from rapc.worlds.truck import TruckWorld
@@ -52,7 +53,7 @@ def test_a_script() -> None:
             rows,
             at,
             declared=library,
-            data_handlers={"seen": lambda memory, datum: None},
+            kit=Kit(handlers=Handlers(data={"seen": lambda memory, datum: None})),
         ),
         library,
         [("open", "front"), ("open", "front"), ("walk", "front"), ("open", "back")],

@@ -10,7 +10,15 @@ from rapc.base.values import Text
 from rapc.compiler.program import Program
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
-from rapc.world import HandlerMemory, Option, World
+from rapc.world import (
+    Drawable,
+    HandlerMemory,
+    Kit,
+    Option,
+    Savable,
+    Timed,
+    World,
+)
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.options import describe_options
@@ -69,9 +77,10 @@ def test_the_map_of_the_truck_page_can_be_driven_on() -> None:
 
 
 def test_the_worlds_page_names_all_that_the_port_has() -> None:
-    for port in (World, HandlerMemory):
+    for port in (World, HandlerMemory, Drawable, Savable, Timed):
         names = [name for name in vars(port) if not name.startswith("_")]
-        assert [n for n in names if f"`{n}" not in WORLDS and n != "name"] == []
+        assert [n for n in names if f"`{n}" not in WORLDS] == []
+    assert [n for n in Kit.__struct_fields__ if f"`{n}" not in WORLDS] == []
 
 
 def test_the_script_of_the_worlds_page_works() -> None:

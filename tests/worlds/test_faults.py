@@ -3,9 +3,23 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
+
+import pytest
 
 from rapc.library.loader import load_text
-from rapc.world import World
+from rapc.world import (
+    Drawable,
+    Fact,
+    Kit,
+    Message,
+    Offer,
+    Reply,
+    Savable,
+    Time,
+    Timed,
+    World,
+)
 from rapc.worlds.faults import Fault, FaultyWorld
 from rapc.worlds.truck import TruckWorld
 
@@ -15,8 +29,30 @@ SCAN = ("eye-scan", "external")
 FAULTS = (Fault(("eye-scan", "?"), "eye-cant-find", 0.5),)
 
 
-def _truck() -> World:
+def _truck() -> FaultyWorld:
     return FaultyWorld(TruckWorld(random.Random("0:world"), {}), FAULTS, 0)
+
+
+class Still(World):
+    """A world that has no part but the needed ones."""
+
+    name = "still"
+    kit = Kit(Offer({"wait": (0, ("okay", "late"))}))
+
+    def now(self) -> Time:
+        return 0
+
+    def perform(self, ticket: int, request: Fact) -> Reply:
+        return Reply("okay")
+
+    def next_time(self) -> None:
+        return None
+
+    def advance(self, to: Time) -> None:
+        pass
+
+    def messages(self) -> Sequence[Message]:
+        return ()
 
 
 def test_it_keeps_to_the_port() -> None:
@@ -27,10 +63,7 @@ def test_it_keeps_to_the_port() -> None:
 def test_it_is_what_is_behind_it() -> None:
     world, truck = _truck(), TruckWorld(random.Random("0:world"), {})
     assert world.name == truck.name
-    assert world.offer() == truck.offer()
-    assert list(world.functions()) == list(truck.functions())
-    assert list(world.comparators()) == list(truck.comparators())
-    assert list(world.solvers()) == list(truck.solvers())
+    assert world.kit == truck.kit
     assert list(world.facts()) == list(truck.facts())
 
 
@@ -41,6 +74,27 @@ def test_a_fault_takes_its_usual_time_and_brings_no_data() -> None:
     assert reply is not None
     assert (reply.result, reply.data) == ("eye-cant-find", ())
     assert world.now() == truck.usual_time(SCAN) > 0
+
+
+def test_it_can_do_what_the_world_behind_can_and_no_more() -> None:
+    for kind in (Drawable, Savable, Timed):
+        assert isinstance(_truck(), kind)
+        assert not isinstance(FaultyWorld(Still(), FAULTS, 0), kind)
+
+
+def test_a_fault_in_a_world_that_tells_no_times_takes_none() -> None:
+    world = FaultyWorld(Still(), [Fault(("wait",), "late")], 0)
+    assert world.perform(1, ("wait",)) == Reply("late")
+    assert world.now() == 0
+
+
+@pytest.mark.parametrize("state", [b"", b"{}", b'{"world":"","rng":[3,[1],null]}'])
+def test_a_state_that_is_none_is_refused_and_changes_nothing(state: bytes) -> None:
+    world = _truck()
+    before = world.save()
+    with pytest.raises(ValueError, match="no state"):
+        world.restore(state)
+    assert world.save() == before
 
 
 def test_the_random_stream_is_saved() -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from rapc.base.values import Text
 from rapc.errors import WorldError
-from rapc.world import Option, World
+from rapc.world import Kit, Option, World
 from rapc.worlds import registry
 from rapc.worlds.truck import TruckWorld
 
@@ -26,15 +26,15 @@ class Toy(TruckWorld):
         super().__init__(rng, {})
         self.given = options
 
-    @classmethod
-    def options(cls) -> tuple[Option, ...]:
-        return (
+    kit = Kit(
+        options=(
             Option("speed", "number", 1.5, "metres", "how fast"),
             Option("count", "integer", 1, "", "how many"),
             Option("loud", "flag", False, "", "whether it is loud"),
             Option("shape", "symbol", "round", "", "what it looks like"),
             Option("note", "text", Text(""), "", "what is written on it"),
         )
+    )
 
 
 class Half(World):
@@ -146,10 +146,12 @@ def test_text_may_come_from_a_file(tmp_path: Path) -> None:
 
 
 def test_a_world_is_built_from_a_seed_of_its_own_stream() -> None:
-    one = registry.build_world(TruckWorld, 5, {"fuel": 10})
+    one, other = [registry.build_world(TruckWorld, n, {"fuel": 10}) for n in (5, 6)]
     two = TruckWorld(random.Random("5:world"), {"fuel": 10})
+    assert isinstance(one, TruckWorld)
+    assert isinstance(other, TruckWorld)
     assert one.save() == two.save()
-    assert one.save() != registry.build_world(TruckWorld, 6, {"fuel": 10}).save()
+    assert one.save() != other.save()
 
 
 def test_values_a_world_refuses_are_the_users_fault() -> None:

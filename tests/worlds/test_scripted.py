@@ -6,7 +6,16 @@ import pytest
 
 from rapc.base.values import Text
 from rapc.library.loader import load_text
-from rapc.world import Datum, Finished, Reply, Signal
+from rapc.world import (
+    Datum,
+    Fact,
+    Finished,
+    HandlerMemory,
+    Handlers,
+    Kit,
+    Reply,
+    Signal,
+)
 from rapc.worlds.script import At, Row, mentioned
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 
@@ -67,6 +76,10 @@ def test_a_request_without_a_row_is_named() -> None:
     assert caught.value.request == ("grasp", "arm1", "box")
 
 
+def _seen(memory: HandlerMemory, datum: Fact) -> None:
+    memory.assert_fact("size", *datum[1:])
+
+
 def test_effects_come_with_the_result_and_use_the_rows_variables() -> None:
     rows = [
         Row(
@@ -80,9 +93,7 @@ def test_effects_come_with_the_result_and_use_the_rows_variables() -> None:
     world = ScriptedWorld(
         rows,
         declared=WORDS,
-        data_handlers={
-            "seen": lambda memory, d: memory.assert_fact("size", d[1], d[2])
-        },
+        kit=Kit(handlers=Handlers(data={"seen": _seen})),
     )
     robot = Robot(world, WORDS)
     robot.do("grasp arm1 box")
@@ -194,3 +205,38 @@ def test_a_script_alone_offers_what_it_mentions() -> None:
     offer = mentioned(rows, [At(1, signals=((":bump", "left"),))])
     assert offer.primitives == {"grasp": (2, ("okay", "dropped"))}
     assert offer.events == {":bump": 1}
+
+
+def test_a_state_of_another_script_is_refused() -> None:
+    one = ScriptedWorld([Row(("grasp", "?", "?"))])
+    two = ScriptedWorld([Row(("grasp", "?", "?")), Row(("wait",))])
+    with pytest.raises(ValueError, match="another script"):
+        one.restore(two.save())
+    with pytest.raises(ValueError, match="no state of a scripted world"):
+        one.restore(b"{")
+
+
+def test_a_saved_script_goes_on_where_it_was() -> None:
+    rows = [
+        Row(("wait",), takes=1, after=5, asserts=(("foe", "gone"),)),
+        Row(("grasp", "?arm", "?"), takes=3, times=1),
+        Row(("grasp", "?arm", "?x"), takes=2, data=(("seen", "?x", 3),)),
+    ]
+    entries = [At(2, asserts=(("foe", "here"),)), At(9, erases=(("foe",),))]
+
+    def made() -> ScriptedWorld:
+        kit = Kit(handlers=Handlers(data={"seen": _seen}))
+        return ScriptedWorld(rows, entries, declared=WORDS, kit=kit)
+
+    one, two = made(), made()
+    one.perform(1, ("wait",))
+    one.perform(2, ("grasp", "arm1", "cup"))
+    two.restore(one.save())
+    for world in (one, two):
+        assert world.perform(3, ("grasp", "arm1", "cup")) is not None
+    assert one.save() == two.save()
+    for to in (6, 10):
+        one.advance(to)
+        two.advance(to)
+        assert one.messages() == two.messages()
+    assert one.save() == two.save()

@@ -46,7 +46,7 @@ def test_a_long_walk_meets_all_there_is_and_stays_consistent() -> None:
         check(one.world.state)
     missing = [
         (name, result)
-        for name, (_, results) in one.world.offer().primitives.items()
+        for name, (_, results) in one.world.kit.offer.primitives.items()
         for result in results
         if not met[name, result]
     ]

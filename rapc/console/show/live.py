@@ -43,7 +43,7 @@ class LiveView:
     def __init__(
         self,
         interpreter: Interpreter,
-        picture: Callable[[], Picture | None],
+        picture: Callable[[], Picture],
         stream: TextIO,
         size: Callable[[], tuple[int, int]],
         *,
@@ -105,7 +105,6 @@ class LiveView:
         doings = Doings(self._interpreter.now, self._family, tuple(self._requests))
         width, height = self._size()
         picture = self._picture()
-        assert picture is not None
         memory = self._interpreter.memory
         lines = draw_frame(picture, memory, doings, width, height)
         return lines if self._color else [Text(line.plain) for line in lines]

@@ -13,17 +13,15 @@ import msgspec
 
 from rapc.base.values import Atom, Fact, Number, number
 from rapc.world import (
-    Callables,
     Datum,
-    Handlers,
+    Kit,
     Message,
-    Offer,
-    Option,
     Picture,
     Reply,
     Time,
     World,
 )
+from rapc.worlds.streams import Stream, stream_in, stream_state
 from rapc.worlds.truck import eye
 from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.demons import pass_time, summon
@@ -38,9 +36,6 @@ from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, State, Truck
-
-Stream = tuple[int, tuple[int, ...], float | None]
-"""The state of a random stream, as `random.Random.getstate` tells it."""
 
 
 class Saved(msgspec.Struct, frozen=True):
@@ -60,6 +55,12 @@ class TruckWorld(World):
     """
 
     name = "truck"
+    kit = Kit(
+        OFFER,
+        HANDLERS,
+        describe_options(),
+        solvers={SOLVED_RAP: plan_route},
+    )
 
     def __init__(self, rng: random.Random, options: Mapping[str, Atom | bool]) -> None:
         settings = read_settings(options)
@@ -79,24 +80,6 @@ class TruckWorld(World):
         item = self._scene.make(lying.kind, lying.place, lying.color)
         if self._scene.kind(item).rounds:
             item.amount = self._scene.settings.gun_rounds
-
-    @classmethod
-    def options(cls) -> Sequence[Option]:
-        """See docs/truck.md."""
-        return describe_options()
-
-    def offer(self) -> Offer:
-        """The primitives and data that stdlib/truck/world.rap declares."""
-        return OFFER
-
-    def handlers(self) -> Handlers:
-        """See `rapc.worlds.truck.handlers`."""
-        return HANDLERS
-
-    @classmethod
-    def solvers(cls) -> Callables:
-        """The route planner, for the RAP `travel-route`."""
-        return {SOLVED_RAP: plan_route}
 
     def facts(self) -> Iterable[Fact]:
         """The map and the truck's own body; no item."""
@@ -169,8 +152,8 @@ class TruckWorld(World):
     def save(self) -> bytes:
         """The state of world and random stream, as JSON."""
         scene = self._scene
-        chance = {name: _told(rng) for name, rng in scene.chance.items()}
-        saved = Saved(scene.settings, scene.state, _told(scene.rng), chance)
+        chance = {name: stream_state(rng) for name, rng in scene.chance.items()}
+        saved = Saved(scene.settings, scene.state, stream_state(scene.rng), chance)
         return msgspec.json.encode(saved)
 
     def restore(self, state: bytes) -> None:
@@ -187,9 +170,9 @@ class TruckWorld(World):
             raise ValueError("the state is that of a truck world with other options")
         scene = self._scene
         try:
-            rng = _stream(saved.rng)
-            chance = {name: _stream(saved.chance[name]) for name in scene.chance}
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            rng = stream_in(saved.rng)
+            chance = {name: stream_in(saved.chance[name]) for name in scene.chance}
+        except (KeyError, ValueError) as error:
             raise ValueError(f"no state of a truck world: {error}") from error
         scene.rng, scene.chance, scene.state = rng, chance, saved.state
 
@@ -212,18 +195,6 @@ class TruckWorld(World):
     def state(self) -> State:
         """A copy of the whole truth, for tests; the robot has no part in it."""
         return msgspec.json.decode(msgspec.json.encode(self._scene.state), type=State)
-
-
-def _told(rng: random.Random) -> Stream:
-    version, internal, gauss = rng.getstate()
-    return version, tuple(internal), gauss
-
-
-def _stream(told: Stream) -> random.Random:
-    """A random stream in a state. Raises an error if it is none."""
-    rng = random.Random()
-    rng.setstate(told)
-    return rng
 
 
 def _read_map(settings: Settings) -> Map:

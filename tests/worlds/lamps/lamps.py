@@ -3,11 +3,12 @@
 from random import Random
 from typing import Any
 
-from rapc.base.values import Fact
 from rapc.world import (
     Datum,
+    Fact,
     HandlerMemory,
     Handlers,
+    Kit,
     Offer,
     Option,
     Reply,
@@ -15,34 +16,38 @@ from rapc.world import (
 )
 
 
+def pressed(memory: HandlerMemory, request: Fact, result: str) -> None:
+    if result == "okay":
+        before = memory.value("lamp-state", request[1])
+        memory.assert_fact("lamp-state", request[1], "off" if before == "on" else "on")
+
+
+def lamp_seen(memory: HandlerMemory, datum: Fact) -> None:
+    memory.assert_fact("lamp-state", datum[1], datum[2])
+
+
 class LampWorld(World):
     """A corridor of rooms with lamps that somebody keeps switching off."""
 
     name = "lamps"
-
-    def __init__(self, rng: Random, options: Any) -> None:
-        given: Any = {o.name: o.default for o in self.options()} | dict(options)
-        self.rng, self.every = rng, given["every"]
-        self.lit = {f"room-{n}": False for n in range(1, given["rooms"] + 1)}
-        self.time, self.due = 0, self.every
-        self.sent: list[Datum] = []
-
-    @classmethod
-    def options(cls) -> tuple[Option, ...]:
-        return (
-            Option("rooms", "integer", 3, "rooms", "how many there are"),
-            Option("every", "number", 40, "time units", "between visits of somebody"),
-        )
-
-    def offer(self) -> Offer:
-        return Offer(
+    kit = Kit(
+        Offer(
             {"press": (1, ("okay", "stuck")), "look": (1, ("okay",))},
             {"lamp": 2},
             sensors=("look",),
-        )
+        ),
+        Handlers({"press": pressed}, {"lamp": lamp_seen}),
+        (
+            Option("rooms", "integer", 3, "rooms", "how many there are"),
+            Option("every", "number", 40, "time units", "between visits of somebody"),
+        ),
+    )
 
-    def handlers(self) -> Handlers:
-        return Handlers({"press": pressed}, {"lamp": lamp_seen})
+    def __init__(self, rng: Random, options: Any) -> None:
+        self.rng, self.every = rng, options["every"]
+        self.lit = {f"room-{n}": False for n in range(1, options["rooms"] + 1)}
+        self.time, self.due = 0, self.every
+        self.sent: list[Datum] = []
 
     def facts(self) -> list[Fact]:
         return [("room", room) for room in self.lit]
@@ -73,13 +78,3 @@ class LampWorld(World):
     def messages(self) -> list[Datum]:
         sent, self.sent = self.sent, []
         return sent
-
-
-def pressed(memory: HandlerMemory, request: Fact, result: str) -> None:
-    if result == "okay":
-        before = memory.value("lamp-state", request[1])
-        memory.assert_fact("lamp-state", request[1], "off" if before == "on" else "on")
-
-
-def lamp_seen(memory: HandlerMemory, datum: Fact) -> None:
-    memory.assert_fact("lamp-state", datum[1], datum[2])
