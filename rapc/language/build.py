@@ -23,6 +23,12 @@ from rapc.language.shapes import Shape
 FOLDER = Path(__file__).parent
 SOURCE = FOLDER / "rap.lark"
 
+START = "start"
+"""The rule that whole programs are examples of."""
+
+STARTS = (START, "data", "formula", "proposition", "goal", "term")
+"""The rules that a whole text may be an example of."""
+
 MARKS = ("(", ")", "#|", "|#")
 """Quoted texts of the grammar that are no words."""
 
@@ -53,7 +59,7 @@ def parser() -> Lark:
     return Lark(
         SOURCE.read_text(encoding="utf-8"),
         parser="lalr",
-        start=["start", "data"],
+        start=list(STARTS),
         edit_terminals=whole_word,
         propagate_positions=True,
     )
@@ -69,10 +75,22 @@ def whole_word(terminal: TerminalDef) -> None:
 
 
 @cache
+def words() -> Mapping[str, str]:
+    """The quoted words of the grammar by the names that lark gives them."""
+    grammar = parser().grammar
+    compiled, _, _ = grammar.compile(list(STARTS), "*")
+    return {
+        one.name: one.pattern.value
+        for one in compiled
+        if isinstance(one.pattern, PatternStr) and one.pattern.value not in MARKS
+    }
+
+
+@cache
 def terminals() -> Mapping[str, str]:
     """The regular expression of each named terminal, as lark understands it."""
     grammar = _read()
-    compiled, _, _ = grammar.compile(["start", "data"], "*")
+    compiled, _, _ = grammar.compile(list(STARTS), "*")
     found = {one.name: one.pattern.to_regexp() for one in compiled}
     named = [name for name, _ in grammar.term_defs if name in found]
     return {str(name): found[name] for name in named}

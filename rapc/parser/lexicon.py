@@ -47,9 +47,6 @@ OPEN, CLOSE, QUOTE, ATOM, STRING, COMMENT, BLOCK, OTHER = range(1, 9)
 Token = tuple[int, int, int]
 """A token's group and the offsets of its text."""
 
-BLOCK_MARK = re.compile(r"#\||\|#")
-"""What begins and ends a comment that nests."""
-
 _ESCAPE = re.compile(r"\\(.)", re.S)
 _NUMBER_LIKE = re.compile(r"[+-]?(?=\.?[0-9])[0-9]*\.?[0-9]*(?:e[+-]?[0-9]+)?", re.I)
 MAKERS: Mapping[str, Callable[[Any, int, int], Datum]] = {
@@ -109,16 +106,6 @@ class Lexicon:
         self.block = re.compile(rf"(?<!\|){block}")
         self.comment = re.compile(comment)
         self.string = re.compile(string)
-
-
-def comment_end(text: str, start: int) -> int:
-    """Where the `#| |#` comment that begins at `start` ends, or -1."""
-    depth = 0
-    for mark in BLOCK_MARK.finditer(text, start):
-        depth += 1 if mark[0] == "#|" else -1
-        if depth == 0:
-            return mark.end()
-    return -1
 
 
 def atom_value(kind: str, raw: str) -> Number | str | None:

@@ -15,6 +15,7 @@ from functools import cache
 from typing import Any
 
 from rapc.base.source import SourceFile
+from rapc.language.comments import comment_end
 from rapc.language.grammar import TERMINALS
 from rapc.parser.lexicon import (
     MAKERS,
@@ -22,7 +23,6 @@ from rapc.parser.lexicon import (
     Lexicon,
     Notes,
     atom_value,
-    comment_end,
     string_value,
 )
 from rapc.parser.repair.cut import recover

@@ -14,8 +14,9 @@ from lark.exceptions import UnexpectedInput
 
 from rapc.base.diagnostics import Diagnostic
 from rapc.language.build import parser
+from rapc.language.comments import blanked
 from tests.parser.programs import programs
-from tests.parser.reading import parsed, reading
+from tests.parser.reading import parsed
 
 ATTRIBUTES = {
     "depth": (("nested-too-deeply",), ""),
@@ -55,20 +56,12 @@ def excused(found: Diagnostic) -> str | None:
 
 def accepted(text: str) -> bool:
     """Whether the grammar makes a program of a text."""
+    code = blanked(text + "\n")
     try:
-        parser().parse(blanked(text), start="start")
+        parser().parse(text if code is None else code, start="start")
     except UnexpectedInput:
         return False
     return True
-
-
-def blanked(text: str) -> str:
-    """A text with blanks for its comments, which nest; one that is open stays."""
-    for comment in reading(text).comments:
-        start, end = comment.span.start, comment.span.end
-        if text[start] == ";" or text[start:end].endswith("|#"):
-            text = text[:start] + " " * (end - start) + text[end:]
-    return text
 
 
 def disagreement(text: str) -> set[str]:

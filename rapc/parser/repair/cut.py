@@ -15,10 +15,10 @@ import msgspec
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.source import SourceFile, Span
+from rapc.language.comments import BLOCK_MARK
 from rapc.parser.lexicon import (
     ATOM,
     BLOCK,
-    BLOCK_MARK,
     CLOSE,
     COMMENT,
     MAX_DEPTH,
