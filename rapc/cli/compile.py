@@ -20,7 +20,7 @@ from rapc.cli.common import (
     say,
 )
 from rapc.compiler.artifact import Suite, encode
-from rapc.compiler.explain import explain, tell
+from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program
 from rapc.errors import LoadError, SavedError
 from rapc.testing import discover
@@ -76,7 +76,7 @@ def _explain(library: Program, name: str) -> None:
         askings = explain(library, name)
     except (ValueError, SavedError) as error:
         fail(str(error))
-    for line in tell(askings):
+    for line in describe(askings):
         click.echo(line)
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property
 
 from rapc.base.source import Span
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
-from rapc.compiler.recursion import recursive
+from rapc.compiler.recursion import Recursion
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.ir.walk import subterms
@@ -45,11 +44,8 @@ class Compiler:
     def __init__(self, library: Library) -> None:
         self.library = library
         self.vocabulary = Vocabulary.of(library)
-
-    @cached_property
-    def recursive(self) -> frozenset[str]:
-        """The RAPs that may come up among their own subtasks."""
-        return recursive(self.library)
+        #: Which RAPs may come up among their own subtasks.
+        self.recursion = Recursion(library)
 
     def place(self, what: str, span: Span) -> str:
         """A clause's name with the row it stands in: `succeed at arms.rap:12`."""

@@ -13,14 +13,14 @@ import msgspec
 
 from rapc.base.names import nearest
 from rapc.compiler.program import Program
-from rapc.compiler.query.plan_steps import Step, Way
+from rapc.compiler.query.plan_steps import AccessPath, PlanStep
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_term
 
 
-class Asking(msgspec.Struct, frozen=True):
+class ClausePlan(msgspec.Struct, frozen=True):
     """How one clause is asked.
 
     `where` is the clause with its place in the source; `bound` are the variables of
@@ -31,10 +31,10 @@ class Asking(msgspec.Struct, frozen=True):
     where: str
     bound: tuple[str, ...]
     binds: tuple[str, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[PlanStep, ...]
 
 
-def explain(library: Program, name: str) -> tuple[Asking, ...]:
+def explain(library: Program, name: str) -> tuple[ClausePlan, ...]:
     """How each clause of a RAP is asked, in the order of a task's way (semantics 3).
 
     A step's `for` formulas are shown as they are asked where the environment holds
@@ -51,58 +51,60 @@ def explain(library: Program, name: str) -> tuple[Asking, ...]:
     return tuple(_of_rap(plan))
 
 
-def _of_rap(plan: RapPlan) -> Iterator[Asking]:
+def _of_rap(plan: RapPlan) -> Iterator[ClausePlan]:
     own = (*plan.inputs, *(r.variable.name for r in plan.node.resources))
     clauses = (plan.succeed, plan.monitor_state, plan.preconditions, plan.constraints)
     for clause in clauses:
         if clause is not None:
-            yield _asking(clause, own)
+            yield _clause_plan(clause, own)
     for method in plan.methods:
         yield from _of_method(method, own)
 
 
-def _of_method(method: MethodPlan, own: tuple[str, ...]) -> Iterator[Asking]:
+def _of_method(method: MethodPlan, own: tuple[str, ...]) -> Iterator[ClausePlan]:
     known = own
     if method.choice is not None:
-        choice = _asking(method.choice, own)
+        choice = _clause_plan(method.choice, own)
         known = (*own, *choice.binds)
         yield choice
     for step in method.steps:
         for _, condition in step.conditions:
-            yield _asking(condition, known)
+            yield _clause_plan(condition, known)
 
 
-def _asking(query: Query, known: Sequence[str]) -> Asking:
+def _clause_plan(query: Query, known: Sequence[str]) -> ClausePlan:
     bound = tuple(name for name in query.variables if name in known)
-    return Asking(query.where, bound, query.outputs(bound), query.steps(bound))
+    return ClausePlan(query.where, bound, query.outputs(bound), query.steps(bound))
 
 
 # --- in words ---------------------------------------------------------------------
 
 
-_RUNS = (Way.ALL, Way.INDEX, Way.SMALLEST)
+_RUNS = (AccessPath.ALL, AccessPath.INDEX, AccessPath.SMALLEST)
 """The ways on which several facts may be met."""
 
 Spread = Callable[..., float]
 """Of a name and places of arguments: how many facts share these, on average."""
 
 
-def tell(askings: Sequence[Asking], spread: Spread | None = None) -> Iterator[str]:
+def describe(
+    plans: Sequence[ClausePlan], spread: Spread | None = None
+) -> Iterator[str]:
     """What `explain` returns as lines of text: a heading and a line for each step.
 
     With the `spread` of a memory (`MemoryView.spread`) they say how many facts are
     to be expected where facts are run through.
     """
-    for asking in askings:
-        given = f" ({' '.join(asking.bound)} bound)" if asking.bound else ""
-        yield f"{asking.where}{given}"
-        for step in asking.steps:
-            yield f"{'  ' * (step.depth + 1)}{told(step, spread)}"
+    for plan in plans:
+        given = f" ({' '.join(plan.bound)} bound)" if plan.bound else ""
+        yield f"{plan.where}{given}"
+        for step in plan.steps:
+            yield f"{'  ' * (step.depth + 1)}{describe_step(step, spread)}"
 
 
-def told(step: Step, spread: Spread | None = None) -> str:
+def describe_step(step: PlanStep, spread: Spread | None = None) -> str:
     """A step in words: the part of the formula, and what is done for it."""
-    if step.way in (Way.EITHER, Way.NEITHER):
+    if step.way in (AccessPath.EITHER, AccessPath.NEITHER):
         return f"{step.way.value}:"
     parts = [_how(step)]
     pattern = _pattern(step) if step.way in _RUNS else None
@@ -119,37 +121,37 @@ def told(step: Step, spread: Spread | None = None) -> str:
     return f"{format_formula(step.formula)}: {'; '.join(parts)}"
 
 
-def _how(step: Step) -> str:
+def _how(step: PlanStep) -> str:
     pattern = _pattern(step)
-    if step.way is Way.TEST:
+    if step.way is AccessPath.TEST:
         return "test"
-    if step.way is Way.VALUE and pattern is not None:
+    if step.way is AccessPath.VALUE and pattern is not None:
         index = " ".join([pattern.name, *(_term(step, at) for at in step.by)])
         return f"look up the value of ({index})"
-    if step.way is Way.ALL and pattern is not None:
+    if step.way is AccessPath.ALL and pattern is not None:
         return f"run through all facts of `{pattern.name}`"
-    if step.way is Way.INDEX:
+    if step.way is AccessPath.INDEX:
         return f"run through the facts with {_place(step, step.by[0])}"
-    if step.way is Way.SMALLEST:
+    if step.way is AccessPath.SMALLEST:
         places = [_place(step, at) for at in step.by]
         return f"run through the facts with {' or '.join(places)}, the fewer"
     words: str = step.way.value
     return words
 
 
-def _looks(step: Step) -> Iterable[tuple[int, ...]]:
+def _looks(step: PlanStep) -> Iterable[tuple[int, ...]]:
     """The places of arguments by which facts may be found, each by itself."""
     return [(at,) for at in step.by] or [()]
 
 
-def _pattern(step: Step) -> nodes.Proposition | None:
+def _pattern(step: PlanStep) -> nodes.Proposition | None:
     formula = step.formula
     if isinstance(formula, nodes.Believe):
         return formula.pattern
     return formula if isinstance(formula, nodes.Proposition) else None
 
 
-def _term(step: Step, at: int) -> str:
+def _term(step: PlanStep, at: int) -> str:
     """An argument of a step's pattern; the value `true` may be left out in it."""
     pattern = _pattern(step)
     if pattern is None or at > len(pattern.args):
@@ -157,5 +159,5 @@ def _term(step: Step, at: int) -> str:
     return format_term(pattern.args[at - 1])
 
 
-def _place(step: Step, at: int) -> str:
+def _place(step: PlanStep, at: int) -> str:
     return f"{_term(step, at)} as argument {at}"

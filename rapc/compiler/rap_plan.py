@@ -156,7 +156,7 @@ class RapPlan:
         self.conditional = bool(node.preconditions or node.constraints)
         self.prepares = bool(node.resources or node.duration or node.monitor_time)
         self.waits = self.monitored or self.prepares
-        self.recursive = node.name in compiler.recursive
+        self.recursive = compiler.recursion.covers(node.name)
         self.known = None if self.inputs or self.recursive else self.identity
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)

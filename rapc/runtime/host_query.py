@@ -12,7 +12,7 @@ from typing import Any
 from rapc.base.names import counted, nearest
 from rapc.base.resources import Value
 from rapc.compiler.query.builtin import FUNCTIONS
-from rapc.compiler.query.code import Ending
+from rapc.compiler.query.code import ResultMode
 from rapc.compiler.query.query import Query
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
@@ -69,11 +69,11 @@ class HostQuery:
         self._query = self._compiled()
         for name in self.given:
             _check(name, self._query.variables, self.given)
-        self.first: Callable[..., Answer | None] = self._ready(Ending.FIRST)
-        self.all: Callable[..., list[Answer]] = self._ready(Ending.ALL)
-        self.holds: Callable[..., bool] = self._ready(Ending.ANY)
+        self.first: Callable[..., Answer | None] = self._ready(ResultMode.FIRST)
+        self.all: Callable[..., list[Answer]] = self._ready(ResultMode.ALL)
+        self.holds: Callable[..., bool] = self._ready(ResultMode.ANY)
 
-    def _ready(self, ending: Ending) -> Callable[..., Any]:
+    def _ready(self, mode: ResultMode) -> Callable[..., Any]:
         """The function that asks, until items get other names."""
         items = self._machine.memory.items
         renamed: dict[Query, Callable[..., Any]] = {}
@@ -83,13 +83,13 @@ class HostQuery:
             known = [items.canonical(v) if isinstance(v, str) else v for v in values]
             query = self._compiled()
             if query not in renamed:
-                plan = query.plan(self.given, ending, given=True)
+                variant = query.variant(self.given, mode, by_place=True)
                 renamed.clear()
-                renamed[query] = plan.bind(self._context)
+                renamed[query] = variant.bind(self._context)
             return renamed[query](*known)
 
-        plan = self._query.plan(self.given, ending, given=True)
-        return plan.bind(self._context, items.aliases, aliased)
+        variant = self._query.variant(self.given, mode, by_place=True)
+        return variant.bind(self._context, items.aliases, aliased)
 
     def _compiled(self) -> Query:
         """The query; made anew once items named in it have got other names."""

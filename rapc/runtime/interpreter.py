@@ -126,7 +126,7 @@ class Interpreter:
             FactError: if the declarations do not allow it.
         """
         machine = self._machine
-        machine.access.assert_fact(*fact, by="user")
+        machine.access.assert_for("user", fact)
         if machine.recognizer.unsettled:
             machine.access.recognise()
 
@@ -140,7 +140,7 @@ class Interpreter:
         Raises:
             FactError: if the prefix names nothing declared.
         """
-        self._machine.access.erase(*prefix, by="user")
+        self._machine.access.erase_for("user", prefix)
         self._machine.access.recognise()
 
     def signal(self, *content: Atom) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rapc.base.values import Fact, Number, format_atom, number
-from rapc.compiler.query.query import Meetings
+from rapc.compiler.query.query import BoundQueries
 from rapc.compiler.query.term_value import TermValue
 from rapc.runtime.events.events import QueryFaulted
 from rapc.runtime.events.recorder import Recorder
@@ -30,7 +30,7 @@ class QueryContext:
         functions: Mapping[str, Callable[..., Any]],
     ) -> None:
         self.facts = memory.facts
-        self.asked = Meetings(self)
+        self.bound = BoundQueries(self)
         self.functions = functions
         self.view = MemoryView(memory, recorder)
         self.task: Task | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.compiler.explain import explain, tell
+from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
@@ -74,7 +74,7 @@ context of method `round` at <text>:20
 def test_each_clause_is_told_as_it_is_asked() -> None:
     loaded = load_text(LIBRARY)
     assert loaded.diagnostics == ()
-    lines = tell(explain(Program(loaded.library), "fetch"))
+    lines = describe(explain(Program(loaded.library), "fetch"))
     assert "\n".join(lines) + "\n" == TOLD
 
 
@@ -87,7 +87,7 @@ def test_a_memory_says_how_many_facts_are_to_be_expected() -> None:
         run.assert_fact("wet", place)
         run.assert_fact("road", "yard", place, "paved")
     run.assert_fact("road", "barn", "mill", "muddy")
-    lines = list(tell(explain(library, "fetch"), run.memory.spread))
+    lines = list(describe(explain(library, "fetch"), run.memory.spread))
     assert [line.split("; ")[0] for line in lines if "about" in line] == [
         "  (road ?from depot ?way): run through the facts with ?from as argument 1 or "
         "depot as argument 2, the fewer (about 1.3)",

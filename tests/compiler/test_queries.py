@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Iterator
 from typing import Any
 
@@ -342,3 +343,17 @@ def test_many_variables_that_may_be_bound_do_not_multiply() -> None:
     both.memory.store(("p", 1), "test")
     asked = query(formula(f"(and {either} {total})"))
     assert asked.first(both.context, {}) == dict.fromkeys(names, 1)
+
+
+def test_a_traceback_shows_the_generated_line() -> None:
+    def broken(view: object, number: object) -> bool:
+        raise RuntimeError("the host's own")
+
+    both = memories([("assert", ("p", 1))])
+    functions = both.context.functions
+    both.context.functions = {**functions, "odd": broken}
+    asked = query(formula("(and (p ?x) (odd ?x))"))
+    with pytest.raises(RuntimeError) as raised:
+        asked.holds(both.context, {})
+    told = "".join(traceback.format_exception(raised.value))
+    assert "holds(ctx.functions[" in told

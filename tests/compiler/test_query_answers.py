@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.base.resources import Value
-from rapc.compiler.query.code import Ending
+from rapc.compiler.query.code import ResultMode
 from rapc.compiler.query.query import Query
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
@@ -33,18 +33,18 @@ def agree(case: Case, formula: nodes.Formula) -> None:
     first = wanted[0] if wanted else None
     if len(case.changes) % 2:  # each way to ask is code of its own: take turns
         assert asked.first(both.context, case.env) == first
-        assert one_by_one(both, asked, case.env, Ending.ANY) is bool(wanted)
+        assert one_by_one(both, asked, case.env, ResultMode.ANY) is bool(wanted)
     else:
         assert asked.holds(both.context, case.env) is bool(wanted)
-        assert one_by_one(both, asked, case.env, Ending.FIRST) == first
+        assert one_by_one(both, asked, case.env, ResultMode.FIRST) == first
 
 
 def one_by_one(
-    both: Memories, asked: Query, env: dict[str, Value], ending: Ending
+    both: Memories, asked: Query, env: dict[str, Value], ending: ResultMode
 ) -> Any:
     """What a query says that is given its values one by one, as a host's is."""
     names = tuple(name for name in reversed(asked.variables) if name in env)
-    ask = asked.plan(names, ending, given=True).bind(both.context, {})
+    ask = asked.variant(names, ending, by_place=True).bind(both.context, {})
     return ask(*[env[name] for name in names])
 
 
@@ -60,7 +60,7 @@ def test_answers_follow_a_memory_that_changes(
         plain = [*islice(solutions(both.mind, env, formula), ENOUGH + 1)]
         if len(plain) <= ENOUGH:
             wanted = [{n: v for n, v in s.items() if n not in env} for s in plain]
-            assert one_by_one(both, asked, env, Ending.ALL) == wanted
+            assert one_by_one(both, asked, env, ResultMode.ALL) == wanted
         apply(both, thrown.change())
 
 

@@ -7,7 +7,7 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rapc.compiler.query.code import Ending, made
+from rapc.compiler.query.code import ResultMode, compile_source
 from rapc.ir import nodes
 from tests.effort import examples
 
@@ -33,7 +33,7 @@ def sources(formula: nodes.Formula, bound: tuple[str, ...] = ()) -> list[str]:
     """What is generated for a formula, for each way to end."""
     asked = query(formula)
     bound = tuple(name for name in asked.variables if name in bound)
-    return [asked.plan(bound, ending).source for ending in Ending]
+    return [asked.variant(bound, ending).source for ending in ResultMode]
 
 
 def test_constants_names_and_variables_do_not_tell_shapes_apart() -> None:
@@ -44,7 +44,7 @@ def test_constants_names_and_variables_do_not_tell_shapes_apart() -> None:
     assert sources(one, ("?z",)) != sources(three, ("?z",))
     assert sources(one, ("?z",)) != sources(one)
     for mine, other in zip(sources(one), sources(two), strict=True):
-        assert made(mine) is made(other)
+        assert compile_source(mine) is compile_source(other)
 
 
 def test_the_order_of_variables_is_that_of_the_text() -> None:

@@ -1,21 +1,24 @@
-"""The little that generated code needs: lines, names, constants, sub-functions.
+"""The writers of generated code: lines, names, constants, functions.
 
-What is generated for which formula is decided in `rapc.compiler.query.formulas`.
-Nothing of a program's text is ever pasted into generated code: constants are handed
-to it, and
-the names of locals are made here. So formulas of one shape come to the same text,
-and that is compiled once.
+Nothing of a program's text is ever pasted into generated code: constants are handed to
+it, and the names of locals are made here. So formulas of one shape come to the same
+text, and that is compiled once.
+
+Not here: what is generated for which formula (`formulas`, `facts`, `term_code`).
 """
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Iterable
 from enum import Enum
 from functools import lru_cache
 from typing import Any
 
 from rapc.compiler.query import builtin
-from rapc.compiler.query.plan_steps import Step
+from rapc.compiler.query.plan_steps import AccessPath, PlanStep
+from rapc.compiler.vocabulary import Vocabulary
+from rapc.ir import nodes
 
 MAX_LOOPS = 12
 """Loops nested in one function; CPython allows 20 blocks."""
@@ -24,58 +27,88 @@ SHAPES = 1024
 """How many shapes of queries a process keeps compiled."""
 
 
-class Ending(Enum):
-    """What a generated function does with a solution, and without a further one."""
+class ResultMode(Enum):
+    """What a generated function returns.
 
+    The two texts are the statement for a solution, and the one without a further
+    solution. All that writes code asks for them through `FunctionWriter`
+    (`return_solution`, `return_all_of`, `skip`), so a mode that is to say why there is
+    no solution needs a row here, its case in `return_all_of`, and in `skip_if` and
+    `skip_unless` a line that notes the part and the bindings at which it was given up.
+    """
+
+    #: An iterator over the solutions.
     EACH = ("yield {}", "return")
+    #: The first solution, or None.
     FIRST = ("return {}", "return None")
+    #: Whether there is a solution.
     ANY = ("return True", "return False")
+    #: A list of the solutions.
     ALL = ("found.append({})", "return found")
 
 
-class Emitter:
-    """Collects the functions of one compiled query, and what they are handed.
+class CodeWriter:
+    """The code of one variant of a query while it is written: functions and constants.
 
-    `steps` tells what they do, for a person; `depth` is that of the step to come.
-    `locals` holds the Python locals by variable, in the order in which they came.
+    Args:
+        vocabulary: the declarations.
+        where: the clause's name for faults, with its place in the source.
+        later: makes a query of a part of the formula, compiled when it is asked.
     """
 
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        vocabulary: Vocabulary,
+        where: str,
+        later: Callable[[nodes.Formula], object],
+    ) -> None:
+        self.vocabulary = vocabulary
+        self.later = later
+        #: What the code is handed, in order: `k1`, `k2` and so on in its text.
         self.constants: list[object] = []
-        self.steps: list[Step] = []
+        #: What the code does, part by part, for a person to read.
+        self.steps: list[PlanStep] = []
+        #: How many `or` and `not` the next step stands in.
         self.depth = 0
+        #: The Python locals by variable, in the order in which they came.
+        self.locals: dict[str, str] = {}
         self._before: list[str] = []
         self._functions: list[str] = []
-        self.locals: dict[str, str] = {}
         self._made: dict[tuple[object, ...], str] = {}
         self._serial = 0
+        #: The constant for the clause's name.
+        self.where = self.constant(where)
+
+    def note(self, formula: nodes.Formula, path: AccessPath, **rest: Any) -> None:
+        """Note what is done for a part of the formula, before its code is written."""
+        self.steps.append(PlanStep(formula, self.depth, path, **rest))
 
     def fresh(self, prefix: str) -> str:
-        """A name that nothing else has."""
+        """Return a name that nothing else has."""
         self._serial += 1
         return f"{prefix}{self._serial}"
 
     def local(self, variable: str) -> str:
-        """The Python local that holds a variable, the same in all functions."""
+        """Return the local that holds `variable`, the same in all functions."""
         if variable not in self.locals:
             self.locals[variable] = f"v{len(self.locals)}"
         return self.locals[variable]
 
     def constant(self, value: object) -> str:
-        """A name under which generated code finds a value."""
+        """Return a name under which the code finds `value`."""
         self.constants.append(value)
         return f"k{len(self.constants)}"
 
     def stamps(self, name: str) -> str:
-        """A name for the stamps of all facts of a name."""
+        """Return a name for the stamps of all facts called `name`."""
         return self._once(("stamps", name), f"{self._table(name)}.stamps")
 
     def value_of(self, name: str) -> str:
-        """A name for the look-up of a property's fact by its index."""
+        """Return a name for the look-up of a property's fact by its index."""
         return self._once(("values", name), f"{self._table(name)}.values.get")
 
     def bucket_of(self, name: str, at: int) -> str:
-        """A name for the look-up of facts by one of their arguments."""
+        """Return a name for the look-up of facts by their argument number `at`."""
         return self._once(("index", name, at), f"{self._table(name)}.index({at}).get")
 
     def _table(self, name: str) -> str:
@@ -86,7 +119,7 @@ class Emitter:
         return self._once(("table", name), table)
 
     def _once(self, key: tuple[object, ...], expression: str) -> str:
-        """A name for what an expression comes to when a query meets its memory."""
+        """Return a local for `expression`, evaluated once when a query is bound."""
         name = self._made.get(key)
         if name is None:
             name = self._made[key] = self.fresh("m")
@@ -94,11 +127,11 @@ class Emitter:
         return name
 
     def add(self, lines: Iterable[str]) -> None:
-        """A function is complete."""
+        """Add the lines of a function that is complete."""
         self._functions.extend(f"    {line}" for line in lines)
 
     def source(self) -> str:
-        """The text of a function that makes `query` for a context and constants."""
+        """Return the text of `make`, a function that makes `query` for a memory."""
         names = "".join(f"k{n}, " for n in range(1, len(self.constants) + 1))
         taken = [f"    ({names}) = constants"] if names else []
         head = "def make(ctx, constants, aliases, aliased):"
@@ -107,12 +140,26 @@ class Emitter:
 
 
 Maker = Callable[..., Callable[..., Any]]
-"""Makes a query's function: of a context, the constants, aliases, who sees to them."""
+"""What `make` of generated code is: it takes a context, the constants, the aliases of
+items, and the function to be called in place of `query` while there are any."""
+
+
+class _Source:
+    """A loader as `linecache` asks for one: a traceback shows the generated lines."""
+
+    __slots__ = ("_source",)
+
+    def __init__(self, source: str) -> None:
+        self._source = source
+
+    def get_source(self, name: str) -> str:
+        """Return the generated text."""
+        return self._source
 
 
 @lru_cache(maxsize=SHAPES)
-def made(source: str) -> Maker:
-    """What a text from `Emitter.source` defines; the same for the same text."""
+def compile_source(source: str) -> Maker:
+    """Compile generated source and return its `make` function; cached by source."""
     namespace: dict[str, Any] = {
         "UNBOUND": builtin.UNBOUND,
         "Fault": builtin.Fault,
@@ -121,30 +168,33 @@ def made(source: str) -> Maker:
         "set_members": builtin.set_members,
         "NUMBERS": (int, float),
     }
-    code = compile(source, "<query>", "exec")
+    name = f"generated-query-{zlib.crc32(source.encode()):08x}"
+    namespace |= {"__name__": name, "__loader__": _Source(source)}
+    code = compile(source, name, "exec")
     exec(code, namespace)  # noqa: S102  # generated here; no program text is in it
     maker: Maker = namespace["make"]
     return maker
 
 
-class Scope:
-    """One generated function while it is being written.
-
-    `bound` are the variables surely bound here, `maybe` those bound in some branch
-    of an `or` only (their locals may hold UNBOUND). `head` are its first lines, where
-    they are not those of a function that is called with its parameters.
-    """
+class FunctionWriter:
+    """One generated function while it is written."""
 
     def __init__(
-        self, emitter: Emitter, name: str, bound: Iterable[str], ending: Ending
+        self, code: CodeWriter, name: str, bound: Iterable[str], mode: ResultMode
     ) -> None:
-        self.emitter = emitter
+        #: What all functions of the query share.
+        self.code = code
         self.name = name
-        self.ending = ending
+        self.mode = mode
+        #: The variables that it is handed, in order.
         self.parameters = tuple(bound)
+        #: Its first lines, unless it is called with its parameters.
         self.head: list[str] = []
+        #: The variables surely bound where the next line comes.
         self.bound: set[str] = set(self.parameters)
+        #: Those bound in some branch of an `or` only: a local may hold UNBOUND.
         self.maybe: set[str] = set()
+        #: How many loops the next line stands in.
         self.loops = 0
         self._indent = 1
         self._lines: list[str] = []
@@ -153,29 +203,31 @@ class Scope:
     @property
     def known(self) -> list[str]:
         """The variables that are or may be bound, in the order in which they came."""
-        return [name for name in self.emitter.locals if name in self.bound | self.maybe]
+        return [name for name in self.code.locals if name in self.bound | self.maybe]
 
     def local(self, variable: str) -> str:
-        """The Python local that holds a variable here."""
-        return self._renamed.get(variable) or self.emitter.local(variable)
+        """Return the Python local that holds `variable` here."""
+        return self._renamed.get(variable) or self.code.local(variable)
 
     def rename(self, variable: str) -> str:
-        """A new local for a variable from here on.
+        """Return a new local for `variable` from here on.
 
         A variable that may be bound keeps its old local untouched, so that the next
         candidate of a loop finds it as it was.
         """
-        self._renamed[variable] = self.emitter.fresh("v_")
+        self._renamed[variable] = self.code.fresh("v_")
         return self._renamed[variable]
 
-    def child(self, prefix: str, needed: Iterable[str], ending: Ending) -> Scope:
-        """A function of its own that is handed the variables it needs."""
+    def child(
+        self, prefix: str, needed: Iterable[str], mode: ResultMode
+    ) -> FunctionWriter:
+        """Begin another function, handed the `needed` variables as far as known."""
         known = self.bound | self.maybe
-        inner = Scope(
-            self.emitter,
-            self.emitter.fresh(prefix),
+        inner = FunctionWriter(
+            self.code,
+            self.code.fresh(prefix),
             [name for name in dict.fromkeys(needed) if name in known],
-            ending,
+            mode,
         )
         inner.maybe = self.maybe & inner.bound
         inner.bound -= inner.maybe
@@ -193,46 +245,46 @@ class Scope:
 
     @property
     def skip(self) -> str:
-        """The statement that gives up the present candidate."""
-        return "continue" if self.loops else self.ending.value[1]
+        """The statement that gives up the candidate at hand."""
+        return "continue" if self.loops else self.mode.value[1]
 
-    def require(self, condition: str) -> None:
-        """Give up unless a condition holds."""
+    def skip_unless(self, condition: str) -> None:
+        """Give up the candidate unless `condition` holds."""
         self.line(f"if not ({condition}): {self.skip}")
 
-    def refuse(self, condition: str) -> None:
-        """Give up if a condition holds."""
+    def skip_if(self, condition: str) -> None:
+        """Give up the candidate if `condition` holds."""
         self.line(f"if {condition}: {self.skip}")
 
-    def call(self, inner: Scope) -> str:
-        """The expression that calls another function from here."""
+    def call(self, inner: FunctionWriter) -> str:
+        """Return the expression that calls another function from here."""
         return f"{inner.name}({', '.join(self.local(p) for p in inner.parameters)})"
 
-    def finish(self, solution: str) -> None:
-        """End with a solution, given as an expression."""
-        self.line(self.ending.value[0].format(solution))
+    def return_solution(self, solution: str) -> None:
+        """Write the statement for a solution, in the function's result mode."""
+        self.line(self.mode.value[0].format(solution))
 
-    def hand_on(self, call: str) -> None:
-        """End with the solutions that another function of the same ending finds."""
-        if self.ending is Ending.EACH:
+    def return_all_of(self, call: str) -> None:
+        """Return every solution of `call`, a function of the same result mode."""
+        if self.mode is ResultMode.EACH:
             self.line(f"yield from {call}")
-        elif self.ending is Ending.ANY:
+        elif self.mode is ResultMode.ANY:
             self.line(f"if {call}: return True")
-        elif self.ending is Ending.ALL:
+        elif self.mode is ResultMode.ALL:
             self.line(f"found.extend({call})")
         else:
-            answer = self.emitter.fresh("t")
+            answer = self.code.fresh("t")
             self.line(f"{answer} = {call}")
             self.line(f"if {answer} is not None: return {answer}")
 
     def values(self, exports: Iterable[str]) -> str:
-        """The expression for a tuple of the values of variables."""
+        """Return the expression for a tuple of the values of `exports`."""
         return f"({''.join(f'{self.local(name)}, ' for name in exports)})"
 
     def close(self) -> None:
-        """Hand the function's source to the emitter."""
-        names = ", ".join(self.emitter.local(p) for p in self.parameters)
+        """Add the function to the code."""
+        names = ", ".join(self.code.local(p) for p in self.parameters)
         opened = self.head or [f"def {self.name}({names}):"]
-        if self.ending is Ending.ALL:
+        if self.mode is ResultMode.ALL:
             opened = [*opened, "    found = []"]
-        self.emitter.add([*opened, *self._lines, f"    {self.ending.value[1]}"])
+        self.code.add([*opened, *self._lines, f"    {self.mode.value[1]}"])

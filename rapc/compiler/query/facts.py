@@ -12,10 +12,9 @@ from collections.abc import Iterable, Sequence
 
 import msgspec
 
-from rapc.compiler.query.code import Scope
-from rapc.compiler.query.plan_steps import Way
+from rapc.compiler.query.code import FunctionWriter
+from rapc.compiler.query.plan_steps import AccessPath
 from rapc.compiler.query.term_code import (
-    Clause,
     arguments,
     bound_value,
     fault,
@@ -38,7 +37,7 @@ class _Query(msgspec.Struct, frozen=True):
 
     @property
     def may_be_external(self) -> bool:
-        """Whether it may ask for items at the robot's own place (semantics 7)."""
+        """Whether it may ask for items at the robot's own place (L 7)."""
         if self.relation.name != "location" or not self.relation.is_property:
             return False
         place = self.args[-1]
@@ -66,157 +65,152 @@ class _Query(msgspec.Struct, frozen=True):
         return tuple(at for at, k in enumerate(self.known, 1) if k is not None)
 
 
-def pattern(clause: Clause, scope: Scope, formula: nodes.Proposition) -> None:
+def pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
     """A proposition, a property, or a declared function used as a test."""
-    relation = clause.vocabulary.relations.get(formula.name)
+    relation = fn.code.vocabulary.relations.get(formula.name)
     if relation is not None:
-        _fact(clause, scope, relation, formula, formula)
-    elif formula.name in clause.vocabulary.functions:
-        clause.note(formula, Way.TEST)
-        args = arguments(clause, scope, formula.args)
+        _fact(fn, relation, formula, formula)
+    elif formula.name in fn.code.vocabulary.functions:
+        fn.code.note(formula, AccessPath.TEST)
+        args = arguments(fn, formula.args)
         if args is not None:
             listed = "".join(f"{a}, " for a in args)
-            held = registered(clause, scope, formula.name, listed, "holds({})")
-            scope.require(held)
+            held = registered(fn, formula.name, listed, "holds({})")
+            fn.skip_unless(held)
     else:
-        clause.note(formula, Way.NEVER)
-        what = clause.emitter.constant(f"`{formula.name}` is not declared")
-        fault(clause, scope, what)
+        fn.code.note(formula, AccessPath.NEVER)
+        what = fn.code.constant(f"`{formula.name}` is not declared")
+        fault(fn, what)
 
 
-def believe(clause: Clause, scope: Scope, formula: nodes.Believe) -> None:
+def believe(fn: FunctionWriter, formula: nodes.Believe) -> None:
     """A pattern with a limit on its age, or asking for it (T 2.2.3)."""
-    relation = clause.vocabulary.relations.get(formula.pattern.name)
+    relation = fn.code.vocabulary.relations.get(formula.pattern.name)
     if relation is None:
-        pattern(clause, scope, formula.pattern)
+        pattern(fn, formula.pattern)
     else:
-        _fact(clause, scope, relation, formula.pattern, formula)
+        _fact(fn, relation, formula.pattern, formula)
 
 
 def _fact(
-    clause: Clause,
-    scope: Scope,
+    fn: FunctionWriter,
     relation: Relation,
     wanted: nodes.Proposition,
     formula: nodes.Proposition | nodes.Believe,
 ) -> None:
     args = relation.full(wanted.args)
-    known = tuple([known_value(clause, scope, arg) for arg in args])
+    known = tuple([known_value(fn, arg) for arg in args])
     age = formula.age if isinstance(formula, nodes.Believe) else None
     query = _Query(formula, relation, args, known, age)
     is_property = relation.is_property and bool(args)
     if None not in known and (not is_property or query.has_no_default):
-        _member(clause, scope, query)
+        _member(fn, query)
     elif is_property and None not in known[:-1]:
-        _look_up(clause, scope, query)
+        _look_up(fn, query)
     else:
-        _scan(clause, scope, query)
+        _scan(fn, query)
 
 
-def _member(clause: Clause, scope: Scope, query: _Query) -> None:
+def _member(fn: FunctionWriter, query: _Query) -> None:
     """A fact all of which is known: it is in memory or not."""
-    clause.note(query.formula, Way.MEMBER, by=query.places)
+    fn.code.note(query.formula, AccessPath.MEMBER, by=query.places)
     name = query.relation.name
     if all(isinstance(arg, nodes.Const) for arg in query.args):
         values = [arg.value for arg in query.args if isinstance(arg, nodes.Const)]
-        fact = clause.emitter.constant((name, *values))
+        fact = fn.code.constant((name, *values))
     else:
         parts = "".join(f", {k}" for k in query.known)
-        fact = f"({clause.emitter.constant(name)}{parts})"
-    stamps = clause.emitter.stamps(name)
+        fact = f"({fn.code.constant(name)}{parts})"
+    stamps = fn.code.stamps(name)
     if query.age is None:
-        scope.refuse(f"{fact} not in {stamps}")
+        fn.skip_if(f"{fact} not in {stamps}")
         return
-    local = clause.emitter.fresh("f")
-    scope.line(f"{local} = {fact}")
-    scope.refuse(f"{local} not in {stamps}")
-    _aged(clause, scope, local, query)
+    local = fn.code.fresh("f")
+    fn.line(f"{local} = {fact}")
+    fn.skip_if(f"{local} not in {stamps}")
+    _aged(fn, local, query)
 
 
-def _look_up(clause: Clause, scope: Scope, query: _Query) -> None:
+def _look_up(fn: FunctionWriter, query: _Query) -> None:
     """A property whose index is known: one look, then the default (T 2.2.2)."""
-    must_exist = query.age is not None and _asks_age(scope, query.age, query.args)
-    _note_look_up(clause, scope, query, must_exist)
+    must_exist = query.age is not None and _asks_age(fn, query.age, query.args)
+    _note_look_up(fn, query, must_exist)
     size = len(query.args)
-    fact = clause.emitter.fresh("f")
+    fact = fn.code.fresh("f")
     parts = [str(k) for k in query.known[:-1]]
     index = parts[0] if size == 2 else f"({''.join(f'{p}, ' for p in parts)})"
-    look = clause.emitter.value_of(query.relation.name)
-    scope.line(f"{fact} = {look}({index})")
+    look = fn.code.value_of(query.relation.name)
+    fn.line(f"{fact} = {look}({index})")
     if must_exist:
-        scope.refuse(f"{fact} is None")
+        fn.skip_if(f"{fact} is None")
         value = f"{fact}[{size}]"
     else:
-        value = _either(clause, scope, query, fact, parts)
+        value = _either(fn, query, fact, parts)
     expected = query.known[-1]
     if query.may_be_external:
         here = f"ctx.is_here({fact}, {expected})"
-        scope.refuse(f"{value} != {expected} and not {here}")
+        fn.skip_if(f"{value} != {expected} and not {here}")
     else:
-        match(clause, scope, query.args[-1], value)
+        match(fn, query.args[-1], value)
     if must_exist or query.age is None:
-        _aged(clause, scope, fact, query)
+        _aged(fn, fact, query)
     else:
-        limit = _limit(clause, scope, query.age)
-        scope.refuse(f"{fact} is not None and not {_young(clause, query, fact, limit)}")
+        limit = _limit(fn, query.age)
+        fn.skip_if(f"{fact} is not None and not {_young(fn, query, fact, limit)}")
 
 
-def _either(
-    clause: Clause, scope: Scope, query: _Query, fact: str, parts: Sequence[str]
-) -> str:
+def _either(fn: FunctionWriter, query: _Query, fact: str, parts: Sequence[str]) -> str:
     """A local for the value that a fact gives, or else the default."""
     relation = query.relation
     function = relation.default_function
     stored = f"{fact}[{len(query.args)}]"
     if function is None:
-        value = clause.emitter.fresh("t")
-        default = clause.emitter.constant(relation.default)
-        scope.line(f"{value} = {default} if {fact} is None else {stored}")
+        value = fn.code.fresh("t")
+        default = fn.code.constant(relation.default)
+        fn.line(f"{value} = {default} if {fact} is None else {stored}")
         return value
-    name = clause.emitter.constant(relation.name)
+    name = fn.code.constant(relation.name)
     index = f"({name}, {''.join(f'{p}, ' for p in parts)})"
     form = f"as_value({{}}) if {fact} is None else {stored}"
-    return registered(clause, scope, function, index, form)
+    return registered(fn, function, index, form)
 
 
-def _note_look_up(
-    clause: Clause, scope: Scope, query: _Query, must_exist: bool
-) -> None:
+def _note_look_up(fn: FunctionWriter, query: _Query, must_exist: bool) -> None:
     size = len(query.args)
     last = query.known[-1] is not None
-    clause.note(
+    fn.code.note(
         query.formula,
-        Way.VALUE,
+        AccessPath.VALUE,
         by=tuple(range(1, size)),
         tested=(size,) if last else (),
-        binds=_binds(scope, query),
+        binds=_binds(fn, query),
         default=None if must_exist else query.relation.default,
     )
 
 
-def _scan(clause: Clause, scope: Scope, query: _Query) -> None:
+def _scan(fn: FunctionWriter, query: _Query) -> None:
     """Run through the facts of the smallest index that a known argument selects."""
     places = _worth_an_index(query)
     rest = tuple(at for at in query.places if at not in places or len(places) > 1)
-    ways = (Way.ALL, Way.INDEX, Way.SMALLEST)
-    clause.note(
+    ways = (AccessPath.ALL, AccessPath.INDEX, AccessPath.SMALLEST)
+    fn.code.note(
         query.formula,
         ways[min(len(places), 2)],
         by=places,
         tested=rest,
-        binds=_binds(scope, query),
+        binds=_binds(fn, query),
     )
-    fact = clause.emitter.fresh("f")
-    scope.loop(f"for {fact} in {_candidates(clause, scope, query, places)}:")
+    fact = fn.code.fresh("f")
+    fn.loop(f"for {fact} in {_candidates(fn, query, places)}:")
     size = len(query.args)
     if query.relation.arity is None:
-        scope.require(f"len({fact}) == {size + 1}")
+        fn.skip_unless(f"len({fact}) == {size + 1}")
     for at in rest:
-        scope.refuse(f"{fact}[{at}] != {query.known[at - 1]}")
+        fn.skip_if(f"{fact}[{at}] != {query.known[at - 1]}")
     for at, (arg, value) in enumerate(zip(query.args, query.known, strict=True), 1):
         if value is None:
-            match(clause, scope, arg, f"{fact}[{at}]")
-    _aged(clause, scope, fact, query)
+            match(fn, arg, f"{fact}[{at}]")
+    _aged(fn, fact, query)
 
 
 def _worth_an_index(query: _Query) -> tuple[int, ...]:
@@ -236,75 +230,73 @@ def _worth_an_index(query: _Query) -> tuple[int, ...]:
     return places
 
 
-def _candidates(
-    clause: Clause, scope: Scope, query: _Query, places: Sequence[int]
-) -> str:
+def _candidates(fn: FunctionWriter, query: _Query, places: Sequence[int]) -> str:
     """The expression for the facts to run through; the shortest of several indexes."""
-    name, emitter = query.relation.name, clause.emitter
+    name, code = query.relation.name, fn.code
     if not places:
-        return emitter.stamps(name)
-    found = [
-        f"{emitter.bucket_of(name, at)}({query.known[at - 1]}, ())" for at in places
-    ]
+        return code.stamps(name)
+    found = [f"{code.bucket_of(name, at)}({query.known[at - 1]}, ())" for at in places]
     if query.may_be_external:
         place = query.args[-1]
         external = f"ctx.facts_at({query.known[-1]})"
         if isinstance(place, nodes.Const):
             return external
-        word = emitter.constant("external")
+        word = code.constant("external")
         return f"{found[0]} if {query.known[-1]} != {word} else {external}"
     if len(found) == 1:
         return found[0]
     if len(found) > 2:
         return f"min({', '.join(found)}, key=len)"
-    one, two = (emitter.fresh("b") for _ in found)
-    scope.line(f"{one} = {found[0]}")
-    scope.line(f"{two} = {found[1]}")
+    one, two = (code.fresh("b") for _ in found)
+    fn.line(f"{one} = {found[0]}")
+    fn.line(f"{two} = {found[1]}")
     return f"{one} if len({one}) <= len({two}) else {two}"
 
 
-def _binds(scope: Scope, query: _Query) -> tuple[str, ...]:
+def _binds(fn: FunctionWriter, query: _Query) -> tuple[str, ...]:
     """The variables that have a value after a pattern and had none before it."""
     terms: Iterable[nodes.Term] = (*query.args, *([query.age] if query.age else ()))
     names = (t.name for t in terms if isinstance(t, nodes.Var) and not t.anonymous)
-    return tuple(dict.fromkeys(name for name in names if name not in scope.bound))
+    return tuple(dict.fromkeys(name for name in names if name not in fn.bound))
 
 
-def _asks_age(scope: Scope, age: nodes.Term, args: tuple[nodes.Term, ...] = ()) -> bool:
+def _asks_age(
+    fn: FunctionWriter, age: nodes.Term, args: tuple[nodes.Term, ...] = ()
+) -> bool:
     """Whether an age is a variable that is unbound and that no argument will bind."""
-    if not isinstance(age, nodes.Var) or age.name in scope.bound:
+    if not isinstance(age, nodes.Var) or age.name in fn.bound:
         return False
     return age.anonymous or age not in args
 
 
-def _limit(clause: Clause, scope: Scope, age: nodes.Term) -> str:
+def _limit(fn: FunctionWriter, age: nodes.Term) -> str:
     """An expression for the bound age limit of a `believe`."""
-    limit = bound_value(clause, scope, age)
+    limit = bound_value(fn, age)
     if isinstance(age, nodes.Const) and isinstance(age.value, int | float):
         return str(limit)
-    what = clause.emitter.constant("the age of a `believe` is not a number")
-    scope.line(f"if type({limit}) not in NUMBERS:")
-    scope.line(f"    ctx.fault({clause.where}, {what})")
-    scope.line(f"    {scope.skip}")
+    what = fn.code.constant("the age of a `believe` is not a number")
+    fn.line(f"if type({limit}) not in NUMBERS:")
+    fn.line(f"    ctx.fault({fn.code.where}, {what})")
+    fn.line(f"    {fn.skip}")
     return str(limit)
 
 
-def _young(clause: Clause, query: _Query, fact: str, limit: str) -> str:
+def _young(fn: FunctionWriter, query: _Query, fact: str, limit: str) -> str:
     """The expression for whether a fact is younger than a limit."""
-    stamps = clause.emitter.stamps(query.relation.name)
+    stamps = fn.code.stamps(query.relation.name)
     return f"ctx.young({stamps}[{fact}], {limit})"
 
 
-def _aged(clause: Clause, scope: Scope, fact: str, query: _Query) -> None:
+def _aged(fn: FunctionWriter, fact: str, query: _Query) -> None:
     age = query.age
     if age is None:
         return
-    stamps = clause.emitter.stamps(query.relation.name)
-    if _asks_age(scope, age):
-        stamp = clause.emitter.fresh("t")
-        scope.line(f"{stamp} = {stamps}[{fact}]")
-        scope.refuse(f"{stamp} < 0")
-        match(clause, scope, age, f"ctx.age({stamp})")
+    stamps = fn.code.stamps(query.relation.name)
+    if _asks_age(fn, age):
+        stamp = fn.code.fresh("t")
+        fn.line(f"{stamp} = {stamps}[{fact}]")
+        fn.skip_if(f"{stamp} < 0")
+        match(fn, age, f"ctx.age({stamp})")
     else:
-        limit = _limit(clause, scope, age)
-        scope.require(_young(clause, query, fact, limit))
+        limit = _limit(fn, age)
+        fn.skip_unless(_young(fn, query, fact, limit))

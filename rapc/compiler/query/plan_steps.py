@@ -13,7 +13,7 @@ import msgspec
 from rapc.ir import nodes
 
 
-class Way(Enum):
+class AccessPath(Enum):
     """How a part of a formula is worked off."""
 
     MEMBER = "look whether it is in memory"
@@ -29,7 +29,7 @@ class Way(Enum):
     NEVER = "never holds"
 
 
-class Step(msgspec.Struct, frozen=True):
+class PlanStep(msgspec.Struct, frozen=True):
     """One part of a formula, and how it is worked off.
 
     `depth` counts the `or` and `not` it stands in. `by` are the places of the
@@ -40,7 +40,7 @@ class Step(msgspec.Struct, frozen=True):
 
     formula: nodes.Formula
     depth: int
-    way: Way
+    way: AccessPath
     by: tuple[int, ...] = ()
     tested: tuple[int, ...] = ()
     binds: tuple[str, ...] = ()
@@ -52,4 +52,9 @@ class Step(msgspec.Struct, frozen=True):
         return _MOST.get(self.way)
 
 
-_MOST = {Way.MEMBER: 1, Way.VALUE: 1, Way.TEST: 0, Way.NEVER: 0}
+_MOST = {
+    AccessPath.MEMBER: 1,
+    AccessPath.VALUE: 1,
+    AccessPath.TEST: 0,
+    AccessPath.NEVER: 0,
+}

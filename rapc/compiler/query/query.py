@@ -1,8 +1,72 @@
-"""Compiled queries: what the interpreter asks in a cycle.
+"""Compiled queries: how a formula becomes a Python function that asks a memory.
 
-A `Query` is made once for a clause. It is compiled, lazily, once for each set of
-variables that is bound when it is asked, and meets each memory once (`Query.on`);
-nothing reads the IR afterwards.
+Four ideas. A `Query` is a formula of a clause. A `Variant` is that formula compiled for
+the variables that have a value beforehand and for what is wanted of the answer (its
+result mode: the first solution, all of them, or whether there is one). A `BoundQuery`
+is a query that has met one memory. A `CodeWriter` writes the text of a variant.
+
+Formulas are compiled because they are asked at every choice and every change: what is
+left to do then are a few look-ups, and no walk over a tree. Variants differ since the
+same formula is another question where more is known: `(q ?place ?item)` is a look into
+memory if both have values, and a loop if one of them has none. They are made when they
+are first asked for; after that nothing reads the IR.
+
+An example. The first solution of
+
+    (and (q ?place ?item) (color ?item red) (not (heavy ?item true)))
+
+where `?place` has a value is found by this text, which `CodeWriter.source` returns:
+
+    def make(ctx, constants, aliases, aliased):
+        (k1, k2, k3, k4, k5, k6, k7, k8, k9, k10, ) = constants
+        m2 = ctx.facts.table(k3)
+        m3 = m2.index(1).get
+        m4 = ctx.facts.table(k6)
+        m5 = m4.stamps
+        m7 = ctx.facts.table(k9)
+        m8 = m7.stamps
+        def no6(v1):
+            if (k8, v1, k7) not in m8: return False
+            return True
+            return False
+        def query(env):
+            v0 = env[k2]
+            for f1 in m3(v0, ()):
+                v1 = f1[2]
+                if (k5, v1, k4) not in m5: continue
+                if no6(v1): continue
+                return {k10: v1}
+            return None
+        return query
+
+`make` is called once for each memory that the query is bound to, `query` for each
+question. Constants (`k`) are handed in, so that no text of a program is part of the
+code, and formulas of one shape share it: here `k2` is `?place`, `k3` the name `q` and
+`k4` the value `red`. What memory is asked by is looked up before (`m`): the facts of
+`q` by their first argument, the facts of `color` and of `heavy`. Then:
+
+- `and` is one part after the other, each inside the loops of those before it. So the
+  solutions come in the order that the language promises [L 2]: that of the text, and
+  within a part that of the facts' last assertion.
+- `(q ?place ?item)`: the first argument is known, so the index by it gives the facts
+  (`f1`) to run through; `?item` (`v1`) is bound to the second argument of each.
+- `(color ?item red)`: all is known, and `red` is not the default of `color`: the fact
+  is in memory, or the candidate is given up (`continue`: try the next fact).
+- `not` is a function of its own (`no6`) that stops at its first solution. So are the
+  branches of an `or`, and what is nested deeper than CPython allows loops to be.
+- The end of the text is a solution, and what the mode makes of it: `FIRST` returns
+  the new bindings.
+
+A variable that only some branch of an `or` binds may or may not have a value after it.
+What uses the variable then is a query of its own, compiled for what turns out
+(`Query.extended`), since writing all cases out would take two to the number of such
+variables. How long a question takes is not bounded by this design: a conjunction is
+a search, and may look at every combination of facts (docs/language, 2).
+
+What is written is also noted, step by step (`plan_steps`), for `rapc explain`.
+
+Not here: the writers of formulas (`formulas`), facts (`facts`) and terms (`term_code`);
+terms outside of formulas (`term_value`).
 """
 
 from __future__ import annotations
@@ -13,20 +77,24 @@ from typing import Any, Protocol
 
 from rapc.base.resources import Value
 from rapc.compiler.query import builtin, formulas
-from rapc.compiler.query.code import Emitter, Ending, Scope, made
+from rapc.compiler.query.code import (
+    CodeWriter,
+    FunctionWriter,
+    ResultMode,
+    compile_source,
+)
 from rapc.compiler.query.context import Bindings, Context
-from rapc.compiler.query.plan_steps import Step
-from rapc.compiler.query.term_code import Clause
+from rapc.compiler.query.plan_steps import PlanStep
 from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 
 
-class Asking(Context, Protocol):
-    """A context that keeps the queries which have met its memory."""
+class QueryingContext(Context, Protocol):
+    """A context that keeps the queries bound to its memory."""
 
     @property
-    def asked(self) -> Meetings:
-        """These queries."""
+    def bound(self) -> BoundQueries:
+        """The queries already bound to this context."""
 
 
 class Query:
@@ -38,7 +106,7 @@ class Query:
         where: the clause's name for faults, with its place in the source.
     """
 
-    __slots__ = ("_plans", "_vocabulary", "formula", "variables", "where")
+    __slots__ = ("_variants", "_vocabulary", "formula", "variables", "where")
 
     def __init__(
         self, formula: nodes.Formula, vocabulary: Vocabulary, where: str
@@ -47,28 +115,33 @@ class Query:
         self.where = where
         self.variables = formulas.variables(formula)
         self._vocabulary = vocabulary
-        self._plans: dict[tuple[tuple[str, ...], Ending, bool], Plan] = {}
+        self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
-    def on(self, ctx: Asking) -> Asked:
-        """The query as it is asked of one memory, again and again."""
-        return ctx.asked[self]
+    def bind(self, ctx: QueryingContext) -> BoundQuery:
+        """Return the query bound to one memory, to be asked again and again."""
+        return ctx.bound[self]
 
-    def first(self, ctx: Asking, env: Bindings) -> dict[str, Value] | None:
-        """The new bindings of the first solution, or None."""
-        return ctx.asked[self].first(env)
+    def first(self, ctx: QueryingContext, env: Bindings) -> dict[str, Value] | None:
+        """Return the new bindings of the first solution, or None."""
+        return ctx.bound[self].first(env)
 
-    def holds(self, ctx: Asking, env: Bindings) -> bool:
+    def holds(self, ctx: QueryingContext, env: Bindings) -> bool:
         """Whether there is a solution."""
-        return ctx.asked[self].holds(env)
+        return ctx.bound[self].holds(env)
 
-    def solutions(self, ctx: Asking, env: Bindings) -> Iterator[dict[str, Value]]:
-        """The new bindings of each solution, in order, found one at a time."""
-        return ctx.asked[self].solutions(env)
+    def solutions(
+        self, ctx: QueryingContext, env: Bindings
+    ) -> Iterator[dict[str, Value]]:
+        """Iterate over the new bindings of each solution, found one at a time."""
+        return ctx.bound[self].solutions(env)
 
-    def extended(self, ctx: Asking, values: Sequence[Any]) -> Iterator[list[Any]]:
-        """The values of all variables for each solution, given those known so far.
+    def extended(
+        self, ctx: QueryingContext, values: Sequence[Any]
+    ) -> Iterator[list[Any]]:
+        """Iterate over the values of all variables for each solution.
 
-        `values` are in the order of `variables`, UNBOUND where one is not known.
+        `values` are those known so far, in the order of `variables`, UNBOUND where one
+        is not known.
         """
         pairs = zip(self.variables, values, strict=True)
         env = {name: value for name, value in pairs if value is not builtin.UNBOUND}
@@ -76,95 +149,94 @@ class Query:
             found = {**env, **solution}
             yield [found.get(name, builtin.UNBOUND) for name in self.variables]
 
-    def plan(
-        self, inputs: tuple[str, ...], ending: Ending, given: bool = False
-    ) -> Plan:
-        """The formula compiled for some bound variables, all of them its own.
+    def variant(
+        self, inputs: tuple[str, ...], mode: ResultMode, by_place: bool = False
+    ) -> Variant:
+        """Return the formula compiled for some bound variables, all of them its own.
 
-        Its function takes an environment, or is given the values one by one.
+        Its function takes an environment, or with `by_place` the values one by one.
         """
-        key = (inputs, ending, given)
-        plan = self._plans.get(key)
-        if plan is None:
-            emitter, outputs = self._written(inputs, ending, given)
-            plan = self._plans[key] = Plan(emitter, inputs, outputs)
-        return plan
+        key = (inputs, mode, by_place)
+        variant = self._variants.get(key)
+        if variant is None:
+            code, outputs = self._write(inputs, mode, by_place)
+            variant = self._variants[key] = Variant(code, inputs, outputs)
+        return variant
 
-    def steps(self, inputs: tuple[str, ...]) -> tuple[Step, ...]:
-        """What is done, step by step, where these variables are bound."""
-        return tuple(self._written(inputs, Ending.FIRST, False)[0].steps)
+    def steps(self, inputs: tuple[str, ...]) -> tuple[PlanStep, ...]:
+        """Return what is done, step by step, where these variables are bound."""
+        return tuple(self._write(inputs, ResultMode.FIRST, False)[0].steps)
 
     def outputs(self, inputs: tuple[str, ...]) -> tuple[str, ...]:
-        """The variables that a solution may bind where these are bound."""
-        return self.plan(inputs, Ending.FIRST).outputs
+        """Return the variables that a solution may bind where these are bound."""
+        return self.variant(inputs, ResultMode.FIRST).outputs
 
-    def _written(
-        self, inputs: tuple[str, ...], ending: Ending, given: bool
-    ) -> tuple[Emitter, tuple[str, ...]]:
-        """The code for a set of bound variables, and the variables it binds."""
-        emitter = Emitter()
-        scope = Scope(emitter, "query", inputs, ending)
-        clause = Clause(emitter, self._vocabulary, self.where, self._later)
-        scope.head = _given(scope) if given else _from_environment(scope)
+    def _write(
+        self, inputs: tuple[str, ...], mode: ResultMode, by_place: bool
+    ) -> tuple[CodeWriter, tuple[str, ...]]:
+        """Write the code for some bound variables; return it with those it binds."""
+        code = CodeWriter(self._vocabulary, self.where, self._later)
+        fn = FunctionWriter(code, "query", inputs, mode)
+        fn.head = _head_by_place(fn) if by_place else _head_by_name(fn)
         found: set[str] = set()
 
-        def answer(scope: Scope) -> str:
-            known = scope.bound | scope.maybe
+        def answer(fn: FunctionWriter) -> str:
+            known = fn.bound | fn.maybe
             outputs = [n for n in self.variables if n in known and n not in inputs]
             found.update(outputs)
-            return _answer(scope, outputs)
+            return _answer(fn, outputs)
 
-        formulas.solve(clause, scope, self.formula, answer)
-        return emitter, tuple(n for n in self.variables if n in found)
+        formulas.solve(fn, self.formula, answer)
+        return code, tuple(n for n in self.variables if n in found)
 
     def _later(self, part: nodes.Formula) -> Query:
         return Query(part, self._vocabulary, self.where)
 
 
-def _given(scope: Scope) -> list[str]:
+def _head_by_place(fn: FunctionWriter) -> list[str]:
     """The head of a function that is given the values of its variables by place.
 
     Names that items have lost since are first replaced, by who sees to them.
     """
-    names = ", ".join(scope.local(name) for name in scope.parameters)
+    names = ", ".join(fn.local(name) for name in fn.parameters)
     return [f"def query({names}):", f"    if aliases: return aliased({names})"]
 
 
-def _from_environment(scope: Scope) -> list[str]:
+def _head_by_name(fn: FunctionWriter) -> list[str]:
     """The head of a function that takes what it needs from an environment."""
     return [
         "def query(env):",
         *(
-            f"    {scope.local(name)} = env[{scope.emitter.constant(name)}]"
-            for name in scope.parameters
+            f"    {fn.local(name)} = env[{fn.code.constant(name)}]"
+            for name in fn.parameters
         ),
     ]
 
 
-def _answer(scope: Scope, outputs: Sequence[str]) -> str:
+def _answer(fn: FunctionWriter, outputs: Sequence[str]) -> str:
     """The expression for the new bindings, without variables that have none."""
-    pairs = [(scope.emitter.constant(name), scope.local(name)) for name in outputs]
-    if not scope.maybe.isdisjoint(outputs):
+    pairs = [(fn.code.constant(name), fn.local(name)) for name in outputs]
+    if not fn.maybe.isdisjoint(outputs):
         listed = "".join(f"({key}, {value}), " for key, value in pairs)
         return f"{{k: v for k, v in ({listed}) if v is not UNBOUND}}"
     return f"{{{', '.join(f'{key}: {value}' for key, value in pairs)}}}"
 
 
-class Plan:
-    """A formula compiled for one set of bound variables and one way to end.
-
-    `inputs` are the bound variables that it uses, `outputs` those that it may bind;
-    `source` is the generated text, `constants` what it is handed.
-    """
+class Variant:
+    """A formula compiled for one set of bound variables and one result mode."""
 
     __slots__ = ("constants", "inputs", "outputs", "source")
 
     def __init__(
-        self, emitter: Emitter, inputs: tuple[str, ...], outputs: tuple[str, ...]
+        self, code: CodeWriter, inputs: tuple[str, ...], outputs: tuple[str, ...]
     ) -> None:
-        self.source = emitter.source()
-        self.constants = tuple(emitter.constants)
+        #: The generated text.
+        self.source = code.source()
+        #: What the text is handed.
+        self.constants = tuple(code.constants)
+        #: The bound variables, all of which the formula uses.
         self.inputs = inputs
+        #: The variables that a solution may bind.
         self.outputs = outputs
 
     def bind(
@@ -173,40 +245,39 @@ class Plan:
         aliases: Mapping[str, str] | None = None,
         aliased: Callable[..., Any] | None = None,
     ) -> Callable[..., Any]:
-        """The function that asks one memory.
+        """Return the function that asks one memory.
 
         While `aliases` holds anything, `aliased` is called in its place.
         """
-        return made(self.source)(ctx, self.constants, aliases, aliased)
+        return compile_source(self.source)(ctx, self.constants, aliases, aliased)
 
 
 Ask = Callable[[Bindings], Any]
 
 
-class Asked:
-    """A query on one memory: each of its functions takes the environment alone.
-
-    `first` returns the new bindings of the first solution, or None; `holds` whether
-    there is a solution; `solutions` the new bindings of each, one at a time.
-    """
+class BoundQuery:
+    """A query bound to one memory: its functions take the environment alone."""
 
     __slots__ = ("first", "holds", "solutions")
 
     def __init__(self, query: Query, ctx: Context) -> None:
         names = query.variables
-        choose = _chooser(len(names))
-        self.first: Callable[[Bindings], dict[str, Value] | None] = choose(
-            _Plans(query, ctx, Ending.FIRST), names
+        select = _variant_selector(len(names))
+        #: Returns the new bindings of the first solution, or None.
+        self.first: Callable[[Bindings], dict[str, Value] | None] = select(
+            _Variants(query, ctx, ResultMode.FIRST), names
         )
-        self.holds: Callable[[Bindings], bool] = choose(
-            _Plans(query, ctx, Ending.ANY), names
+        #: Returns whether there is a solution.
+        self.holds: Callable[[Bindings], bool] = select(
+            _Variants(query, ctx, ResultMode.ANY), names
         )
-        each: Ask = choose(_Plans(query, ctx, Ending.EACH), names)
+        each: Ask = select(_Variants(query, ctx, ResultMode.EACH), names)
+        #: Iterates over the new bindings of each solution, found one at a time.
         self.solutions: Callable[[Bindings], Iterator[dict[str, Value]]] = each
 
 
-class Meetings(dict[Query, Asked]):
-    """The queries that have met a memory; another one meets it when it is looked up."""
+class BoundQueries(dict[Query, BoundQuery]):
+    """The queries bound to one memory. Looking up an unbound query binds it."""
 
     __slots__ = ("_ctx",)
 
@@ -214,40 +285,44 @@ class Meetings(dict[Query, Asked]):
         super().__init__()
         self._ctx = ctx
 
-    def __missing__(self, query: Query) -> Asked:
-        found = self[query] = Asked(query, self._ctx)
+    def __missing__(self, query: Query) -> BoundQuery:
+        found = self[query] = BoundQuery(query, self._ctx)
         return found
 
 
-class _Plans(dict[int, Ask]):
+class _Variants(dict[int, Ask]):
     """The functions of a query by a number with a bit for each bound variable."""
 
-    __slots__ = ("_ctx", "_ending", "_query")
+    __slots__ = ("_ctx", "_mode", "_query")
 
-    def __init__(self, query: Query, ctx: Context, ending: Ending) -> None:
+    def __init__(self, query: Query, ctx: Context, mode: ResultMode) -> None:
         super().__init__()
         self._query = query
         self._ctx = ctx
-        self._ending = ending
+        self._mode = mode
 
     def __missing__(self, key: int) -> Ask:
         names = enumerate(self._query.variables)
         bound = tuple(name for at, name in names if key >> at & 1)
-        plan = self._query.plan(bound, self._ending)
-        found = self[key] = plan.bind(self._ctx)
+        found = self[key] = self._query.variant(bound, self._mode).bind(self._ctx)
         return found
 
 
 @lru_cache(maxsize=64)
-def _chooser(count: int) -> Callable[[_Plans, Sequence[str]], Ask]:
-    """Makes the function that picks a plan by which of its variables are bound."""
+def _variant_selector(count: int) -> Callable[[_Variants, Sequence[str]], Ask]:
+    """Return what makes the function that picks a variant of `count` variables.
+
+    The function computes a number with a bit for each variable that is in the
+    environment, and looks the variant up by it. It is asked at every question, so it
+    is one generated expression, made of the count alone.
+    """
     names = "".join(f"n{at}, " for at in range(count))
     bits = " | ".join(f"(n{at} in env) << {at}" for at in range(count))
-    lines = ["def make(plans, names):"]
+    lines = ["def make(variants, names):"]
     if count:
         lines.append(f"    ({names}) = names")
-    lines += [f"    def ask(env): return plans[{bits or 0}](env)", "    return ask"]
+    lines += [f"    def ask(env): return variants[{bits or 0}](env)", "    return ask"]
     namespace: dict[str, Any] = {}
     exec("\n".join(lines), namespace)  # noqa: S102  # made of the count alone
-    maker: Callable[[_Plans, Sequence[str]], Ask] = namespace["make"]
-    return maker
+    make: Callable[[_Variants, Sequence[str]], Ask] = namespace["make"]
+    return make

@@ -1,138 +1,109 @@
 """Terms to generated Python: known values, computed ones, and matching.
 
-Shared by the writers of formulas and of facts. A value that is missing or of the
-wrong kind is traced as a fault and gives up the candidate (semantics 2).
+`formulas` and `facts` write terms through these functions. A value that is missing or
+of the wrong kind is traced as a fault and gives up the candidate [L 2].
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from rapc.compiler.query import builtin
-from rapc.compiler.query.code import Emitter, Scope
-from rapc.compiler.query.plan_steps import Step, Way
-from rapc.compiler.vocabulary import Vocabulary
+from rapc.compiler.query.code import FunctionWriter
 from rapc.ir import nodes
 
 
-class Clause:
-    """What the writers of one formula share: vocabulary and the clause's name.
-
-    `later` makes a query of a part of the formula, to be compiled when it is asked.
-    """
-
-    def __init__(
-        self,
-        emitter: Emitter,
-        vocabulary: Vocabulary,
-        where: str,
-        later: Callable[[nodes.Formula], object],
-    ) -> None:
-        self.emitter = emitter
-        self.vocabulary = vocabulary
-        self.later = later
-        self.where = emitter.constant(where)
-
-    def note(self, formula: nodes.Formula, way: Way, **rest: Any) -> None:
-        """Note what is done for a part of the formula, before its code is written."""
-        step = Step(formula, self.emitter.depth, way, **rest)
-        self.emitter.steps.append(step)
-
-
-def fault(clause: Clause, scope: Scope, what: str) -> None:
+def fault(fn: FunctionWriter, what: str) -> None:
     """Trace a fault and give up; `what` is an expression or a constant's name."""
-    scope.line(f"ctx.fault({clause.where}, {what})")
-    scope.line(scope.skip)
+    fn.line(f"ctx.fault({fn.code.where}, {what})")
+    fn.line(fn.skip)
 
 
-def known_value(clause: Clause, scope: Scope, term: nodes.Term) -> str | None:
+def known_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
     """An expression for a term's value, or None for a variable that is not bound.
 
     A computed term is computed here, and a fault in it gives up the candidate.
     """
     if isinstance(term, nodes.Const):
-        return clause.emitter.constant(term.value)
+        return fn.code.constant(term.value)
     if isinstance(term, nodes.Var):
-        if term.anonymous or term.name not in scope.bound:
+        if term.anonymous or term.name not in fn.bound:
             return None
-        return scope.local(term.name)
-    return _computed(clause, scope, term)
+        return fn.local(term.name)
+    return _computed(fn, term)
 
 
-def bound_value(clause: Clause, scope: Scope, term: nodes.Term) -> str | None:
+def bound_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
     """As `known_value`, but a variable that is not bound is a fault that is traced.
 
     Returns None when the code to give up has been written: nothing may follow.
     """
-    known = known_value(clause, scope, term)
+    known = known_value(fn, term)
     if known is not None:
         return known
     assert isinstance(term, nodes.Var)
-    what = clause.emitter.constant(f"{term.name} is not bound")
-    fault(clause, scope, what)
+    what = fn.code.constant(f"{term.name} is not bound")
+    fault(fn, what)
     return None
 
 
-def arguments(
-    clause: Clause, scope: Scope, args: Sequence[nodes.Term]
-) -> list[str] | None:
+def arguments(fn: FunctionWriter, args: Sequence[nodes.Term]) -> list[str] | None:
     """Expressions for terms that must be bound; None as `bound_value`."""
     found = []
     for arg in args:
-        known = bound_value(clause, scope, arg)
+        known = bound_value(fn, arg)
         if known is None:
             return None
         found.append(known)
     return found
 
 
-def _computed(clause: Clause, scope: Scope, term: nodes.Call) -> str:
-    args = arguments(clause, scope, term.args)
+def _computed(fn: FunctionWriter, term: nodes.Call) -> str:
+    args = arguments(fn, term.args)
     if args is None:
         return "UNBOUND"
     listed = "".join(f"{a}, " for a in args)
     function = builtin.FUNCTIONS.get(term.function)
     if function is None:
-        return registered(clause, scope, term.function, listed)
-    return attempt(clause, scope, f"{clause.emitter.constant(function)}(({listed}))")
+        return registered(fn, term.function, listed)
+    return attempt(fn, f"{fn.code.constant(function)}(({listed}))")
 
 
 def registered(
-    clause: Clause, scope: Scope, name: str, listed: str, form: str = "as_value({})"
+    fn: FunctionWriter, name: str, listed: str, form: str = "as_value({})"
 ) -> str:
     """As `attempt`, for what a registered function returns, put into a form.
 
     An exception that it raises is the host's: it goes on, and says which clause it
     was that asked.
     """
-    called = f"ctx.functions[{clause.emitter.constant(name)}](ctx.view, {listed})"
-    result = attempt(clause, scope, form.format(called))
-    scope.line("except Exception as error:")
-    scope.line(f"    error.add_note({clause.where})")
-    scope.line("    raise")
+    called = f"ctx.functions[{fn.code.constant(name)}](ctx.view, {listed})"
+    result = attempt(fn, form.format(called))
+    fn.line("except Exception as error:")
+    fn.line(f"    error.add_note({fn.code.where})")
+    fn.line("    raise")
     return result
 
 
-def attempt(clause: Clause, scope: Scope, expression: str) -> str:
+def attempt(fn: FunctionWriter, expression: str) -> str:
     """A new local for what an expression comes to; a fault in it gives up."""
-    result = clause.emitter.fresh("t")
-    scope.line("try:")
-    scope.line(f"    {result} = {expression}")
-    scope.line("except Fault as fault:")
-    scope.line(f"    ctx.fault({clause.where}, str(fault))")
-    scope.line(f"    {scope.skip}")
+    result = fn.code.fresh("t")
+    fn.line("try:")
+    fn.line(f"    {result} = {expression}")
+    fn.line("except Fault as fault:")
+    fn.line(f"    ctx.fault({fn.code.where}, str(fault))")
+    fn.line(f"    {fn.skip}")
     return result
 
 
-def match(clause: Clause, scope: Scope, term: nodes.Term, value: str) -> None:
+def match(fn: FunctionWriter, term: nodes.Term, value: str) -> None:
     """Match a term with a value that is there: test it or bind a variable."""
-    known = known_value(clause, scope, term)
+    known = known_value(fn, term)
     if known is not None:
-        scope.refuse(f"{known} != {value}")
+        fn.skip_if(f"{known} != {value}")
         return
     assert isinstance(term, nodes.Var)
     if term.anonymous:
         return
-    scope.line(f"{scope.local(term.name)} = {value}")
-    scope.bound.add(term.name)
+    fn.line(f"{fn.local(term.name)} = {value}")
+    fn.bound.add(term.name)

@@ -76,8 +76,16 @@ class Gate(MemoryView):
         if self._recognizer.unsettled:
             self._recognizer.settle()
 
-    def assert_fact(self, *fact: Atom, by: str = "handler") -> None:
-        """Assert a fact now, on behalf of a handler or of whoever `by` names.
+    def assert_fact(self, *fact: Atom) -> None:
+        """Assert a fact now. Raises FactError as `assert_for`."""
+        self.assert_for("handler", fact)
+
+    def erase(self, *prefix: Atom) -> None:
+        """Erase every fact that starts so. Raises FactError as `erase_for`."""
+        self.erase_for("handler", prefix)
+
+    def assert_for(self, by: str, fact: Fact) -> None:
+        """Assert a fact now, on behalf of `by`: a handler or the host.
 
         Raises:
             FactError: if the declarations do not allow it, or for an item's place
@@ -89,11 +97,11 @@ class Gate(MemoryView):
             self.check_owner(fact)
         memory.store(fact, by)
 
-    def erase(self, *prefix: Atom, by: str = "handler") -> None:
-        """Erase every fact that starts with `prefix`.
+    def erase_for(self, by: str, prefix: Fact) -> None:
+        """Erase every fact that starts with `prefix`, on behalf of `by`.
 
         Raises:
-            FactError: if the prefix names nothing declared, or as `assert_fact`.
+            FactError: if the prefix names nothing declared, or as `assert_for`.
         """
         memory = self._memory
         if prefix and prefix[0] in _BY_HANDLERS:

@@ -10,7 +10,7 @@ Not here: queries (`rapc.compiler.query`), which facts exclude each other
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any, Final, Protocol
 
 from rapc.base.values import Atom, Fact
@@ -97,10 +97,13 @@ class Memory:
         )
         self._recorder = recorder
         self._observers: tuple[Observer, ...] = ()
+        #: Their methods, found once: a fact comes or goes many times in a cycle.
+        self._fact_changed: tuple[Callable[[Fact, str], None], ...] = ()
 
     def observe(self, *observers: Observer) -> None:
         """Tell these observers, too, of each change from now on, in this order."""
         self._observers = (*self._observers, *observers)
+        self._fact_changed = tuple([each.fact_changed for each in self._observers])
 
     # --- the two verbs -----------------------------------------------------------
 
@@ -126,12 +129,12 @@ class Memory:
                 noted.pop(replaced, None)
             if recorder.on:
                 recorder.emit(FactErased, fact=replaced, by=by)
-            for observer in self._observers:
-                observer.fact_changed(replaced, REPLACED)
+            for changed in self._fact_changed:
+                changed(replaced, REPLACED)
         if recorder.on:
             recorder.emit(FactAsserted, fact=fact, by=by)
-        for observer in self._observers:
-            observer.fact_changed(fact, STORED)
+        for changed in self._fact_changed:
+            changed(fact, STORED)
 
     def remove(self, fact: Fact, by: str) -> None:
         """Remove a fact that is there. `by` is for the trace."""
@@ -141,8 +144,8 @@ class Memory:
         self.facts.remove(fact)
         if self._recorder.on:
             self._recorder.emit(FactErased, fact=fact, by=by)
-        for observer in self._observers:
-            observer.fact_changed(fact, REMOVED)
+        for changed in self._fact_changed:
+            changed(fact, REMOVED)
 
     def tell(self, word: str) -> None:
         """Tell the observers of a change that is no fact's: see `Observer`."""

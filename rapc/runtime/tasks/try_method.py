@@ -60,7 +60,7 @@ def _only(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
         return method, {}, key_of(method, env, {}) if env else method.key
     context = machine.context
     context.task = task
-    found = context.asked[method.choice].first(env)
+    found = context.bound[method.choice].first(env)
     if found is None:
         return None
     return method, found, key_of(method, env, found) if env or found else method.key
