@@ -70,3 +70,7 @@ class PortError(Error):
 
     What the code of the world raised, if it did, is the `__cause__`.
     """
+
+
+class StateError(Error):
+    """A run that cannot be saved, or a saved run that cannot be taken up."""

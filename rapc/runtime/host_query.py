@@ -19,7 +19,7 @@ from rapc.ir import nodes
 from rapc.ir.nodes import Formula
 from rapc.ir.walk import subformulas, subterms, terms
 from rapc.runtime.machine import Machine
-from rapc.runtime.query_context import QueryContext
+from rapc.runtime.query_context import HostContext
 from rapc.runtime.tasks.rename_items import with_names
 
 Answer = dict[str, Value]
@@ -44,11 +44,11 @@ class HostQuery:
     """
 
     __slots__ = (
-        "_aliases",
         "_context",
         "_formula",
         "_machine",
         "_query",
+        "_renamings",
         "all",
         "first",
         "given",
@@ -61,10 +61,9 @@ class HostQuery:
         self.given = tuple(given)
         self._machine = machine
         self._formula = formula
-        self._context = QueryContext(
-            machine.memory, machine.recorder, machine.context.functions
-        )
-        self._aliases = -1
+        functions = machine.context.functions
+        self._context = HostContext(machine.memory, machine.recorder, functions)
+        self._renamings = -1
         _check_names(formula, machine.library.vocabulary)
         self._query = self._compiled()
         for name in self.given:
@@ -94,8 +93,8 @@ class HostQuery:
     def _compiled(self) -> Query:
         """The query; made anew once items named in it have got other names."""
         items = self._machine.memory.items
-        if len(items.aliases) != self._aliases:
-            self._aliases = len(items.aliases)
+        if items.renamings != self._renamings:
+            self._renamings = items.renamings
             formula = self._formula
             if items.aliases:
                 formula = with_names(formula, items.canonical)

@@ -6,6 +6,7 @@ on is in `rapc.runtime.loop`.
 
 from __future__ import annotations
 
+import copy
 import heapq
 import random
 from collections.abc import Callable, Mapping, Sequence
@@ -25,6 +26,7 @@ from rapc.runtime.host_query import HostQuery
 from rapc.runtime.loop import Loop
 from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.view import MemoryView
+from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings
 from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.task_request import TaskRequest
@@ -66,6 +68,7 @@ class Interpreter:
         comparators: Mapping[str, Callable[..., Any]] | None = None,
     ) -> None:
         self.seed = seed
+        self._registered = (functions, solvers, comparators)
         compare = {**world.kit.comparators, **(comparators or {})}
         self._machine = Machine(
             library,
@@ -82,7 +85,6 @@ class Interpreter:
         if found:
             raise RefusedError(found)
         self._loop = Loop(self._machine)
-        self._at_the_end: list[Callable[[], None]] = []
 
     # --- before and while it runs -------------------------------------------------
 
@@ -95,6 +97,11 @@ class Interpreter:
     def now(self) -> Time:
         """The time of the world's clock, as last looked at."""
         return self._machine.recorder.time
+
+    @property
+    def settings(self) -> Settings:
+        """The settings of the interpreter."""
+        return self._machine.settings
 
     @property
     def succeeded(self) -> int:
@@ -160,7 +167,7 @@ class Interpreter:
 
     def call_at_end(self, action: Callable[[], None]) -> None:
         """Do something when the run is over, before live tasks are removed."""
-        self._at_the_end.append(action)
+        self._machine.at_end.append(action)
 
     def submit(self, task: TaskRequest) -> None:
         """Give the robot a task, now or for a later time.
@@ -268,6 +275,58 @@ class Interpreter:
         for fact in machine.world.facts():
             self.assert_fact(*fact)
 
+    # --- saving ---------------------------------------------------------------------
+
+    def save(self) -> bytes:
+        """Return the whole run as bytes, its world among it; nothing changes by it.
+
+        Listeners and registered callables are no part of a run.
+
+        Raises:
+            StateError: in the middle of a cycle, if the world cannot be saved, or if
+                the host is to be called (`call_at`, `call_at_end`).
+        """
+        return save(self._machine, self.seed)
+
+    def restore(self, saved: bytes) -> None:
+        """Take up a run that `save` returned, in place of this one.
+
+        Listeners stay, and hear of what happens from now on; so do what `memory` and
+        `question` have returned. It may have been saved by another process, and by
+        another run of the same library in a world made the same way.
+
+        Raises:
+            StateError: if `saved` is no such run; then nothing has changed.
+        """
+        self.seed = restore(self._machine, saved)
+
+    def fork(self, world: World | None = None) -> Interpreter:
+        """Return a second run that stands where this one stands.
+
+        Both go on by themselves. Nobody listens to the second one yet.
+
+        Args:
+            world: a world for it, made as that of this run was; without one it gets a
+                copy of that of this run.
+
+        Raises:
+            StateError: as `save`.
+        """
+        saved = self.save()
+        machine = self._machine
+        functions, solvers, comparators = self._registered
+        other = Interpreter(
+            machine.library,
+            copy.deepcopy(machine.world) if world is None else world,
+            self.seed,
+            machine.settings,
+            functions,
+            solvers,
+            comparators,
+        )
+        other.restore(saved)
+        return other
+
     # --- the end ------------------------------------------------------------------
 
     def end(self, reason: str) -> None:
@@ -277,7 +336,7 @@ class Interpreter:
         self._machine.state.reason = reason
         machine = self._machine
         machine.state.over = True
-        for action in self._at_the_end:
+        for action in machine.at_end:
             action()
         results = self.results()
         waiting = () if reason == "done" else self.waiting()

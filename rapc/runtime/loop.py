@@ -31,10 +31,20 @@ class Loop:
         self._patience = machine.settings.idle_cycles
 
     def run(self, most: int | None, wait: bool) -> str | None:
-        """Turn until the run is over, and say why; or until so `most` cycles are done.
+        """Turn until the run is over, and return why, or `most` cycles are done.
 
-        Without `wait` also until no task can go on now.
+        Without `wait` also until no task can go on now. Both return None.
         """
+        machine = self._machine
+        machine.turning = machine.broken = True
+        try:
+            reason = self._run(most, wait)
+        finally:
+            machine.turning = False
+        machine.broken = False
+        return reason
+
+    def _run(self, most: int | None, wait: bool) -> str | None:
         machine, left = self._machine, -1 if most is None else most
         state, recorder, agenda = machine.state, machine.recorder, machine.agenda
         # These stay the same objects for the life of the machine; see where they are.

@@ -69,6 +69,8 @@ class Machine:
             comparators,
             settings.max_layers,
         )
+        #: Memory with all that belongs to it; the three below are parts of it.
+        self.parts = parts
         self.memory = parts.memory
         self.access = parts.access
         self.recognizer = parts.recognizer
@@ -78,6 +80,11 @@ class Machine:
         self.memory.observe(self.monitors)
         #: What the host wants done at a time: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
+        #: What the host wants done when the run is over, in this order.
+        self.at_end: list[Callable[[], None]] = []
+        #: Whether the loop is turning, and whether it broke off in the midst of that.
+        self.turning = False
+        self.broken = False
         #: Told of each context that is asked, for coverage.
         self.context_asked: ContextListener | None = None
         #: Whether a sole method may be chosen without further ado: no solver may help,

@@ -94,6 +94,13 @@ class QueryContext:
         return self.view.count(str(kind), place)
 
 
+class HostContext(QueryContext):
+    """What the queries of a host see: they leave no mark on the run."""
+
+    def fault(self, where: str, what: str) -> None:
+        """Do nothing: the query fails, and the host sees that it has."""
+
+
 def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:
     """A term as a time; None, with a fault traced, if it is unbound or no number."""
     value = term.needed(context, env)

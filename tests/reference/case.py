@@ -170,10 +170,10 @@ def _world(case: Case, library: Library) -> ScriptedWorld:
     )
 
 
-def run_rapc(case: Case) -> Sequence[events.Event]:
-    """The trace of rapc's interpreter, without `run-started`."""
+def interpreter_of(case: Case) -> Interpreter:
+    """Return rapc's interpreter for a case, nothing begun."""
     library = read_library(case.text)
-    interpreter = Interpreter(
+    return Interpreter(
         Program(library),
         _world(case, library),
         case.seed,
@@ -181,8 +181,10 @@ def run_rapc(case: Case) -> Sequence[events.Event]:
         functions=FUNCTIONS,
         solvers=_solvers(case),
     )
-    found: list[events.Event] = []
-    interpreter.listen(found.append)
+
+
+def begin(case: Case, interpreter: Interpreter) -> None:
+    """Give an interpreter what a case has for it; nothing runs yet."""
     interpreter.start()
     for fact in case.facts:
         interpreter.assert_fact(*parse_fact(fact))
@@ -190,6 +192,14 @@ def run_rapc(case: Case) -> Sequence[events.Event]:
         interpreter.call_at(time, functools.partial(_act, interpreter, kind, what))
     for task in case.tasks:
         interpreter.submit(read_task_request(task))
+
+
+def run_rapc(case: Case) -> Sequence[events.Event]:
+    """The trace of rapc's interpreter, without `run-started`."""
+    interpreter = interpreter_of(case)
+    found: list[events.Event] = []
+    interpreter.listen(found.append)
+    begin(case, interpreter)
     interpreter.run(case.until, case.cycles)
     return found[1:]
 

@@ -30,6 +30,8 @@ class Recorder:
         self.cycle = 0
         self.serial = 0
         self.tape: list[Told] | None = None
+        #: Places on the tape from which serials are counted anew, each with the first.
+        self.jumps: list[tuple[int, int]] = []
         self._listeners: tuple[Listener, ...] = ()
         self._of_kind: dict[type[Event], tuple[Listener, ...]] = {}
 
@@ -52,6 +54,12 @@ class Recorder:
             self.tape = []
         self.on = True
         return self.tape
+
+    def jump(self, time: Time, cycle: int, serial: int) -> None:
+        """Go on from another place of the run: a saved state has been taken up."""
+        self.time, self.cycle, self.serial = time, cycle, serial
+        if self.tape is not None:
+            self.jumps.append((len(self.tape), serial))
 
     def emit(self, event_class: type[Event], /, **keys: Any) -> None:
         """Tell of an event of a kind to all that want to know.
@@ -86,11 +94,16 @@ class Recording:
         self._tape = recorder.keep()
         self._start = len(self._tape)
         self._first = recorder.serial
+        self._jumps = recorder.jumps
 
     def __len__(self) -> int:
         return len(self._tape) - self._start
 
     def __iter__(self) -> Iterator[Event]:
         """The events, in order: what a listener would have been called with."""
-        for at in range(len(self)):
-            yield made(self._tape[self._start + at], self._first + at)
+        jumps = dict(self._jumps)
+        serial = self._first
+        for at in range(self._start, len(self._tape)):
+            serial = jumps.get(at, serial)
+            yield made(self._tape[at], serial)
+            serial += 1

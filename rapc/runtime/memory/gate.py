@@ -71,6 +71,10 @@ class Gate(MemoryView):
             self._recognizer.fix(place)
             self.recognise()
 
+    def drop_batch(self) -> None:
+        """Forget what a batch that broke off has left to be done."""
+        self._counted.clear()
+
     def recognise(self) -> None:
         """Recognise what can be recognised, if any description has changed."""
         if self._recognizer.unsettled:

@@ -34,6 +34,8 @@ class Items:
     def __init__(self) -> None:
         self.known: dict[str, Item] = {}
         self.aliases: dict[str, str] = {}
+        #: How often names have come to stand for others, or were loaded.
+        self.renamings = 0
         self.gone: set[str] = set()
         self.by_sensor: dict[str, Item] = {}
         self._reach: dict[str, Item] = {}
@@ -51,6 +53,7 @@ class Items:
         The arguments are in order: what `capture` in `saving` makes.
         """
         self.known = {item.name: item for item in known}
+        self.renamings += 1
         self.aliases.clear()
         self.aliases.update(aliases)
         self.gone = set(gone)
@@ -107,6 +110,7 @@ class Items:
         """`kept` stands for `lost` too, and is within reach if one of them is."""
         del self.known[lost.name]
         self.aliases[lost.name] = kept.name
+        self.renamings += 1
         if lost.accessible:
             kept.sensor, kept.accessible = lost.sensor, True
             self.by_sensor[kept.sensor] = kept

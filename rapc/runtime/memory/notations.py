@@ -55,6 +55,15 @@ class Notations:
             notation = notation.joined
         return notation if self.by_fact.get(notation.fact) is notation else None
 
+    def facts(self, notations: Iterable[Notation]) -> list[Fact]:
+        """Return the facts of those of some notations that are still in force."""
+        found = [self.in_force(notation) for notation in notations]
+        return [notation.fact for notation in found if notation is not None]
+
+    def of(self, facts: Iterable[Fact]) -> tuple[Notation, ...]:
+        """Return the notations of some facts, without those that are none."""
+        return tuple([self.by_fact[fact] for fact in facts if fact in self.by_fact])
+
     def release(self, notation: Notation) -> Fact | None:
         """Count one method less; return the fact if none is left that notes it."""
         current = self.in_force(notation)

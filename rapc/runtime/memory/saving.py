@@ -153,6 +153,7 @@ def restore(parts: Assembled, state: MemoryState) -> None:
     look at all anew; a `Notation` held from before means nothing from now on.
     """
     memory = parts.memory
+    parts.access.drop_batch()
     memory.place = state.place
     memory.facts.load(
         (name, [(f, NEVER if t is None else t) for f, t in facts])

@@ -7,8 +7,8 @@ choice, nothing else is (T 4.7, semantics 5).
 
 from __future__ import annotations
 
-import heapq
 import math
+from collections.abc import Iterable
 
 from rapc.base.resources import Resource
 from rapc.base.values import Fact, format_atom, number
@@ -16,26 +16,28 @@ from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.events import DeadlineMissed, TaskBlocked, TaskWoken
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.monitors.deadlines import Deadlines
 from rapc.runtime.monitors.listeners import Listeners
+from rapc.runtime.monitors.timers import Timers
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import Task, WaitState, in_words
 from rapc.world import Time
 
-_CROWD = 256
-"""How many times may be waited for before stale ones are looked for."""
-
 _NOW = -math.inf
 _NEVER = math.inf
 
 
 class Monitors:
-    """All waiting for states and times in a run.
+    """All waiting for states and times in a run; an observer of memory.
 
-    Timers stand in one heap by time and task number; what is due is handed out by
-    `due`. Tasks to be tested are collected in `dirty` and tested by number. Before
-    `next_look` nothing falls due by time.
+    Tasks to be tested are collected and then tested by number.
+
+    Args:
+        context: what the formulas of monitors are asked of.
+        recorder: is told of tasks that block, wake, and miss deadlines.
+        agenda: gets the tasks that wake.
     """
 
     def __init__(
@@ -48,16 +50,38 @@ class Monitors:
         self._recorder = recorder
         self._agenda = agenda
         self._listeners = Listeners()
+        self._timers = Timers()
+        self.deadlines = Deadlines()
+        #: The tasks to be tested, by number. It stays the same object: loops hold it.
         self.to_test: dict[int, Task] = {}
+        #: Before this time nothing falls due.
         self.next_look: float = _NEVER
-        self._aging: dict[int, Task] = {}
-        self._tested_at: Time = -1
-        self._timers: list[tuple[Time, int, Task]] = []
-        self._set: set[tuple[Time, int]] = set()
-        self._crowded = _CROWD
-        self._deadlines: list[tuple[float, int, Task]] = []
-        self._stated: set[tuple[float, int]] = set()
-        self._missed: dict[int, list[float]] = {}
+        #: The tasks whose monitors ask how old a belief is, by number.
+        self.aging: dict[int, Task] = {}
+        #: When changed monitors were last tested.
+        self.tested_at: Time = -1
+
+    def load(
+        self,
+        live: Iterable[Task],
+        to_test: Iterable[Task],
+        aging: Iterable[Task],
+        deadlines: Iterable[tuple[float, Task]],
+    ) -> None:
+        """Wait for what the `live` tasks say they wait for, and for nothing else."""
+        self._listeners = Listeners()
+        tasks = list(live)
+        for task in tasks:
+            keys = () if task.wait is None else task.wait.keys or ()
+            for key in keys:
+                self._listeners.add(key, task)
+        self._timers.load(tasks)
+        self.deadlines.load(deadlines)
+        self.deadlines.missed = {}
+        self.to_test.clear()
+        self.to_test.update((task.number, task) for task in to_test)
+        self.aging = {task.number: task for task in aging}
+        self.next_look = _NOW
 
     # --- listening -------------------------------------------------------------
 
@@ -80,7 +104,7 @@ class Monitors:
             if key is not None:
                 keys[key] = None
             if watch.age is not None and watch.age not in task.env:
-                self._aging[task.number] = task
+                self.aging[task.number] = task
                 self.next_look = _NOW
         for key in keys:
             self._listeners.add(key, task)
@@ -91,12 +115,12 @@ class Monitors:
         wait = task.wait
         if wait is not None:
             wait.timer = None
-            self._missed.pop(task.number, None)
+            self.deadlines.missed.pop(task.number, None)
             self._ignore(task, wait)
 
     def _ignore(self, task: Task, wait: WaitState) -> None:
         self.to_test.pop(task.number, None)
-        self._aging.pop(task.number, None)
+        self.aging.pop(task.number, None)
         for key in wait.keys or ():
             self._listeners.drop(key, task)
         wait.keys = None
@@ -117,60 +141,21 @@ class Monitors:
 
     def at(self, time: Time, task: Task) -> None:
         """Look at a task again when the clock has come to `time`, not before."""
-        wait = task.wait
-        assert wait is not None
-        wait.timer = time
         self.next_look = min(self.next_look, time)
-        if (time, task.number) not in self._set:
-            self._set.add((time, task.number))
-            heapq.heappush(self._timers, (time, task.number, task))
-            if len(self._timers) > self._crowded:
-                self._tidy()
-
-    def _tidy(self) -> None:
-        """Drop times that nobody waits for, and deadlines no longer stated."""
-        self._timers = [entry for entry in self._timers if _awaited(entry)]
-        self._set = {entry[:2] for entry in self._timers}
-        stated = [e for e in self._deadlines if e[2].live and _stated(e[2]) == e[0]]
-        self._deadlines = stated
-        self._stated = {entry[:2] for entry in stated}
-        heapq.heapify(self._timers)
-        heapq.heapify(self._deadlines)
-        self._crowded = max(_CROWD, 2 * len(self._timers), 2 * len(self._deadlines))
+        self._timers.set(time, task)
 
     def state_deadline(self, task: Task) -> None:
-        """A task's own deadline has been set or has changed."""
-        deadline = _stated(task)
-        inherited = task.parent.limit if task.parent is not None else math.inf
-        task.limit = min(inherited, deadline)
-        if deadline < math.inf and (deadline, task.number) not in self._stated:
-            self.next_look = min(self.next_look, deadline)
-            self._stated.add((deadline, task.number))
-            heapq.heappush(self._deadlines, (deadline, task.number, task))
-            if len(self._deadlines) > self._crowded:
-                self._tidy()
+        """Take up the deadline of a task, which has been set or has changed."""
+        self.next_look = min(self.next_look, self.deadlines.state(task))
 
     def next_time(self) -> Time | None:
-        """The next time at which something that is waited for comes, or None."""
-        while self._timers and not _awaited(self._timers[0]):
-            self._pop()
-        return self._timers[0][0] if self._timers else None
-
-    def _pop(self) -> tuple[Time, Task]:
-        time, tasknumber, task = heapq.heappop(self._timers)
-        self._set.discard((time, tasknumber))
-        return time, task
+        """Return the next time at which something that is waited for comes, or None."""
+        return self._timers.next_time()
 
     def due(self) -> list[Task]:
-        """The tasks whose start time has come; others that are due are tested."""
+        """Return the tasks whose start time has come; mark others to be tested."""
         started = []
-        now = self._recorder.time
-        while self._timers and self._timers[0][0] <= now:
-            awaited = _awaited(self._timers[0])
-            _, task = self._pop()
-            if not awaited or task.wait is None:
-                continue
-            task.wait.timer = None
+        for task in self._timers.due(self._recorder.time):
             if task.state is WAITING:
                 started.append(task)
             elif task.state is BLOCKED or task.state is ELIGIBLE:
@@ -182,7 +167,8 @@ class Monitors:
         plan, wait = task.plan.monitor_time, task.wait
         if plan is None or wait is None:
             return
-        self._note_missed(task)
+        if self.deadlines.note(task, self._recorder.time):
+            self.next_look = _NOW
         self._context.task = task
         base = since if plan.reference == "now" else 0
         start = time_of(self._context, plan.start, task.env)
@@ -203,12 +189,13 @@ class Monitors:
 
     def test_changed(self) -> None:
         """Test all that may have changed, by task number; tell missed deadlines."""
-        if self._aging and self._recorder.time != self._tested_at:
-            self.to_test.update(self._aging)
-        self._tested_at = self._recorder.time
-        if self._deadlines:
-            self._look_for_missed()
-        if self._missed:
+        if self.aging and self._recorder.time != self.tested_at:
+            self.to_test.update(self.aging)
+        self.tested_at = self._recorder.time
+        deadlines = self.deadlines
+        if deadlines.heap:
+            deadlines.look(self._recorder.time)
+        if deadlines.missed:
             self._test_with_missed()
         elif len(self.to_test) == 1:
             self._test(self.to_test.popitem()[1])
@@ -222,7 +209,7 @@ class Monitors:
     def _test_with_missed(self) -> None:
         dirty = dict(self.to_test)
         self.to_test.clear()
-        missed, self._missed = self._missed, {}
+        missed = self.deadlines.take_missed()
         for tasknumber in sorted(dirty.keys() | missed.keys()):
             if tasknumber in dirty:
                 self._test(dirty[tasknumber])
@@ -231,28 +218,12 @@ class Monitors:
 
     def _look_ahead(self) -> None:
         """Find out when something falls due by time next."""
-        look = _NOW if self._aging or self._missed else _NEVER
-        if self._timers:
-            look = min(look, self._timers[0][0])
-        if self._deadlines:
-            look = min(look, self._deadlines[0][0])
+        look = _NOW if self.aging or self.deadlines.missed else _NEVER
+        if self._timers.heap:
+            look = min(look, self._timers.heap[0][0])
+        if self.deadlines.heap:
+            look = min(look, self.deadlines.heap[0][0])
         self.next_look = look
-
-    def _look_for_missed(self) -> None:
-        deadlines = self._deadlines
-        while deadlines and deadlines[0][0] < self._recorder.time:
-            deadline, tasknumber, task = heapq.heappop(deadlines)
-            self._stated.discard((deadline, tasknumber))
-            if task.live:
-                self._note_missed(task)
-
-    def _note_missed(self, task: Task) -> None:
-        """Note that the clock has passed a task's deadline: once for each."""
-        wait, deadline = task.wait, _stated(task)
-        if wait and deadline < self._recorder.time and deadline != wait.missed:
-            wait.missed = deadline
-            self._missed.setdefault(task.number, []).append(deadline)
-            self.next_look = _NOW
 
     def _tell_missed(self, tasknumber: int, deadline: float) -> None:
         if self._recorder.on:
@@ -271,7 +242,9 @@ class Monitors:
             return
         if self.holds(task):
             if state is BLOCKED and self._recorder.on:
-                self._recorder.emit(TaskWoken, task=task.number, on=wait.blocked_on)
+                self._recorder.emit(
+                    TaskWoken, task=task.number, on=wait.blocked_on or self.reason(task)
+                )
             if state is not ELIGIBLE:
                 task.state = ELIGIBLE
                 self._agenda.add(task)
@@ -335,13 +308,3 @@ class Monitors:
                 wait.formula = text
             return text
         return wait.formula
-
-
-def _awaited(entry: tuple[Time, int, Task]) -> bool:
-    """Whether a task still waits for the time of a timer."""
-    return entry[2].wait is not None and entry[2].wait.timer == entry[0]
-
-
-def _stated(task: Task) -> float:
-    """The deadline that a task itself states."""
-    return math.inf if task.wait is None else task.wait.deadline

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import random
 from bisect import bisect_left, insort
+from collections.abc import Iterable
 
 from rapc.runtime.state.task import Task
 
@@ -73,13 +74,32 @@ class Agenda:
     def _insert(self, task: Task) -> None:
         wait = task.wait
         latest = task.limit if wait is None else task.limit - wait.duration
-        key = (-task.priority, latest, task.failed)
+        self._place(task, (-task.priority, latest, task.failed))
+
+    def _place(self, task: Task, key: _Key) -> None:
         group = self._groups.get(key)
         if group is None:
             group = self._groups[key] = _Group()
             insort(self._keys, key)
         group.add(task)
         self._tasks[task.number] = task, key
+
+    def entries(self) -> tuple[int | None, list[tuple[int, float, bool]]]:
+        """Return the number of the sole task, and the others as they are sorted in.
+
+        Each of these has its number, its latest start, and whether it had failed.
+        """
+        sole = None if self._only is None else self._only.number
+        return sole, [(n, key[1], key[2]) for n, (_, key) in self._tasks.items()]
+
+    def load(
+        self, sole: Task | None, others: Iterable[tuple[Task, float, bool]]
+    ) -> None:
+        """Hold these tasks and no others, as `entries` told of them."""
+        self._only = sole
+        self._tasks, self._groups, self._keys = {}, {}, []
+        for task, latest, failed in others:
+            self._place(task, (-task.priority, latest, failed))
 
     def discard(self, task: Task) -> None:
         """A task that was eligible no longer is; others are left alone."""

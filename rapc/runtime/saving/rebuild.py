@@ -1,0 +1,302 @@
+"""Records into a run: what `Interpreter.restore` puts in place of what was.
+
+All new objects are made first, and anything that is wrong with the records shows then;
+only what cannot fail any more touches the machine (`Rebuilt.install`).
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+import random
+
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
+from rapc.compiler.watches import WatchKey
+from rapc.runtime.machine import Machine
+from rapc.runtime.saving.records import (
+    CounterRecord,
+    Frozen,
+    HistoryRecord,
+    Members,
+    MethodRecord,
+    Parts,
+    Ref,
+    RunRecord,
+    Saved,
+    TaskRecord,
+    WaitRecord,
+)
+from rapc.runtime.state.run_state import RunState
+from rapc.runtime.state.states import (
+    BLOCKED,
+    ELIGIBLE,
+    ENDED,
+    RUNNING,
+    UNTESTED,
+    WAITING,
+)
+from rapc.runtime.state.task import (
+    Env,
+    History,
+    MethodRun,
+    Task,
+    TopLevelTask,
+    WaitState,
+)
+from rapc.world import Time
+
+_STATES = {s: s for s in (WAITING, UNTESTED, ELIGIBLE, BLOCKED, RUNNING, ENDED)}
+
+_DEEPEST = 8
+"""How deep the tuples of a key may nest in a record; those of a run nest three deep."""
+
+
+class WrongRecordError(Exception):
+    """A record that no run can have left; the text says what is wrong with it."""
+
+
+class Rebuilt:
+    """A run made of records, not yet in place of another.
+
+    Args:
+        machine: the machine for which it is made; its library names the plans.
+        record: the records.
+
+    Raises:
+        WrongRecordError: for records that do not belong together or to the library.
+    """
+
+    def __init__(self, machine: Machine, record: RunRecord) -> None:
+        self._machine = machine
+        self._record = record
+        self.state = RunState()
+        self._resources = [_resource(one) for one in record.resources]
+        self._environments = [self._environment(one) for one in record.environments]
+        self._tasks: list[Task] = []
+        self._runs: list[tuple[MethodRun, MethodRecord]] = []
+        self._random = random.Random()  # a stream to be overwritten; nothing is drawn
+        try:
+            self._random.setstate(record.random)
+            self._add_methods()
+            self._make_tasks()
+            self._fill_state()
+            self._check_numbers()
+        except (LookupError, TypeError, ValueError, OverflowError) as error:
+            raise WrongRecordError(f"{type(error).__name__}: {error}") from error
+
+    # --- making -------------------------------------------------------------------
+
+    def _environment(self, saved: dict[str, Saved]) -> Env:
+        return {name: self._known(value) for name, value in saved.items()}
+
+    def _value(self, saved: Saved) -> Value | None:
+        if not isinstance(saved, Ref):
+            return saved
+        if not 0 <= saved.at < len(self._resources):
+            raise WrongRecordError(f"no resource {saved.at}")
+        return self._resources[saved.at]
+
+    def _known(self, saved: Saved) -> Value:
+        value = self._value(saved)
+        if value is None:
+            raise WrongRecordError("a variable without a value")
+        return value
+
+    def _env_at(self, place: int) -> Env:
+        return {} if place < 0 else self._environments[place]
+
+    def _plan(self, name: str) -> RapPlan:
+        return self._machine.library.known_rap(name)
+
+    def _add_methods(self) -> None:
+        compiler = self._machine.library.compiler
+        for name, node in self._record.added_methods:
+            plan = self._plan(name)
+            index = len(self.state.methods(plan))
+            method = MethodPlan(compiler, plan.node, node, index)
+            self.state.added_methods.setdefault(name, []).append(method)
+
+    def _make_tasks(self) -> None:
+        """Make the tasks in order: each comes after the task that it is a step of."""
+        owners: dict[int, tuple[MethodRun, int]] = {}
+        for place, record in enumerate(self._record.tasks):
+            run, at = owners.get(place, (None, 0))
+            step = None if run is None else run.plan.steps[at]
+            task = Task(self._plan(record.rap), run, step)
+            self._tasks.append(task)
+            self._fill_task(task, record)
+            if record.run is not None:
+                task.run = self._run(task, record.run)
+                for position, below in enumerate(record.run.steps):
+                    if below <= place or below in owners:
+                        raise WrongRecordError(f"task {below} is out of place")
+                    owners[below] = (task.run, position)
+        for run, saved in self._runs:
+            run.steps = [self._tasks[at] for at in saved.steps]
+
+    def _fill_task(self, task: Task, record: TaskRecord) -> None:
+        task.number = record.number
+        task.state = _STATES[record.state]
+        if task.state is ENDED and task.within is not None:
+            return
+        task.env = self._env_at(record.env)
+        task.family = record.family
+        task.priority = record.priority
+        task.limit = _time(record.limit)
+        task.waiting = record.waiting
+        task.goal_args = tuple([self._value(value) for value in record.inputs])
+        if len(task.goal_args) != len(task.plan.inputs):
+            raise WrongRecordError(f"`{record.rap}` has other inputs")
+        task.identity = _key(record.identity)
+        if record.method is not None:
+            task.method = self.state.methods(task.plan)[record.method]
+        task.choice = _key(record.choice)
+        task.last_result = record.last_result
+        task.history = None if record.history is None else self._history(record.history)
+        task.wait = None if record.wait is None else self._wait(task, record.wait)
+
+    def _run(self, task: Task, record: MethodRecord) -> MethodRun:
+        plan = self.state.methods(task.plan)[record.method]
+        run = MethodRun(task, plan, self._env_at(record.env), record.started)
+        if len(record.steps) != len(plan.steps):
+            raise WrongRecordError(f"`{task.plan.name}` has other steps")
+        run.steps_left = record.steps_left
+        if run.ends is not None and record.ends is not None:
+            run.ends.times = list(record.ends)
+            run.ends.ended_by_until = set(record.ended_by_until)
+        run.ticket = record.ticket
+        self._runs.append((run, record))
+        return run
+
+    def _history(self, record: HistoryRecord) -> History:
+        history = History()
+        history.choices = {_tuple(key): count for key, count in record.choices}
+        history.results = dict(record.results)
+        history.failures = dict(record.failures)
+        history.failure = record.failure
+        if record.success is not None:
+            history.success = self._env_at(record.success)
+        return history
+
+    def _wait(self, task: Task, record: WaitRecord) -> WaitState:
+        windows = () if task.step is None else task.step.windows
+        wait = WaitState(tuple([windows[at] for at in record.windows]))
+        wait.earliest_start = record.earliest_start
+        wait.awaits_signal = record.awaits_signal
+        wait.ready_at = record.ready_at
+        wait.made = record.made
+        if record.keys is not None:
+            wait.keys = tuple([self._watched(key) for key in record.keys])
+        wait.timer = record.timer
+        wait.blocked_on = record.blocked_on
+        wait.formula = record.formula
+        wait.given_deadline = _time(record.given_deadline)
+        wait.monitor_deadline = _time(record.monitor_deadline)
+        wait.missed = record.missed
+        wait.first_selected = record.first_selected
+        wait.after_method = record.after_method
+        wait.prepared = record.prepared
+        wait.setup_failed = record.setup_failed
+        wait.duration = record.duration
+        return wait
+
+    def _watched(self, key: tuple[object, ...] | Ref) -> WatchKey:
+        return self._known(key) if isinstance(key, Ref) else key  # type: ignore[return-value]
+
+    def _fill_state(self) -> None:
+        record, state, counts = self._record, self.state, self._record.counts
+        for top in record.top_level:
+            given = TopLevelTask(self._tasks[top.task], top.background)
+            given.outcome = top.outcome
+            given.outputs = self._env_at(top.outputs)
+            state.top_level.append(given)
+            if given.task.live:
+                state.live_top[given.task.number] = given
+        state.foreground = sum(not g.background for g in state.live_top.values())
+        self._live = {task.number: task for task in state.live_tasks()}
+        state.scheduled = list(record.scheduled)
+        heapq.heapify(state.scheduled)
+        state.expected = sum(not entry[2].background for entry in state.scheduled)
+        state.pending = {
+            ticket: (None if number is None else self._live[number], asked)
+            for ticket, number, asked in record.pending
+        }
+        state.listening = {
+            signal: {number: self._live[number] for number in numbers}
+            for signal, numbers in record.listening
+        }
+        state.numbers, state.tickets = counts.numbers, counts.tickets
+        state.requests, state.succeeded = counts.requests, counts.succeeded
+        state.idle, state.until = counts.idle, counts.until
+        state.past_until, state.started = counts.past_until, counts.started
+        state.over, state.reason = counts.over, counts.reason
+
+    def _check_numbers(self) -> None:
+        """See that all other numbers of tasks are those of live ones."""
+        agenda, monitors = self._record.agenda, self._record.monitors
+        numbers: list[int] = [*monitors.to_test, *monitors.aging]
+        numbers += [number for _, number in monitors.deadlines]
+        numbers += [number for number, _ in monitors.missed]
+        numbers += [number for number, _, _ in agenda.sorted]
+        numbers += [] if agenda.sole is None else [agenda.sole]
+        for number in numbers:
+            if number not in self._live:
+                raise WrongRecordError(f"no live task {number}")
+
+    # --- putting in place ---------------------------------------------------------
+
+    def install(self) -> None:
+        """Put the run in place of the one that the machine held.
+
+        Memory has been restored by now: notations are found there.
+        """
+        machine, record = self._machine, self._record
+        for run, saved in self._runs:
+            run.notations = machine.memory.notations.of(saved.notations)
+        machine.rng.setstate(self._random.getstate())
+        machine.state = self.state
+        machine.recount_identities()
+        counts = record.counts
+        machine.recorder.jump(counts.time, counts.cycle, counts.serial)
+        agenda, monitors = record.agenda, record.monitors
+        machine.agenda.stack[:] = agenda.stack
+        machine.agenda.last_family = agenda.last_family
+        machine.agenda.load(
+            None if agenda.sole is None else self._live[agenda.sole],
+            [(self._live[n], _time(late), failed) for n, late, failed in agenda.sorted],
+        )
+        machine.monitors.load(
+            self._live.values(),
+            [self._live[number] for number in monitors.to_test],
+            [self._live[number] for number in monitors.aging],
+            [(time, self._live[number]) for time, number in monitors.deadlines],
+        )
+        machine.monitors.tested_at = monitors.tested_at
+        machine.monitors.deadlines.missed = {n: list(ts) for n, ts in monitors.missed}
+
+
+def _resource(record: object) -> Counter | SetResource:
+    if isinstance(record, CounterRecord):
+        return Counter(record.value)
+    return SetResource(dict.fromkeys(record.members))  # type: ignore[attr-defined]
+
+
+def _time(time: Time | None) -> float:
+    return math.inf if time is None else time
+
+
+def _key(parts: Parts | None) -> tuple[object, ...] | None:
+    return None if parts is None else _tuple(parts)
+
+
+def _tuple(parts: Parts, depth: int = 0) -> tuple[object, ...]:
+    if depth > _DEEPEST:
+        raise WrongRecordError("a key is nested too deeply")
+    return tuple([_part(part, depth) for part in parts.parts])
+
+
+def _part(part: Frozen, depth: int) -> object:
+    if isinstance(part, Parts):
+        return _tuple(part, depth + 1)
+    return frozenset(part.members) if isinstance(part, Members) else part

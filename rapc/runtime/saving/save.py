@@ -1,0 +1,113 @@
+"""Saving a run, and taking a saved one up in place: all of it, or nothing.
+
+What a run holds is said by `capture`, how it is put back by `rebuild`, what the bytes
+look like by `format`. Not saved is what a host has registered: listeners stay as they
+are, whatever is taken up; timers of the host cannot be kept, so that with any of them
+a run is neither saved nor replaced.
+"""
+
+from __future__ import annotations
+
+from rapc.base.values import Fact, format_atom
+from rapc.errors import StateError
+from rapc.runtime.machine import Machine
+from rapc.runtime.memory import saving as memory_saving
+from rapc.runtime.saving.capture import capture
+from rapc.runtime.saving.format import decode, digest, encode, wrong
+from rapc.runtime.saving.rebuild import Rebuilt, WrongRecordError
+from rapc.runtime.saving.records import RunRecord
+from rapc.runtime.state.task import MethodRun
+from rapc.world import Savable, World
+
+
+def save(machine: Machine, seed: int) -> bytes:
+    """Return a whole run as bytes; nothing changes by it.
+
+    Raises:
+        StateError: in the middle of a cycle, with timers of the host, or if the world
+            cannot be saved.
+    """
+    if machine.turning:
+        raise StateError("a run cannot be saved in the middle of a cycle")
+    if machine.broken:
+        raise StateError("the run broke off in the middle of a cycle")
+    _look_for_callbacks(machine, "saved")
+    world = _savable(machine.world).save()
+    library = digest(machine.library.library)
+    return encode(capture(machine, seed, library, world))
+
+
+def restore(machine: Machine, saved: bytes) -> int:
+    """Put a saved run in place of the one that `machine` holds; return its seed.
+
+    Raises:
+        StateError: for bytes that are no saved run of this library, this world and
+            these settings; then nothing has changed. As `save`, too, but after a run
+            has broken off.
+    """
+    if machine.turning:
+        raise StateError("a run cannot be replaced in the middle of a cycle")
+    _look_for_callbacks(machine, "replaced")
+    world = _savable(machine.world)
+    record = decode(saved)
+    _look_whose(machine, record)
+    try:
+        rebuilt = Rebuilt(machine, record)
+    except WrongRecordError as error:
+        raise wrong(error) from error
+    before, noted = memory_saving.capture(machine.parts), _noted(machine)
+    try:
+        memory_saving.restore(machine.parts, record.memory)
+        world.restore(record.world)
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        memory_saving.restore(machine.parts, before)
+        for run, facts in noted:
+            run.notations = machine.memory.notations.of(facts)
+        raise wrong(error) from error
+    rebuilt.install()
+    machine.broken = False
+    return record.seed
+
+
+def _noted(machine: Machine) -> list[tuple[MethodRun, list[Fact]]]:
+    """Return the methods that note facts, and which."""
+    notations = machine.memory.notations
+    return [
+        (task.run, notations.facts(task.run.notations))
+        for task in machine.state.live_tasks()
+        if task.run is not None and task.run.notations
+    ]
+
+
+def _look_whose(machine: Machine, record: RunRecord) -> None:
+    """See that a saved run is one of this library, world and settings."""
+    if record.library != digest(machine.library.library):
+        raise StateError("the saved run is one of another library")
+    if record.world_name != machine.world.name:
+        raise StateError(
+            f"the saved run is one in the world `{record.world_name}`, "
+            f"not `{machine.world.name}`"
+        )
+    if record.settings != machine.settings:
+        raise StateError("the saved run is one with other settings")
+
+
+def _savable(world: World) -> Savable:
+    if not isinstance(world, Savable):
+        raise StateError(f"the world `{world.name}` cannot be saved")
+    return world
+
+
+def _look_for_callbacks(machine: Machine, done: str) -> None:
+    """Refuse a run that would lose what its host is to do."""
+    if machine.host_timers:
+        times = sorted({format_atom(entry[0]) for entry in machine.host_timers})
+        raise StateError(
+            f"the run cannot be {done}: the host is to be called at "
+            f"{', '.join(times)} (`call_at`)"
+        )
+    if machine.at_end:
+        raise StateError(
+            f"the run cannot be {done}: the host is to be called at its end "
+            "(`call_at_end`)"
+        )
