@@ -20,9 +20,9 @@ from collections.abc import Iterator, Mapping
 
 from bench.common import Figure
 from rapc.base.values import Atom, Fact, Text
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.library import loader
 from rapc.library.library import Library
+from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
 from rapc.worlds.registry import build_world
@@ -107,7 +107,7 @@ class Drive:
         self._handlers = self.world.kit.handlers
         self._recorder = Recorder()
         library = _library(recognising)
-        words = Vocabulary.of(library)
+        words = Signatures.of(library)
         self._parts = assemble(library, words, self._recorder, {})
         for fact in self.world.facts():
             self._parts.access.assert_fact(*fact)

@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar, cast
 
 from rapc.base.diagnostics import Diagnostic, Rule
 from rapc.library.library import Library
+from rapc.library.signatures import Signatures
 
 T = TypeVar("T")
 
@@ -42,6 +43,7 @@ class Pass:
     Args:
         analyzer: the analyzer that runs.
         library: what it looks at.
+        signatures: what is declared in it.
         results: what the analyzers that ran before returned, by name.
         complete: whether every file that the library requires was found.
     """
@@ -50,10 +52,12 @@ class Pass:
         self,
         analyzer: Analyzer[Any],
         library: Library,
+        signatures: Signatures,
         results: Mapping[str, object],
         complete: bool,
     ) -> None:
         self.library = library
+        self.signatures = signatures
         self.complete = complete
         self.found: list[Diagnostic] = []
         self._analyzer = analyzer

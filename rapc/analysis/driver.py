@@ -25,9 +25,11 @@ from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
 from rapc.errors import Error
 from rapc.ir import nodes
+from rapc.ir.nodes import DefineTest
 from rapc.library import loader
 from rapc.library.library import Library
 from rapc.library.loader import Loaded
+from rapc.library.signatures import Signatures
 
 
 class Finding(msgspec.Struct, frozen=True):
@@ -97,6 +99,17 @@ def check_library(loaded: Loaded, enabled: Collection[str] | None = None) -> Rep
     findings = [Finding(rules[d.rule], d) for d in found if d.rule in enabled]
     findings.sort(key=lambda f: _place(order, f))
     return Report(tuple(findings), loaded.library)
+
+
+def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
+    """Return the errors in tests of a library that was checked before.
+
+    The library may be a compiled one: a RAP is read only where a test names it.
+    """
+    alone = msgspec.structs.replace(library, forms=(), tests=tuple(tests))
+    rules = suite.rules()
+    found = [Finding(rules[d.rule], d) for d in _findings(alone, complete=True)]
+    return [finding for finding in found if finding.severity is Severity.ERROR]
 
 
 def enabled_rules(
@@ -173,12 +186,20 @@ def _must_be_documented(analyzer: Analyzer[Any], codes: set[str]) -> None:
 
 def _analyze(loaded: Loaded) -> Iterator[Diagnostic]:
     complete = all(d.rule != loader.UNRESOLVED.name for d in loaded.diagnostics)
-    results: dict[str, object] = {}
     partial = _Partial(form.span for form in loaded.partial)
+    for diagnostic in _findings(loaded.library, complete):
+        if not partial.holds(diagnostic.span):
+            yield diagnostic
+
+
+def _findings(library: Library, complete: bool) -> Iterator[Diagnostic]:
+    """What the passes find in the forms and tests of a library."""
+    results: dict[str, object] = {}
+    signatures = Signatures.of(library)
     for analyzer in passes():
-        run = Pass(analyzer, loaded.library, results, complete)
+        run = Pass(analyzer, library, signatures, results, complete)
         results[analyzer.name] = analyzer.run(run)
-        yield from (d for d in run.found if not partial.holds(d.span))
+        yield from run.found
 
 
 class _Partial:

@@ -9,19 +9,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rapc.analysis import suppressions
+from rapc.analysis import index, named, suppressions
 from rapc.analysis.analyzer import Analyzer
 from rapc.analysis.passes import (
     age_in_monitor,
     anonymous_variable,
     bindings,
+    data,
     fact_arity,
     functions,
     misspelt_variable,
     not_a_number,
     nothing_awaited,
-    occurrences,
-    predicates,
     primitives,
     resource_as_value,
     resources,
@@ -30,6 +29,7 @@ from rapc.analysis.passes import (
     unbindable_output,
     unbound_variable,
     undeclared_predicate,
+    unknown_event,
     unknown_method,
     unknown_rap,
     unknown_result,
@@ -40,8 +40,8 @@ from rapc.library import library, loader
 from rapc.parser.rules import table as parser
 
 ANALYZERS: tuple[Analyzer[Any], ...] = (
-    occurrences.OCCURRENCES,
-    predicates.PREDICATES,
+    index.INDEX,
+    named.MISUSES,
     task_nets.TASK_NETS,
     bindings.BINDINGS,
     unbound_variable.ANALYZER,
@@ -52,12 +52,14 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     primitives.ANALYZER,
     unknown_result.ANALYZER,
     signals.ANALYZER,
+    data.ANALYZER,
     unbindable_output.ANALYZER,
     misspelt_variable.ANALYZER,
     anonymous_variable.ANALYZER,
     resources.ANALYZER,
     resource_as_value.ANALYZER,
     unknown_method.ANALYZER,
+    unknown_event.ANALYZER,
     until_itself.ANALYZER,
     age_in_monitor.ANALYZER,
     not_a_number.ANALYZER,

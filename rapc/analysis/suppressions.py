@@ -12,7 +12,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.names import Names
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -21,6 +20,7 @@ from rapc.base.diagnostics import (
     Rule,
     Severity,
 )
+from rapc.base.names import Suggestions
 from rapc.base.source import SourceFile, Span
 from rapc.parser.syntax import Comment, Datum, List
 from rapc.parser.unit import SourceUnit
@@ -94,7 +94,7 @@ def find(
         return [], []
     by_word = {word: rule for rule in rules.values() for word in (rule.name, rule.code)}
     starts = _first_forms(unit)
-    names = Names(rules)
+    names = Suggestions(rules)
     found: list[Suppression] = []
     wrong: list[Diagnostic] = []
     for comment, what in meant:
@@ -208,7 +208,7 @@ def _malformed(comment: Comment) -> Diagnostic:
     )
 
 
-def _unknown(comment: Comment, word: str, names: Names) -> Diagnostic:
+def _unknown(comment: Comment, word: str, names: Suggestions) -> Diagnostic:
     return Diagnostic(
         rule=BAD.name,
         message=f"no rule is called `{word}`",

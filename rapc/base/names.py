@@ -1,4 +1,4 @@
-"""The nearest name, for "did you mean"."""
+"""The nearest name, for "did you mean"; and numbers with what is counted."""
 
 from __future__ import annotations
 
@@ -31,3 +31,35 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
         if ratio >= _CUTOFF and (best is None or ratio > best[0]):
             best = (ratio, candidate)
     return best[1] if best else None
+
+
+_MOST = 50
+"""How many different names get a suggestion: looking for one costs milliseconds."""
+
+
+class Suggestions:
+    """Names that may be meant by an unknown one.
+
+    What was found is remembered, and only the first 50 unknown names are looked up, so
+    that a text full of them costs no more than its length.
+    """
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._names = dict.fromkeys(sorted(set(names)))
+        self._near: dict[str, str | None] = {}
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def near(self, name: str) -> str | None:
+        """Return the known name nearest to `name`, or None."""
+        if name not in self._near:
+            if len(self._near) >= _MOST:
+                return None
+            self._near[name] = nearest(name, self._names)
+        return self._near[name]
+
+    def did_you_mean(self, name: str, otherwise: str = "") -> str:
+        """Return the help for an unknown name: a question, or else `otherwise`."""
+        close = self.near(name)
+        return f"did you mean `{close}`?" if close else otherwise

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from rapc.analysis.driver import Report
 from rapc.base.files import read_compiled
 from rapc.base.gc_paused import gc_paused
 from rapc.cli.checked import load_checked
@@ -98,9 +99,13 @@ def _suites(path: str) -> Iterator[Suite]:
     if path == "-":  # it has been read
         return
     found = discover.find([path])
-    for report in found.reports:
+    reports = [*found.reports]
+    for case in found.cases:
+        if case.faults:
+            reports.append(Report(case.faults, case.library.library))
+    for report in reports:
         print_findings(report, "full")
-    if found.reports:
+    if reports:
         raise SystemExit(USAGE)
     for _, cases in groupby(found.cases, lambda case: id(case.library)):
         together = list(cases)

@@ -26,6 +26,7 @@ from rapc.errors import (
     TextError,
     WorldError,
 )
+from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
 from rapc.runtime.events.report import Report
 from rapc.runtime.events.trace import JsonTrace, TextTrace
@@ -215,9 +216,9 @@ def _fault(text: str) -> Fault:
 
 def _with_faults(world: World, faults: Sequence[Fault], seed: int) -> World:
     """A world with faults, if any; ends the command for one that cannot be."""
-    offer = world.kit.offer
+    offered = Signatures.offered(world.kit.offer)
     for fault in faults:
-        wrong = problem(fault, offer)
+        wrong = problem(fault, offered)
         if wrong is not None:
             fail(f"--fault: {wrong}")
     return FaultyWorld(world, faults, seed) if faults else world

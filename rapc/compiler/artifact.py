@@ -27,11 +27,11 @@ from rapc.base.source import SourceFile
 from rapc.base.version import VERSION
 from rapc.compiler.program import Program
 from rapc.compiler.verify import UnsoundError, Verifier
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.errors import SavedError
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library, link
+from rapc.library.signatures import Signature, Signatures
 from rapc.parser.unit import SourceUnit
 
 FORMAT = 2
@@ -199,14 +199,19 @@ class Artifact:
         rows = {row.name: (row, unit) for unit in units for row in unit.raps}
         if found or len(rows) < sum(len(unit.raps) for unit in units):
             raise _WrongError("defines a name twice")
-        arities = {name: (row.inputs, row.outputs) for name, (row, _) in rows.items()}
-        known = Vocabulary.of(linked)
-        verifier = Verifier(known, linked.primitives, arities, linked.files)
+        known = Signatures.of(
+            linked, {n: _signature(row) for n, (row, _) in rows.items()}
+        )
+        verifier = Verifier(known, linked.files)
         for form in linked.forms:
             verifier.declaration(form)
         raps = _Raps(self._file, rows, verifier)
         linked = msgspec.structs.replace(linked, raps=raps, forms=())
         return Program(linked, name), verifier
+
+
+def _signature(row: _Rap) -> Signature:
+    return Signature("RAP", row.name, row.inputs, row.inputs, outputs=row.outputs)
 
 
 class _Raps(Mapping[str, nodes.DefineRap]):

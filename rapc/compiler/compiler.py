@@ -1,4 +1,4 @@
-"""What compiling clauses shares: vocabulary, queries, and places in the source."""
+"""What compiling clauses shares: signatures, queries, and places in the source."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from rapc.base.source import Span
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.recursion import Recursion
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.ir.walk import subterms
 from rapc.library.library import Library
+from rapc.library.signatures import Signatures
 
 
 def variables_of(terms: Iterable[nodes.Term]) -> frozenset[str]:
@@ -39,11 +39,11 @@ class RequestPlan:
 
 
 class Compiler:
-    """What compiling shares: the vocabulary, and places to print in faults."""
+    """What compiling shares: the signatures, and places to print in faults."""
 
     def __init__(self, library: Library) -> None:
         self.library = library
-        self.vocabulary = Vocabulary.of(library)
+        self.signatures = Signatures.of(library)
         #: Which RAPs may come up among their own subtasks.
         self.recursion = Recursion(library)
 
@@ -57,7 +57,7 @@ class Compiler:
     def query(self, formula: nodes.Formula, what: str, span: Span) -> Query:
         """A formula of the clause `what` as a query."""
         span = formula.span if formula.span.file else span
-        return Query(formula, self.vocabulary, self.place(what, span))
+        return Query(formula, self.signatures, self.place(what, span))
 
     def clause(
         self, formula: nodes.Formula | None, what: str, node: nodes.DefineRap
@@ -67,7 +67,7 @@ class Compiler:
 
     def assertion(self, pattern: nodes.Pattern, what: str) -> RequestPlan:
         """A proposition whose arguments are filled in at run time."""
-        relation = self.vocabulary.relations.get(pattern.name)
+        relation = self.signatures.relations.get(pattern.name)
         args = pattern.args
         if relation is not None and what == "notation":
             args = relation.full(args)

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import msgspec
 
-from rapc.base.names import nearest
 from rapc.compiler.program import Program
 from rapc.compiler.query.plan_steps import AccessPath, PlanStep
 from rapc.compiler.query.query import Query
@@ -45,9 +44,7 @@ def explain(library: Program, name: str) -> tuple[ClausePlan, ...]:
     """
     plan = library.rap(name)
     if plan is None:
-        near = nearest(name, library.library.raps)
-        hint = f"; did you mean `{near}`?" if near else ""
-        raise ValueError(f"there is no RAP `{name}`{hint}")
+        raise ValueError(str(library.signatures.unknown("goal", name)))
     return tuple(_of_rap(plan))
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from rapc.compiler.compiler import Compiler
 from rapc.compiler.rap_plan import RapPlan
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.library.library import Library
+from rapc.library.signatures import Signatures
 
 
 class Program:
@@ -23,9 +23,9 @@ class Program:
         self._plans: dict[str, RapPlan] = {}
 
     @property
-    def vocabulary(self) -> Vocabulary:
+    def signatures(self) -> Signatures:
         """What the declarations say."""
-        return self._compiler.vocabulary
+        return self._compiler.signatures
 
     @property
     def compiler(self) -> Compiler:
@@ -50,5 +50,5 @@ class Program:
         """
         plan = self.rap(name)
         if plan is None:
-            raise LookupError(f"no RAP is named `{name}`")
+            raise LookupError(f"no RAP is called `{name}`")
         return plan

@@ -136,7 +136,7 @@ class RapPlan:
         if node.monitor_state is not None:
             asked = subformulas(node.monitor_state)
             self.ages = any(isinstance(part, nodes.Believe) for part in asked)
-            self.watches = watches(node.monitor_state, compiler.vocabulary)
+            self.watches = watches(node.monitor_state, compiler.signatures)
         self.monitor_time: WindowPlan | None = None
         if node.monitor_time is not None:
             time = node.monitor_time

@@ -16,8 +16,8 @@ from typing import Any
 from rapc.base.names import counted
 from rapc.base.source import Span
 from rapc.compiler.query.builtin import FUNCTIONS
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes, walk
+from rapc.library.signatures import Fault, Signatures, Use
 
 MAX_DEPTH = 150
 """How deep nodes may lie in each other; lists in a text lie 100 deep at most."""
@@ -39,9 +39,6 @@ _TAKES: Mapping[str, int] = {
 }
 """How many arguments questions about sets and the task take."""
 
-Arity = tuple[int, int]
-"""How many inputs and outputs a RAP has."""
-
 
 class UnsoundError(Exception):
     """IR that no source is compiled to; the text says in a few words what is wrong."""
@@ -53,22 +50,12 @@ class Verifier:
     All methods raise UnsoundError for what cannot be run.
 
     Args:
-        vocabulary: the facts and functions that the library declares.
-        primitives: its primitives.
-        raps: the arities of its RAPs.
+        signatures: what the library declares; its RAPs need not be decoded.
         files: the names of its files, to one of which each span points.
     """
 
-    def __init__(
-        self,
-        vocabulary: Vocabulary,
-        primitives: Mapping[str, nodes.DeclarePrimitive],
-        raps: Mapping[str, Arity],
-        files: Container[str],
-    ) -> None:
-        self._vocabulary = vocabulary
-        self._primitives = primitives
-        self._raps = raps
+    def __init__(self, signatures: Signatures, files: Container[str]) -> None:
+        self._signatures = signatures
         self._files = files
         self._words: set[object] = set()
 
@@ -123,7 +110,7 @@ class Verifier:
         self.node(form)
         if isinstance(form, nodes.DeclareProperty):
             for exclusion in form.excludes:
-                self._fact(exclusion.pattern)
+                self._known("asserted", exclusion.pattern)
         elif isinstance(form, nodes.DefineRap):
             raise UnsoundError("a RAP stands among the declarations")
 
@@ -140,9 +127,9 @@ class Verifier:
             self.formula(at.formula)
         for method in rap.methods:
             for pattern in method.notations:
-                self._fact(pattern)
+                self._known("asserted", pattern)
             if isinstance(method.body, nodes.Primitive):
-                self._request(method.body.request)
+                self._known("primitive", method.body.request)
             elif isinstance(method.body, nodes.TaskNet):
                 self._steps(method.body.steps)
 
@@ -151,35 +138,17 @@ class Verifier:
         for count, part in enumerate(walk.subformulas(formula)):
             if count > MAX_PARTS:
                 raise UnsoundError("a formula is too large")
-            if isinstance(part, nodes.Proposition):
-                if part.name in self._vocabulary.functions:
-                    self._function(part.name, part.args)
-                else:
-                    self._fact(part)
+            if isinstance(part, nodes.Pattern):
+                self._known("test", part)
 
-    def _fact(self, pattern: nodes.Proposition) -> None:
-        relation = self._vocabulary.relations.get(pattern.name)
-        if relation is None:
-            raise UnsoundError(f"`{pattern.name}` is not declared")
-        _agree(pattern.name, len(relation.full(pattern.args)), relation.arity)
+    def _known(self, use: Use, pattern: nodes.Pattern) -> None:
+        _raise(self._signatures.fault(use, pattern.name, len(pattern.args)))
 
     def _call(self, call: nodes.Call) -> None:
         if call.function not in FUNCTIONS:
-            self._function(call.function, call.args)
+            _raise(self._signatures.fault("computed", call.function, len(call.args)))
         elif not call.args:
             raise UnsoundError(f"`{call.function}` computes something from nothing")
-
-    def _function(self, name: str, args: Sequence[nodes.Term]) -> None:
-        declared = self._vocabulary.functions.get(name)
-        if declared is None:
-            raise UnsoundError(f"`{name}` is not declared")
-        _agree(name, len(args), None if declared.args is None else len(declared.args))
-
-    def _request(self, request: nodes.Request) -> None:
-        primitive = self._primitives.get(request.name)
-        if primitive is None:
-            raise UnsoundError(f"`{request.name}` is not declared")
-        _agree(request.name, len(request.args), len(primitive.args))
 
     def _steps(self, steps: Sequence[nodes.Step]) -> None:
         tags = {step.tag for step in steps}
@@ -187,17 +156,20 @@ class Verifier:
             raise UnsoundError("two steps have one tag")
         for step in steps:
             goal = step.goal
-            if goal.name not in self._raps:
-                raise UnsoundError(f"there is no RAP `{goal.name}`")
-            if (len(goal.args), len(goal.outputs)) != self._raps[goal.name]:
-                raise UnsoundError(f"`{goal.name}` is called with other arguments")
+            inputs, outputs = len(goal.args), len(goal.outputs)
+            _raise(self._signatures.fault("goal", goal.name, inputs, outputs))
             for tag in _tags(step):
                 if tag not in tags:
                     raise UnsoundError(f"there is no step `{tag}`")
 
 
-def _agree(name: str, given: int, takes: int | None) -> None:
-    if takes is not None and given != takes:
+def _raise(fault: Fault | None) -> None:
+    if fault is not None:
+        raise UnsoundError(fault.message)
+
+
+def _agree(name: str, given: int, takes: int) -> None:
+    if given != takes:
         takes_ = counted(takes, "argument")
         raise UnsoundError(f"`{name}` takes {takes_}, not {given}")
 

@@ -13,8 +13,8 @@ import msgspec
 
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Atom
-from rapc.compiler.vocabulary import Relation, Vocabulary
 from rapc.ir import nodes
+from rapc.library.signatures import Signature, Signatures
 
 ANYTHING: tuple[str, ...] = ("*",)
 """The key of watches that every change to memory concerns."""
@@ -55,7 +55,7 @@ class Watch(msgspec.Struct, frozen=True):
         return self.key or None
 
 
-def watches(formula: nodes.Formula, vocabulary: Vocabulary) -> tuple[Watch, ...]:
+def watches(formula: nodes.Formula, signatures: Signatures) -> tuple[Watch, ...]:
     """All that can change the answer to a formula, each thing once."""
     found: dict[Watch, None] = {}
     stack: list[object] = [formula]
@@ -64,24 +64,24 @@ def watches(formula: nodes.Formula, vocabulary: Vocabulary) -> tuple[Watch, ...]
         if isinstance(node, tuple):
             stack.extend(reversed(node))
         elif isinstance(node, nodes.Node):
-            found.update((watch, None) for watch in _of(node, vocabulary))
+            found.update((watch, None) for watch in _of(node, signatures))
             names = node.__struct_fields__
             stack.extend(getattr(node, n) for n in reversed(names) if n != "span")
     return tuple(found)
 
 
-def _of(node: nodes.Node, vocabulary: Vocabulary) -> Iterator[Watch]:
+def _of(node: nodes.Node, signatures: Signatures) -> Iterator[Watch]:
     if isinstance(node, nodes.Proposition):
-        relation = vocabulary.relations.get(node.name)
+        relation = signatures.relations.get(node.name)
         if relation is not None:
             yield from _pattern(node, relation)
-        elif node.name in vocabulary.functions:
-            yield from _function(node.name, node.args, vocabulary)
+        elif node.name in signatures.functions:
+            yield from _function(node.name, node.args, signatures)
     elif isinstance(node, nodes.Call):
         if node.function in ("value", "size-of"):
             yield from _resources(node.args)
-        elif node.function in vocabulary.functions:
-            yield from _function(node.function, node.args, vocabulary)
+        elif node.function in signatures.functions:
+            yield from _function(node.function, node.args, signatures)
     elif isinstance(node, nodes.SetTest):
         yield from _resources(node.args[:1])
     elif isinstance(node, nodes.SensorName):
@@ -92,7 +92,7 @@ def _of(node: nodes.Node, vocabulary: Vocabulary) -> Iterator[Watch]:
         yield Watch(age=node.age.name)
 
 
-def _pattern(node: nodes.Proposition, relation: Relation) -> Iterator[Watch]:
+def _pattern(node: nodes.Proposition, relation: Signature) -> Iterator[Watch]:
     if relation.default_function is not None and relation.is_property:
         yield Watch(ANYTHING)
     args = dict(enumerate(relation.full(node.args), 1))
@@ -114,7 +114,7 @@ def _may_be_external(place: nodes.Term) -> bool:
     return not isinstance(place, nodes.Const) or place.value == "external"
 
 
-def _may_be_default(relation: Relation, value: nodes.Term) -> bool:
+def _may_be_default(relation: Signature, value: nodes.Term) -> bool:
     """Whether a property's default may answer: then any first value may change that."""
     if relation.default_function is not None or not isinstance(value, nodes.Const):
         return True
@@ -122,10 +122,10 @@ def _may_be_default(relation: Relation, value: nodes.Term) -> bool:
 
 
 def _function(
-    name: str, args: tuple[nodes.Term, ...], vocabulary: Vocabulary
+    name: str, args: tuple[nodes.Term, ...], signatures: Signatures
 ) -> Iterator[Watch]:
     yield from _resources(args)
-    reads = vocabulary.functions[name].reads
+    reads = signatures.functions[name].reads
     if reads is None:
         yield Watch(ANYTHING)
     else:

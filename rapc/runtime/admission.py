@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from rapc.base.names import counted, nearest
 from rapc.base.source import Span
-from rapc.base.values import Fact
+from rapc.base.values import Fact, format_list
 from rapc.compiler.program import Program
-from rapc.compiler.vocabulary import CONSTANT_DEFAULTS
 from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library
+from rapc.library.signatures import CONSTANT_DEFAULTS, Signatures, Use
 from rapc.world import World
 
 _Offered = (
@@ -27,15 +26,16 @@ _Offered = (
 
 
 def refusals(
-    library: Library,
+    program: Program,
     world: World,
     functions: Mapping[str, object],
     comparators: Mapping[str, object],
 ) -> list[str]:
-    """Why a library cannot be run in a world at all, one line per reason."""
+    """Return why a library cannot be run in a world at all, one line per reason."""
+    library = program.library
     return [
         *_lacking(library, world),
-        *_undeclared(library, world),
+        *_untellable(library, program.signatures, world),
         *_unregistered(library, functions),
         *_uncompared(library, comparators),
         *_unsupported(library),
@@ -44,43 +44,42 @@ def refusals(
 
 def _lacking(library: Library, world: World) -> Iterator[str]:
     """What the library declares and the world does not offer, or not so."""
-    offer = world.kit.offer
-    primitives = {name: arity for name, (arity, _) in offer.primitives.items()}
-    yield from _unoffered(library, world, "primitive", library.primitives, primitives)
-    yield from _unoffered(library, world, "datum", library.data, offer.data)
-    yield from _unoffered(library, world, "skill", library.skills, offer.skills)
-    yield from _unoffered(library, world, "event", library.events, offer.events)
+    offered = Signatures.offered(world.kit.offer)
+    tables: tuple[tuple[Use, Mapping[str, _Offered]], ...] = (
+        ("primitive", library.primitives),
+        ("datum", library.data),
+        ("skill", library.skills),
+        ("event", library.events),
+    )
+    for use, declared in tables:
+        for form in declared.values():
+            fault = offered.fault(use, form.name, len(form.args))
+            if fault is not None:
+                place = _place(library, form.span)
+                yield f"{place}in the world `{world.name}` {fault}"
 
 
-def _unoffered(
-    library: Library,
-    world: World,
-    kind: str,
-    declared: Mapping[str, _Offered],
-    offered: Mapping[str, int],
+def _untellable(
+    library: Library, signatures: Signatures, world: World
 ) -> Iterator[str]:
-    for node in declared.values():
-        place, arity = _place(library, node.span), offered.get(node.name)
-        if arity is None:
-            near = nearest(node.name, offered)
-            hint = f"; it has `{near}`" if near else ""
-            yield f"{place}the world `{world.name}` has no {kind} `{node.name}`{hint}"
-        elif arity != len(node.args):
-            takes = counted(arity, "argument")
-            yield (
-                f"{place}the {kind} `{node.name}` takes {takes} in the world "
-                f"`{world.name}`, not {len(node.args)}"
-            )
-
-
-def _undeclared(library: Library, world: World) -> Iterator[str]:
-    """The words in which the world tells what the robot knows at first."""
-    told = dict.fromkeys(str(fact[0]) for fact in world.facts())
-    known = {*library.propositions, *library.properties}
-    missing = [f"`{word}`" for word in told if word not in known]
-    if missing:
+    """Yield what the world tells at first that the library does not declare so."""
+    unknown: dict[str, None] = {}
+    told: set[str] = set()
+    for fact in world.facts():
+        name = str(fact[0])
+        fault = signatures.fault("asserted", name, len(fact) - 1)
+        if fault is None or name in told:
+            continue
+        told.add(name)
+        if fault.declared is None:
+            unknown[f"`{name}`"] = None
+        else:
+            place = _place(library, fault.declared.span)
+            telling = f"the world `{world.name}` tells {format_list(fact)}"
+            yield f"{place}{fault.message}: {telling}"
+    if unknown:
         yield (
-            f"the world `{world.name}` tells of {', '.join(missing)}, not declared in "
+            f"the world `{world.name}` tells of {', '.join(unknown)}, not declared in "
             "the library; `require` the declarations that come with the world"
         )
 
@@ -121,21 +120,14 @@ def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
         RefusedError: with one line for each thing found.
     """
     reasons: list[str] = []
-    raps = library.library.raps
     for goal in goals:
         name = str(goal[0])
-        rap = raps.get(name)
-        if rap is None:
-            near = nearest(name, raps)
-            hint = f"; did you mean `{near}`?" if near else ""
-            reasons.append(f"no RAP is named `{name}`{hint}")
-        elif len(rap.inputs) != len(goal) - 1:
-            reasons.append(
-                f"`{name}` takes {counted(len(rap.inputs), 'input')}, "
-                f"not {len(goal) - 1}"
-            )
-        else:
+        fault = library.signatures.fault("goal", name, len(goal) - 1)
+        if fault is None:
+            rap = library.library.raps[name]
             reasons.extend(_reached(library.library, rap))
+        else:
+            reasons.append(str(fault))
     if reasons:
         raise RefusedError(list(dict.fromkeys(reasons)))
 
@@ -174,7 +166,7 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
                     below = library.raps.get(step.goal.name)
                     if below is None:
                         place = _place(library, step.goal.span)
-                        yield f"{place}no RAP is named `{step.goal.name}`"
+                        yield f"{place}no RAP is called `{step.goal.name}`"
                     elif below.name not in seen:
                         seen.add(below.name)
                         stack.append(below)

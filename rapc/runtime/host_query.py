@@ -6,18 +6,18 @@ history of methods has no answer (semantics 2).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from rapc.base.names import counted, nearest
+from rapc.base.names import nearest
 from rapc.base.resources import Value
 from rapc.compiler.query.builtin import FUNCTIONS
 from rapc.compiler.query.code import ResultMode
 from rapc.compiler.query.query import Query
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.ir.nodes import Formula
 from rapc.ir.walk import subformulas, subterms, terms
+from rapc.library.signatures import Fault, Signatures
 from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import HostContext
 from rapc.runtime.tasks.rename_items import with_names
@@ -64,7 +64,7 @@ class HostQuery:
         functions = machine.context.functions
         self._context = HostContext(machine.memory, machine.recorder, functions)
         self._renamings = -1
-        _check_names(formula, machine.library.vocabulary)
+        _check_names(formula, machine.library.signatures)
         self._query = self._compiled()
         for name in self.given:
             _check(name, self._query.variables, self.given)
@@ -103,25 +103,18 @@ class HostQuery:
         return self._query
 
 
-def _check_names(formula: Formula, vocabulary: Vocabulary) -> None:
-    declared = {**vocabulary.relations, **vocabulary.functions}
+def _check_names(formula: Formula, signatures: Signatures) -> None:
     for part in subformulas(formula):
         if isinstance(part, nodes.Proposition):
-            _check_name(part.name, declared)
-            relation = vocabulary.relations.get(part.name)
-            count = len(part.args)
-            full = count if relation is None else len(relation.full(part.args))
-            if relation is not None and relation.arity not in (None, full):
-                takes = counted(relation.arity or 0, "argument")
-                raise ValueError(f"`{part.name}` takes {takes}, not {count}")
+            _refuse(signatures.fault("test", part.name, len(part.args)))
     for term in (inner for at in terms(formula) for inner in subterms(at.term)):
         if isinstance(term, nodes.Call) and term.function not in FUNCTIONS:
-            _check_name(term.function, vocabulary.functions)
+            _refuse(signatures.fault("computed", term.function, len(term.args)))
 
 
-def _check_name(name: str, declared: Collection[str]) -> None:
-    if name not in declared:
-        raise ValueError(f"`{name}` is not declared{_hint(name, declared)}")
+def _refuse(fault: Fault | None) -> None:
+    if fault is not None:
+        raise ValueError(str(fault))
 
 
 def _check(name: str, known: Sequence[str], given: Sequence[str]) -> None:

@@ -81,7 +81,7 @@ class Interpreter:
         )
         self._machine.recognizer.renamed = partial(rename, self._machine)
         functions = self._machine.context.functions
-        found = refusals(library.library, world, functions, compare)
+        found = refusals(library, world, functions, compare)
         if found:
             raise RefusedError(found)
         self._loop = Loop(self._machine)

@@ -64,7 +64,7 @@ class Machine:
         self.recorder.time = number(world.now())
         parts = assemble(
             library.library,
-            library.vocabulary,
+            library.signatures,
             self.recorder,
             comparators,
             settings.max_layers,

@@ -6,15 +6,16 @@ requires; tests that require the same share one.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterable
 from pathlib import Path
 
 import msgspec
 
-from rapc.analysis.driver import Report, check_library
+from rapc.analysis.driver import Finding, Report, check_library, check_tests
 from rapc.base import files
 from rapc.base.diagnostics import Severity
-from rapc.base.source import SourceFile
+from rapc.base.source import SourceFile, Span
 from rapc.compiler.artifact import Artifact
 from rapc.compiler.program import Program
 from rapc.ir.nodes import DefineTest
@@ -47,44 +48,66 @@ def find(paths: Iterable[str | Path]) -> Found:
             sources.append(path)
         else:
             for tests, library in Artifact(data, path).suites():
-                cases += [Case(test, library) for test in tests]
+                faults = _by_test(check_tests(library.library, tests), tests)
+                cases += [Case(t, library, tuple(faults[t.span])) for t in tests]
     for source in loader.read_tests(sources):
-        found = _find_in(source)
-        cases += found.cases
-        reports += found.reports
+        there = _find_in(source)
+        cases += there.cases
+        reports += there.reports
     return Found(tuple(cases), tuple(reports))
 
 
 def _find_in(source: SourceFile) -> Found:
-    cases: list[Case] = []
-    reports: list[Report] = []
-    libraries: dict[tuple[str, ...], Program | None] = {}
+    """The tests of a file; those that require the same are checked together.
+
+    What is wrong with a test keeps that test alone from being run.
+    """
     whole = loader.load_for_test(source, ())
-    tests = _own(whole.library.tests, source)
-    for test in tests:
+    own = _own(whole.library.tests, source)
+    groups: dict[tuple[str, ...], list[DefineTest]] = {}
+    for test in own:
         names = tuple([form.name for form in test.requires])
-        if names not in libraries:
-            loaded = loader.load_for_test(source, test.requires) if names else whole
-            libraries[names] = _compiled(check_library(loaded), source, reports)
-        library = libraries[names]
-        if library is not None:
-            cases.append(Case(test, library))
-    if not tests:
-        _compiled(check_library(whole), source, reports)
-    return Found(tuple(cases), tuple(reports))
+        groups.setdefault(names, []).append(test)
+    cases: dict[Span, Case] = {}
+    reports: list[Report] = []
+    for names, tests in (groups or {(): []}).items():
+        loaded = loader.load_for_test(source, tests[0].requires) if names else whole
+        library = msgspec.structs.replace(loaded.library, tests=tuple(tests))
+        report = check_library(msgspec.structs.replace(loaded, library=library))
+        errors = [f for f in report.findings if f.severity is Severity.ERROR]
+        faults = _by_test(errors, own)
+        in_tests = {id(finding) for one in faults.values() for finding in one}
+        elsewhere = [finding for finding in errors if id(finding) not in in_tests]
+        if elsewhere:
+            _tell(report, elsewhere, reports)
+            continue
+        program = Program(report.library, source.name)
+        for test in tests:
+            cases[test.span] = Case(test, program, tuple(faults[test.span]))
+    in_order = [cases[test.span] for test in own if test.span in cases]
+    return Found(tuple(in_order), tuple(reports))
 
 
-def _compiled(
-    report: Report, source: SourceFile, reports: list[Report]
-) -> Program | None:
-    """A library without errors; those of another are added to the reports, once."""
-    errors = [f for f in report.findings if f.severity is Severity.ERROR]
-    if not errors:
-        return Program(report.library, source.name)
+def _tell(report: Report, errors: Iterable[Finding], reports: list[Report]) -> None:
+    """Add a report on those errors of a library that no report has yet."""
     told = [f for earlier in reports for f in earlier.findings]
     new = tuple([finding for finding in errors if finding not in told])
     reports.append(msgspec.structs.replace(report, findings=new))
-    return None
+
+
+def _by_test(
+    found: Iterable[Finding], tests: Iterable[DefineTest]
+) -> dict[Span, list[Finding]]:
+    """The findings whose place is in a test, by the place of the test."""
+    spans = sorted((t.span for t in tests), key=lambda span: (span.file, span.start))
+    faults: dict[Span, list[Finding]] = {span: [] for span in spans}
+    for finding in found:
+        place = finding.diagnostic.span
+        here = (place.file, place.start)
+        at = bisect_right(spans, here, key=lambda span: (span.file, span.start)) - 1
+        if at >= 0 and spans[at].file == place.file and place.start < spans[at].end:
+            faults[spans[at]].append(finding)
+    return faults
 
 
 def _own(tests: Iterable[DefineTest], source: SourceFile) -> list[DefineTest]:

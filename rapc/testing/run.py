@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 
 import msgspec
 
+from rapc.analysis.driver import Finding
 from rapc.base.source import Span
 from rapc.base.values import format_atom, format_list
 from rapc.compiler.program import Program
@@ -19,13 +20,14 @@ from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
+from rapc.testing.admission import Problem, problems
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Scene, judge
 from rapc.testing.patterns import flat
 from rapc.testing.record import Record
-from rapc.testing.validate import Problem, problems, row_of
 from rapc.world import Kit, World
 from rapc.worlds import registry
+from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 
 MOST_CYCLES = 100_000
@@ -37,6 +39,8 @@ class Case(msgspec.Struct, frozen=True):
 
     test: nodes.DefineTest
     library: Program
+    #: What the checker found wrong with the test: if anything, it is not run.
+    faults: tuple[Finding, ...] = ()
 
 
 class Failure(msgspec.Struct, frozen=True):
@@ -89,6 +93,8 @@ def run_case(
         listener: is told every event of the run, as a trace is.
     """
     place = case.test.name_span
+    if case.faults:
+        return _error(case, seed, [_problem(f) for f in case.faults])
     try:
         helper = _helper(case.test, seed)
         found = problems(
@@ -117,6 +123,14 @@ def run_case(
 def _error(case: Case, seed: int, found: Sequence[Problem]) -> Outcome:
     failures = tuple(Failure(p.span, (p.message,), 0) for p in found)
     return Outcome(case, seed, Status.ERROR, failures)
+
+
+def _problem(finding: Finding) -> Problem:
+    """A finding in one line, with the name that may have been meant."""
+    found = finding.diagnostic
+    is_question = found.help.startswith("did you mean")
+    message = f"{found.message}; {found.help}" if is_question else found.message
+    return Problem(found.span, message)
 
 
 def _helper(test: nodes.DefineTest, seed: int) -> World | None:
@@ -264,6 +278,21 @@ def _all_tasks(test: nodes.DefineTest) -> list[TaskRequest]:
     actions = [action for at in test.ats for action in at.actions]
     later = [action for action in actions if isinstance(action, nodes.GivenTask)]
     return [submission(task) for task in (*test.tasks, *later)]
+
+
+def row_of(row: nodes.ScriptRow) -> Row:
+    """Return a row of a test's script as the scripted world takes it."""
+    return Row(
+        pattern=flat(row.request),
+        result=row.result or "okay",
+        times=row.times,
+        takes=row.takes,
+        after=row.after,
+        asserts=tuple(map(flat, row.asserts)),
+        erases=tuple(map(flat, row.erases)),
+        data=tuple(map(flat, row.data)),
+        signals=tuple(map(flat, row.signals)),
+    )
 
 
 def submission(task: nodes.GivenTask) -> TaskRequest:

@@ -12,7 +12,6 @@ from rapc.testing.coverage import Coverage
 from rapc.testing.run import Case, Outcome, Status, run_case
 from rapc.world import World
 from rapc.worlds.faults import Fault, FaultyWorld, problem
-from rapc.worlds.script import offer_of
 
 
 class Session(msgspec.Struct, frozen=True):
@@ -48,7 +47,7 @@ class Session(msgspec.Struct, frozen=True):
                 yield f"{format_list(fault.request)}: {reasons[0]}"
 
     def _problem(self, fault: Fault, case: Case) -> str | None:
-        return problem(fault, offer_of(case.library.library))
+        return problem(fault, case.library.signatures)
 
 
 def summary(outcomes: Sequence[Outcome], seeds: int) -> str:

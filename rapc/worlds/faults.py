@@ -13,9 +13,9 @@ from collections.abc import Iterable, Sequence
 
 import msgspec
 
-from rapc.base.names import counted, nearest
 from rapc.base.values import Fact, match, number
-from rapc.world import Drawable, Message, Offer, Reply, Savable, Time, Timed, World
+from rapc.library.signatures import Signatures
+from rapc.world import Drawable, Message, Reply, Savable, Time, Timed, World
 from rapc.worlds.streams import Stream, stream_in, stream_state
 
 
@@ -39,24 +39,17 @@ class Fault(msgspec.Struct, frozen=True):
         return on_time and match(self.request, request) is not None
 
 
-def problem(fault: Fault, offer: Offer) -> str | None:
-    """Why a fault can hit nothing in a world that offers so much, or None."""
+def problem(fault: Fault, signatures: Signatures) -> str | None:
+    """Return why a fault can hit nothing in a world, or None.
+
+    Args:
+        fault: the fault.
+        signatures: what the world offers.
+    """
     name = str(fault.request[0])
-    arity, results = offer.primitives.get(name, (None, ()))
-    if arity is None:
-        return f"there is no primitive `{name}`{_meant(name, offer.primitives)}"
-    if arity != len(fault.request) - 1:
-        takes = counted(arity, "argument")
-        return f"`{name}` takes {takes}, not {len(fault.request) - 1}"
-    if fault.result not in results:
-        meant = _meant(fault.result, results)
-        return f"`{fault.result}` is no result of `{name}`{meant}"
-    return None
-
-
-def _meant(name: str, names: Iterable[str]) -> str:
-    near = nearest(name, names)
-    return f"; did you mean `{near}`?" if near else ""
+    found = signatures.fault("primitive", name, len(fault.request) - 1)
+    found = found or signatures.no_result(name, fault.result)
+    return None if found is None else str(found)
 
 
 class _Saved(msgspec.Struct, frozen=True):

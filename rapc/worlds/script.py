@@ -14,6 +14,7 @@ import msgspec
 
 from rapc.base.values import Bindings, Fact, format_list, is_variable
 from rapc.ir.nodes import DeclareDatum, DeclareEvent, DeclarePrimitive, DeclareSkill
+from rapc.library.signatures import Fault, Signatures, Use
 from rapc.world import OKAY, Offer, Time
 
 
@@ -126,32 +127,41 @@ def check_script(
 ) -> None:
     """See that a script keeps to an offer.
 
+    Args:
+        rows: the rows of the script.
+        at: what happens without a request.
+        offer: what the world of the script offers.
+        handled: the sensor data that there are handlers for.
+
     Raises:
         ValueError: with the first row or entry that does not, and why.
     """
+    signatures = Signatures.offered(offer)
     for row in rows:
-        for problem in row_problems(row, offer, handled):
+        for problem in _row_problems(row, signatures, handled):
             raise ValueError(f"row {format_list(row.pattern)}: {problem}")
     for entry in at:
         facts = (*entry.asserts, *entry.erases, *entry.signals)
-        for problem in (*_unbound(facts, ()), *_unknown(entry.signals, offer.events)):
+        unknown = _faults(signatures, "event", entry.signals)
+        for problem in (*_unbound(facts, ()), *unknown):
             raise ValueError(f"at {entry.time}: {problem}")
 
 
-def row_problems(row: Row, offer: Offer, handled: Container[str]) -> Iterator[str]:
-    """What is wrong with a row of a script for a world that offers so much."""
-    arity, results = offer.primitives.get(str(row.pattern[0]), (-1, ()))
-    if arity != len(row.pattern) - 1:
-        yield "no such primitive is declared"
-    elif row.result not in results:
-        yield f"`{row.result}` is not among its results"
+def _row_problems(
+    row: Row, signatures: Signatures, handled: Container[str]
+) -> Iterator[object]:
+    """Yield what is wrong with a row of a script."""
+    yield from _faults(signatures, "primitive", [row.pattern])
+    no_result = signatures.no_result(str(row.pattern[0]), row.result)
+    if no_result is not None:
+        yield no_result
     yield from _unbound(
         (*row.asserts, *row.erases, *row.data, *row.signals), row.pattern
     )
-    yield from _unknown(row.signals, offer.events)
-    yield from _unknown(row.data, offer.data)
+    yield from _faults(signatures, "event", row.signals)
+    yield from _faults(signatures, "datum", row.data)
     for datum in row.data:
-        if datum[0] in offer.data and datum[0] not in handled:
+        if datum[0] not in handled:
             yield f"there is no handler for the datum `{datum[0]}`"
 
 
@@ -161,10 +171,11 @@ def _unbound(facts: Iterable[Fact], pattern: Fact) -> Iterator[str]:
             yield f"`{part}` is not bound by its pattern"
 
 
-def _unknown(facts: Iterable[Fact], declared: Mapping[str, int]) -> Iterator[str]:
+def _faults(signatures: Signatures, use: Use, facts: Iterable[Fact]) -> Iterator[Fault]:
     for fact in facts:
-        if declared.get(str(fact[0])) != len(fact) - 1:
-            yield f"{format_list(fact)} is not declared"
+        fault = signatures.fault(use, str(fact[0]), len(fact) - 1)
+        if fault is not None:
+            yield fault
 
 
 def _arities(facts: Iterable[Fact]) -> dict[str, int]:

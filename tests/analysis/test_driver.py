@@ -20,6 +20,7 @@ from rapc.analysis.driver import (
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.source import NOWHERE
 from rapc.library.loader import load_text
+from rapc.library.signatures import Signatures
 
 RULE = Rule("RAP900", "some-fault", Severity.ERROR, "s", "why", "example", "better")
 
@@ -30,6 +31,11 @@ def _nothing(run: Pass) -> None:
 
 def _pass(name: str, *needs: Analyzer[Any], rule: Rule | None = None) -> Analyzer[None]:
     return Analyzer(name, "A page.", _nothing, needs, (rule,) if rule else ())
+
+
+def _run_of(analyzer: Analyzer[Any], results: dict[str, object]) -> Pass:
+    library = load_text("").library
+    return Pass(analyzer, library, Signatures.of(library), results, complete=True)
 
 
 def test_passes_follow_what_they_need() -> None:
@@ -78,7 +84,7 @@ def test_circle_of_needs_is_named() -> None:
 
 
 def test_pass_reports_its_own_rules_only() -> None:
-    run = Pass(_pass("one", rule=RULE), load_text("").library, {}, complete=True)
+    run = _run_of(_pass("one", rule=RULE), {})
     run.report(Diagnostic("some-fault", "message", NOWHERE))
     assert len(run.found) == 1
     with pytest.raises(ValueError, match="does not own rule `other-fault`"):
@@ -87,7 +93,7 @@ def test_pass_reports_its_own_rules_only() -> None:
 
 def test_pass_gets_results_of_its_needs_only() -> None:
     one = _pass("one")
-    run = Pass(_pass("two"), load_text("").library, {"one": None}, complete=True)
+    run = _run_of(_pass("two"), {"one": None})
     with pytest.raises(ValueError, match="does not need `one`"):
         run.result(one)
 

@@ -52,7 +52,7 @@ def test_one_name_unknown_in_many_places_is_one_finding() -> None:
     assert finding.diagnostic.notes == ("it is used in 97 more places",)
 
 
-def test_occurrences_know_the_children_of_every_node() -> None:
+def test_the_index_knows_the_children_of_every_node() -> None:
     kinds = {
         kind
         for kind in vars(nodes).values()

@@ -137,7 +137,7 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
         (("compile", "go.test.rap", "-o", "."), "cannot write `.`: is a directory"),
         (
             ("compile", "go.test.rap", "--explain", "goo"),
-            "there is no RAP `goo`; did you mean `go`?",
+            "no RAP is called `goo`; did you mean `go`?",
         ),
         (
             ("compile", "go.test.rap", "-o", "-"),

@@ -68,7 +68,7 @@ def _run(
         (("--task", "(spin) :at -1"), "`:at` takes a time, and the clock begins at 0"),
         (("--task", "(spin) :deadline -0.5"), "`:deadline` takes a time, and the"),
         (("--until", "nan"), "--until takes a finite number"),
-        (("--task", "(spin 1)"), "`spin` takes 0 inputs, not 1"),
+        (("--task", "(spin 1)"), "`spin` has no inputs, not 1"),
         (("--trace", "doze.rap"), "--trace: `doze.rap` is a file of the library"),
         (("--trace", "no/x"), "cannot write `no/x`: no such file or directory"),
         (("--set", "rapc.cycle-cost=-1"), "`rapc.cycle-cost` takes 0 or more, not"),
@@ -78,7 +78,7 @@ def _run(
         ),
         (("--fault", "(nap) okay p=1 p=0"), "--fault: `p` is given twice"),
         (("--fault", "(nap) okay from=2 until=1"), "--fault: `from` is later than"),
-        (("--fault", "(nap 1) okay"), "--fault: `nap` takes 0 arguments, not 1"),
+        (("--fault", "(nap 1) okay"), "--fault: `nap` takes no arguments, not 1"),
     ],
 )
 def test_slips_are_refused_in_one_line(

@@ -1,4 +1,4 @@
-"""A small vocabulary, and memories about it in two forms, changed in step."""
+"""A few declarations, and memories about it in two forms, changed in step."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import Any, cast
 
 from rapc.base.values import Fact
 from rapc.compiler.query.query import Query
-from rapc.compiler.vocabulary import Relation, Vocabulary
 from rapc.ir import nodes
+from rapc.library.loader import load_text
+from rapc.library.signatures import Signatures
 from rapc.runtime.events.events import Event, QueryFaulted
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.gate import Gate
@@ -31,16 +32,27 @@ PROPERTIES: Mapping[str, tuple[int, str]] = {
 }
 PROPOSITIONS: Mapping[str, int] = {"p": 1, "q": 2, "r": 0, "s": 3}
 
-VOCABULARY = Vocabulary(
-    {
-        **{n: Relation(n, a, True, d) for n, (a, d) in PROPERTIES.items()},
-        **{n: Relation(n, a, False) for n, a in PROPOSITIONS.items()},
-    },
-    {
-        "odd": nodes.DeclareFunction("odd", None, (), ""),
-        "next-to": nodes.DeclareFunction("next-to", None, (), ""),
-    },
+
+def _args(count: int) -> str:
+    return " ".join(f"?arg{at}" for at in range(count))
+
+
+_DECLARATIONS = "\n".join(
+    [
+        *[
+            f"(declare-memory-property {name} ({_args(count)}) {default})"
+            for name, (count, default) in PROPERTIES.items()
+        ],
+        *[
+            f"(declare-memory-proposition {name} ({_args(count)}))"
+            for name, count in PROPOSITIONS.items()
+        ],
+        "(declare-memory-function odd :reads ())",
+        "(declare-memory-function next-to :reads ())",
+    ]
 )
+
+SIGNATURES = Signatures.of(load_text(_DECLARATIONS).library)
 
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "odd": lambda view, number: isinstance(number, int) and number % 2 == 1,
@@ -67,7 +79,7 @@ Change = tuple[str, Any]
 def memories(changes: list[Change]) -> Memories:
     """Both memories after some changes."""
     recorder = Recorder()
-    memory = Memory(VOCABULARY, recorder)
+    memory = Memory(SIGNATURES, recorder)
     context = QueryContext(memory, recorder, FUNCTIONS)
     context.task = _task()
     mind = Mind(
@@ -143,4 +155,4 @@ class Faults(list[str]):
 
 def query(formula: nodes.Formula) -> Query:
     """A formula, ready to be asked."""
-    return Query(formula, VOCABULARY, "clause")
+    return Query(formula, SIGNATURES, "clause")

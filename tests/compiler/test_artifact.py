@@ -163,9 +163,7 @@ def test_a_rap_that_cannot_be_run_is_refused_before_the_first_cycle() -> None:
     data = seal(PAYLOAD.replace(b'["Goal","push-one"', b'["Goal","push-none"'))
     library = Artifact(data, "odd.rapc").library
     run = rapc.Interpreter(library, YesWorld(library))
-    said = (
-        "`odd.rapc` holds what cannot be run: in `push-all` there is no RAP `push-none`"
-    )
+    said = "in `push-all` no RAP is called `push-none`"
     with pytest.raises(SavedError, match=said):
         run.submit(rapc.task("(push-all a b)"))
 

@@ -13,12 +13,13 @@ from rapc.compiler.watches import ANYTHING, watches
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.library.loader import load_text
+from rapc.library.signatures import Signatures
 from rapc.runtime.monitors.listeners import Listeners
 from rapc.runtime.state.task import Task
 from tests.effort import examples
 
 from .dice import Dice, dice, sizes
-from .memories import VOCABULARY, Change, Memories, apply, erase, memories, query
+from .memories import SIGNATURES, Change, Memories, apply, erase, memories, query
 from .test_queries import formula
 
 _NOBODY = Program(load_text("(define-rap (nobody) (succeed nil))").library).known_rap(
@@ -32,7 +33,7 @@ class Ear:
     def __init__(
         self, both: Memories, asked: nodes.Formula, env: dict[str, Value]
     ) -> None:
-        found = watches(asked, VOCABULARY)
+        found = watches(asked, SIGNATURES)
         self.aging = any(w.age is not None and w.age not in env for w in found)
         self._listeners = Listeners()
         self._heard: dict[int, Task] = {}
@@ -147,17 +148,17 @@ def test_a_resource_is_heard_by_who_asks_what_it_holds() -> None:
     texts = ("(> (value ?c) 1)", "(member ?s a)", "(empty ?s)", "(= (size-of ?s) 1)")
     wanted = (counter, full, full, full)
     for text, resource in zip(texts, wanted, strict=True):
-        keys = [w.resolve(env) for w in watches(formula(text), VOCABULARY)]
+        keys = [w.resolve(env) for w in watches(formula(text), SIGNATURES)]
         assert keys == [resource]
 
 
 def test_a_function_is_heard_through_what_it_reads() -> None:
-    declared = {
-        "near": nodes.DeclareFunction("near", None, ("p", "q"), ""),
-        "far": nodes.DeclareFunction("far", None, None, ""),
-    }
-    vocabulary = type(VOCABULARY)(VOCABULARY.relations, declared)
-    near = watches(formula("(near a)"), vocabulary)
+    text = """
+        (declare-memory-function near :reads (p q))
+        (declare-memory-function far)
+    """
+    signatures = Signatures.of(load_text(text).library)
+    near = watches(formula("(near a)"), signatures)
     assert [w.resolve({}) for w in near if w.key] == [("p",), ("q",)]
-    far = watches(formula("(= (far a) 1)"), vocabulary)
+    far = watches(formula("(= (far a) 1)"), signatures)
     assert [w.resolve({}) for w in far] == [ANYTHING]

@@ -12,9 +12,9 @@ from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact, Text
 from rapc.compiler.query.term_value import TermValue
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
 from rapc.library.library import link
+from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse
 from rapc.runtime.memory.store import FactStore, Table
 
@@ -24,7 +24,7 @@ X = nodes.Var("?x")
 
 
 def formula(text: str) -> nodes.Formula:
-    """A formula from text, with the vocabulary of `memories` in mind."""
+    """A formula from text, with the signatures of `memories` in mind."""
     source = SourceFile("t.rap", f"(define-rap (r ?in) (succeed {text}))")
     parsed = parse(source)
     assert not parsed.diagnostics
@@ -258,7 +258,7 @@ def test_what_a_function_raises_says_which_clause_has_asked_it(text: str) -> Non
 def test_the_short_form_of_a_declaration_without_a_list_is_unknown() -> None:
     source = SourceFile("t.rap", "(declare-memory-property hot unknown)")
     library, _ = link([parse(source)])
-    relation = Vocabulary.of(library).relations["hot"]
+    relation = Signatures.of(library).relations["hot"]
     assert relation.full((X,)) == (X,)
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.language.trace_events import COMMON as COMMON_KEYS
+from rapc.language.trace_events import KEYS
 from rapc.runtime.events import events
 
 PAGE = Path(__file__).parents[2] / "docs" / "trace.md"
@@ -34,6 +36,12 @@ def test_page_names_each_event_with_its_keys() -> None:
     assert len(rows) == len(told)
     built = _kinds(events.Event)
     assert told == {str(kind.__struct_config__.tag): _keys(kind) for kind in built}
+
+
+def test_what_tests_may_expect_is_what_a_trace_holds() -> None:
+    built = {str(k.__struct_config__.tag): _keys(k) for k in _kinds(events.Event)}
+    assert {name: set(keys) for name, keys in KEYS.items()} == built
+    assert set(COMMON_KEYS) == COMMON
 
 
 def test_common_keys_are_those_of_every_event() -> None:

@@ -21,8 +21,8 @@ from contextlib import contextmanager
 import msgspec
 
 from rapc.base.values import Atom, Fact
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.library.library import Library
+from rapc.library.signatures import Signatures
 from rapc.runtime.events.events import Event
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
@@ -86,7 +86,7 @@ class MemoryBench:
             self.recorder.listen(self.events.append)
         self.parts = parts = assemble(
             library,
-            Vocabulary.of(library),
+            Signatures.of(library),
             self.recorder,
             comparators or {},
             max_layers,

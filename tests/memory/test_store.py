@@ -6,20 +6,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.base.values import Atom, Fact
-from rapc.compiler.vocabulary import Relation
+from rapc.library.loader import load_text
+from rapc.library.signatures import Signatures
 from rapc.runtime.memory.mentions import Mentions
 from rapc.runtime.memory.store import FactStore
 from tests.effort import examples
 
-RELATIONS = {
-    "near": Relation("near", 2, False),
-    "wet": Relation("wet", 0, False),
-    "loose": Relation("loose", None, False),
-    "color": Relation("color", 2, True, "unknown"),
-    "road": Relation("road", 3, True, "unknown"),
-    "mode": Relation("mode", 1, True, "idle"),
-    "free": Relation("free", None, True, "unknown"),
-}
+RELATIONS = Signatures.of(
+    load_text(
+        """
+        (declare-memory-proposition near (?this ?that))
+        (declare-memory-proposition wet ())
+        (declare-memory-proposition loose)
+        (declare-memory-property color (?thing ?color) unknown)
+        (declare-memory-property road (?from ?to ?kind) unknown)
+        (declare-memory-property mode (?mode) idle)
+        (declare-memory-property free unknown)
+        """
+    ).library
+).relations
 ATOMS: st.SearchStrategy[Atom] = st.sampled_from(("item-1", "item-2", "a", 1, 2.5))
 
 
@@ -27,7 +32,7 @@ ATOMS: st.SearchStrategy[Atom] = st.sampled_from(("item-1", "item-2", "a", 1, 2.
 def facts(draw: st.DrawFn) -> Fact:
     """A fact of one of the relations."""
     relation = RELATIONS[draw(st.sampled_from(sorted(RELATIONS)))]
-    size = relation.arity
+    size = relation.most
     if size is None:
         size = draw(st.integers(int(relation.is_property), 3))
     values: list[Atom] = draw(st.lists(ATOMS, min_size=size, max_size=size))

@@ -72,7 +72,7 @@ def test_functions_are_asked_and_history_has_no_answer() -> None:
     [
         ("(locatoin ?x dock)", (), "not declared; did you mean `location`?"),
         ("(not (far dock barn))", (), "`far` is not declared"),
-        ("(= (dubble 1) 2)", (), "not declared; did you mean `double`?"),
+        ("(= (dubble 1) 2)", (), "called `dubble`; did you mean `double`?"),
         ("(near ?x)", (), "`near` takes 2 arguments, not 1"),
         ("(near ?item dock)", ("?itm",), "not in the question; did you mean `?item`?"),
         ("(near ?x ?y)", ("?x", "?x"), "`?x` is given twice"),

@@ -48,29 +48,29 @@ def reasons(
     [
         (
             "(declare-primitive wav (?x) (okay))",
-            "t.rap:11:1: the world `scripted` has no primitive `wav`; it has `wave`",
+            "t.rap:11:1: in the world `scripted` no primitive is called `wav`; "
+            "did you mean `wave`?",
         ),
         (
             "(declare-primitive wave (?x ?y) (okay))",
-            "t.rap:11:1: the primitive `wave` takes 1 argument in the world "
-            "`scripted`, not 2",
+            "t.rap:11:1: in the world `scripted` `wave` takes 1 argument, not 2",
         ),
         (
             "(declare-sensor-datum seen (?x))",
-            "t.rap:11:1: the world `scripted` has no datum `seen`",
+            "t.rap:11:1: in the world `scripted` no sensor datum is called `seen`",
         ),
         (
             "(declare-event :bumps (?x))",
-            "t.rap:11:1: the world `scripted` has no event `:bumps`; it has `:bump`",
+            "t.rap:11:1: in the world `scripted` no event is called `:bumps`; "
+            "did you mean `:bump`?",
         ),
         (
             "(declare-event :bump ())",
-            "t.rap:11:1: the event `:bump` takes 1 argument in the world "
-            "`scripted`, not 0",
+            "t.rap:11:1: in the world `scripted` `:bump` takes 1 argument, not 0",
         ),
         (
             "(declare-skill :roll (?x))",
-            "t.rap:11:1: the world `scripted` has no skill `:roll`",
+            "t.rap:11:1: in the world `scripted` no skill is called `:roll`",
         ),
         (
             "(declare-memory-function near (?x ?y))",
@@ -121,14 +121,14 @@ def test_a_task_is_refused_if_it_can_reach_what_cannot_be_run() -> None:
         reason.endswith("a primitive that enables skills in `drive` cannot be run yet")
         for reason in found
     )
-    assert "no RAP is named `gone`" in found[0]
+    assert "no RAP is called `gone`" in found[0]
 
 
 @pytest.mark.parametrize(
     ("task", "reason"),
     [
-        ("(eazy)", "no RAP is named `eazy`; did you mean `easy`?"),
-        ("(easy now)", "`easy` takes 0 inputs, not 1"),
+        ("(eazy)", "no RAP is called `eazy`; did you mean `easy`?"),
+        ("(easy now)", "`easy` has no inputs, not 1"),
     ],
 )
 def test_a_task_that_no_rap_serves(task: str, reason: str) -> None:

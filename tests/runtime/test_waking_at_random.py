@@ -24,7 +24,7 @@ from rapc.runtime.monitors.monitors import Monitors
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.task import Task
 from tests.compiler.dice import ATOMS, Dice, dice, sizes
-from tests.compiler.memories import VOCABULARY, Memories, apply, memories, query
+from tests.compiler.memories import SIGNATURES, Memories, apply, memories, query
 from tests.effort import examples
 
 TASKS, CHANGES = 3, 10
@@ -37,7 +37,7 @@ def _watch(formula: nodes.Formula, names: tuple[str, ...]) -> RapPlan:
     [node] = parsed.forms
     assert isinstance(node, nodes.DefineRap)
     compiler = Compiler(link([parsed])[0])
-    compiler.vocabulary = VOCABULARY
+    compiler.signatures = SIGNATURES
     inputs = tuple([nodes.Var(name) for name in names])
     changed = msgspec.structs.replace(node, monitor_state=formula, inputs=inputs)
     return RapPlan(compiler, changed)

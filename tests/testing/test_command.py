@@ -71,7 +71,7 @@ def test_a_test_in_error_ends_with_2(tmp_path: Path) -> None:
     (tmp_path / "it.test.rap").write_text(LIBRARY + "(define-test it (task (fly)))")
     done = rapc("test", ".", cwd=tmp_path)
     assert "  error   it" in done.stdout
-    assert "  wrong with the test: there is no RAP `fly`" in done.stdout
+    assert "  wrong with the test: no RAP is called `fly`" in done.stdout
     assert done.stdout.endswith("1 test: 1 in error\n")
     assert done.returncode == 2
 
@@ -99,7 +99,7 @@ def test_findings_in_the_library_are_told_once_and_nothing_is_run(
         ((), "a file or folder with tests is missing"),
         (("none",), "there are no tests in `none`"),
         ((".", "--fault", "(grab ?x)"), "--fault: the result is missing"),
-        ((".", "--fault", "(grip ?x) x"), "there is no primitive `grip`"),
+        ((".", "--fault", "(grip ?x) x"), "no primitive is called `grip`"),
         ((".", "--seeds", "0"), "--seeds"),
         ((".", "--junit", "no/where.xml"), "cannot write `no/where.xml`"),
     ],

@@ -180,7 +180,7 @@ def test_faults_that_apply_nowhere_are_told(tmp_path: Path) -> None:
         Fault(("grab",), "dropped"),
     )
     assert list(Session(faults=faults).useless(found)) == [
-        "(grabs ?x): there is no primitive `grabs`; did you mean `grab`?",
+        "(grabs ?x): no primitive is called `grabs`; did you mean `grab`?",
         "(grab ?x): `droped` is no result of `grab`; did you mean `dropped`?",
         "(grab): `grab` takes 1 argument, not 0",
     ]

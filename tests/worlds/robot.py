@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rapc.base.values import Fact
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.library.library import Library
 from rapc.library.loader import load
+from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory
@@ -31,7 +31,7 @@ class Robot:
         self.world = world
         self.handlers = world.kit.handlers
         self.recorder = Recorder()
-        self.memory = Memory(Vocabulary.of(library), self.recorder)
+        self.memory = Memory(Signatures.of(library), self.recorder)
         self.access = Gate(self.memory, self.recorder)
         for fact in world.facts():
             self.access.assert_fact(*fact)

@@ -37,8 +37,8 @@ class Missing(msgspec.Struct, frozen=True):
 class Bindings(msgspec.Struct, frozen=True):
     """What all clauses of a library lack.
 
-    `missing` is by the `id` of the RAP or rule; `anonymous` are bare `?` where a value
-    is needed; `ages` are the `believe` forms of monitors that bind an age.
+    `missing` is by the `id` of the RAP, rule or test; `anonymous` are bare `?` where a
+    value is needed; `ages` are the `believe` forms of monitors that bind an age.
     """
 
     missing: Mapping[int, tuple[Missing, ...]]
@@ -61,6 +61,11 @@ def _run(run: Pass) -> Bindings:
             continue
         if walk.missing:
             missing[id(form)] = tuple(walk.missing)
+            walk.missing.clear()
+    for test in run.library.tests:
+        _test(walk, test)
+        if walk.missing:
+            missing[id(test)] = tuple(walk.missing)
             walk.missing.clear()
     anonymous = walk.walker.findings.anonymous
     return Bindings(missing, tuple(anonymous), tuple(walk.ages))
@@ -327,6 +332,25 @@ def _rules(walk: _Walk, rules: Iterable[nodes.Rule], bound: Bound) -> None:
             for action in alternative.actions:
                 walk.walker.values(action.pattern.args, scope)
             walk.note("rule")
+
+
+# --- tests ---------------------------------------------------------------------------
+
+
+def _test(walk: _Walk, test: nodes.DefineTest) -> None:
+    """The request of a row binds for what the row does; a formula binds for itself."""
+    for row in test.script:
+        bound = Bound(None, _names(row.request.args))
+        for effect in (*row.asserts, *row.erases, *row.data, *row.signals):
+            walk.walker.values(effect.args, bound)
+        walk.note("script")
+    later = [action for at in test.ats for action in at.actions]
+    inner = [one.expectations for one in later if isinstance(one, nodes.Expect)]
+    for expectations in (*inner, test.expectations):
+        for one in expectations:
+            if isinstance(one, nodes.MemoryHolds):
+                walk.walker.formula(one.formula, Bound(None))
+                walk.note("memory")
 
 
 def _names(terms: Iterable[nodes.Term]) -> set[str]:

@@ -7,10 +7,8 @@ assertions and notations; erasing takes a prefix.
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.arity import written, wrong_arity
-from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.passes.predicates import PREDICATES
-from rapc.analysis.vocabulary import Predicate, facts
+from rapc.analysis.index import INDEX, NameUse
+from rapc.analysis.named import MISUSES, declared_at, report_arguments
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -21,7 +19,7 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.base.source import Span
-from rapc.ir import nodes
+from rapc.library.signatures import Signature, Use
 
 ARITY = Rule(
     code="RAP016",
@@ -64,41 +62,36 @@ is not true or false never holds so.""",
 )
 
 
+_FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
+
+
 def _run(run: Pass) -> None:
-    known = run.result(PREDICATES)
-    for pattern, role in facts(run.result(OCCURRENCES)):
-        declared = known.get(pattern.name)
-        if declared is None or declared.args is None:
-            continue
-        given, wanted = len(pattern.args), len(declared.args)
-        if given == wanted or (role == "erase" and given < wanted):
-            continue
-        if declared.kind == "property" and 0 < given == wanted - 1:
-            run.report(
-                _implied(pattern, declared, written(pattern.name, declared.args))
-            )
-        else:
-            said = (declared.name, declared.args, declared.span)
-            most = "at most " if role == "erase" else ""
-            run.report(wrong_arity(ARITY, pattern, said, most=most))
+    report_arguments(run, ARITY, _FACTS)
+    relations = run.signatures.relations
+    for used in run.result(INDEX).uses():
+        if used.use in _FACTS and used.use != "erased":
+            declared = relations.get(used.name)
+            if declared is not None and declared.leaves_value_out(used.count):
+                run.report(_implied(run, used, declared))
 
 
 ANALYZER = Analyzer(
     name="wrong-fact-arity",
     doc="Finds facts and tests with too many or too few arguments.",
     run=_run,
-    needs=(OCCURRENCES, PREDICATES),
+    needs=(INDEX, MISUSES),
     rules=(ARITY, IMPLIED),
 )
 
 
-def _implied(pattern: nodes.Proposition, declared: Predicate, form: str) -> Diagnostic:
-    end = pattern.args[-1].span.end
-    edit = Edit(Span(pattern.span.file, end, end), " true")
+def _implied(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
+    end = used.node.args[-1].span.end
+    edit = Edit(Span(used.span.file, end, end), " true")
+    label = Label(declared_at(run, declared), f"declared here as `{declared.written}`")
     return Diagnostic(
         rule=IMPLIED.name,
-        message=f"the value of `{pattern.name}` is left out and means `true`",
-        span=pattern.span,
-        labels=(Label(declared.span, f"declared here as `{form}`"),),
+        message=f"the value of `{used.name}` is left out and means `true`",
+        span=used.span,
+        labels=(label,),
         fix=Fix(Applicability.SAFE, "write the value", (edit,)),
     )

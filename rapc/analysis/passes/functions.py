@@ -7,16 +7,14 @@ take. Functions used as tests are facts to `fact_arity` and `undeclared_predicat
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.arity import written, wrong_arity
-from rapc.analysis.names import Names
-from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.passes.predicates import PREDICATES
-from rapc.analysis.unknown import Unknown
-from rapc.analysis.vocabulary import Predicate
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
-from rapc.ir import nodes
-from rapc.library.library import word_span
-from rapc.parser.names import CALLS
+from rapc.analysis.named import (
+    MISUSES,
+    misuses,
+    report_arguments,
+    report_kind,
+    report_unknown,
+)
+from rapc.base.diagnostics import Rule, Severity
 
 UNDECLARED = Rule(
     code="RAP018",
@@ -61,41 +59,16 @@ term gives it; with too much or too little the query fails.""",
 
 
 def _run(run: Pass) -> None:
-    known = run.result(PREDICATES)
-    advice = "declare it with `declare-memory-function`"
-    names = Names([*run.library.functions, *CALLS])
-    unknown = Unknown(UNDECLARED, "no function is called `{}`", names, advice)
-    for use in run.result(OCCURRENCES).of(nodes.Call):
-        call = use.node
-        declared = known.get(call.function)
-        if call.function in CALLS:
-            continue
-        if declared is None:
-            place = word_span(run.library.files, call.span, 0)
-            unknown.add(call.function, place)
-        elif declared.kind != "function":
-            run.report(_no_function(call, declared))
-        elif declared.args is not None and len(declared.args) != len(call.args):
-            said = (declared.name, declared.args, declared.span)
-            run.report(wrong_arity(ARITY, call, said))
-    unknown.report(run)
+    report_unknown(run, UNDECLARED, ("computed",))
+    report_arguments(run, ARITY, ("computed",))
+    for one in misuses(run, ("computed",), "kind"):
+        report_kind(run, UNDECLARED, one)
 
 
 ANALYZER = Analyzer(
     name="functions",
     doc="Finds computed terms whose function is not declared, or not met.",
     run=_run,
-    needs=(OCCURRENCES, PREDICATES),
+    needs=(MISUSES,),
     rules=(UNDECLARED, ARITY),
 )
-
-
-def _no_function(call: nodes.Call, declared: Predicate) -> Diagnostic:
-    form = written(declared.name, declared.args or ())
-    return Diagnostic(
-        rule=UNDECLARED.name,
-        message=f"`{call.function}` is a {declared.kind} and computes nothing",
-        span=call.span,
-        labels=(Label(declared.span, "declared here"),),
-        help=f"ask `{form}` in a formula first and use the variable it binds",
-    )

@@ -10,9 +10,8 @@ import re
 from collections.abc import Iterable, Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.occurrences import Use
+from rapc.analysis.index import INDEX, Form, Occurrence
 from rapc.analysis.passes.bindings import BINDINGS
-from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 
@@ -56,7 +55,7 @@ _TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
 
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
-    for owner, names in _by_form(run.result(OCCURRENCES).of(nodes.Var)):
+    for owner, names in _by_form(run.result(INDEX).of(nodes.Var)):
         if type(owner) is not nodes.DefineRap:
             continue
         names.pop("?", None)
@@ -74,16 +73,16 @@ ANALYZER = Analyzer(
     name="misspelt-variable",
     doc="Finds variables used once whose names are close to another's.",
     run=_run,
-    needs=(OCCURRENCES, BINDINGS),
+    needs=(INDEX, BINDINGS),
     rules=(MISSPELT,),
 )
 
 
 def _by_form(
-    uses: Iterable[Use[nodes.Var]],
-) -> Iterator[tuple[nodes.TopForm, dict[str, list[nodes.Var]]]]:
+    uses: Iterable[Occurrence[nodes.Var]],
+) -> Iterator[tuple[Form, dict[str, list[nodes.Var]]]]:
     """Each form that has variables, with these by their names."""
-    owner: nodes.TopForm | None = None
+    owner: Form | None = None
     names: dict[str, list[nodes.Var]] = {}
     for use in uses:
         if use.owner is not owner:

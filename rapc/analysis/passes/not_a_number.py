@@ -8,13 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.occurrences import Occurrences, Use
-from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.passes.predicates import PREDICATES
-from rapc.analysis.vocabulary import Predicate
+from rapc.analysis.index import INDEX, Index
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
+from rapc.library.signatures import Signature, Use
 from rapc.parser.names import CALLS
 
 NOT_A_NUMBER = Rule(
@@ -40,17 +38,16 @@ but two numbers, and a number never equals a symbol.""",
 ARITHMETIC = ("+", "-", "*", "/")
 
 Found = Iterator[tuple[nodes.Term, str]]
-Table = Mapping[str, Sequence[nodes.Argument]]
 """Terms at fault with the end of the sentence that says why."""
 
 
 def _run(run: Pass) -> None:
-    occurrences = run.result(OCCURRENCES)
+    index = run.result(INDEX)
     for found in (
-        _computed(occurrences),
-        _compared(occurrences),
-        _times(occurrences),
-        _declared(run, occurrences),
+        _computed(index),
+        _compared(index),
+        _times(index),
+        _declared(run, index),
     ):
         for term, why in found:
             run.report(
@@ -66,7 +63,7 @@ ANALYZER = Analyzer(
     name="not-a-number",
     doc="Finds constants that are no numbers where numbers are needed.",
     run=_run,
-    needs=(OCCURRENCES, PREDICATES),
+    needs=(INDEX,),
     rules=(NOT_A_NUMBER,),
 )
 
@@ -80,8 +77,8 @@ def _is_other(term: nodes.Term | None) -> bool:
     return type(term) is nodes.Const and not is_number(term.value)
 
 
-def _computed(occurrences: Occurrences) -> Found:
-    for use in occurrences.of(nodes.Call):
+def _computed(index: Index) -> Found:
+    for use in index.of(nodes.Call):
         if use.node.function in ARITHMETIC:
             for arg in use.node.args:
                 if _is_other(arg):
@@ -92,8 +89,8 @@ def _computed(occurrences: Occurrences) -> Found:
                     yield arg, "divides nothing"
 
 
-def _compared(occurrences: Occurrences) -> Found:
-    for use in occurrences.of(nodes.Compare):
+def _compared(index: Index) -> Found:
+    for use in index.of(nodes.Compare):
         sides = (use.node.left, use.node.right)
         if use.node.op in ("=", "n="):
             for one, other in (sides, sides[::-1]):
@@ -106,19 +103,19 @@ def _compared(occurrences: Occurrences) -> Found:
                     yield side, f"is no number, and `{use.node.op}` never holds of it"
 
 
-def _times(occurrences: Occurrences) -> Found:
-    for believe in occurrences.of(nodes.Believe):
+def _times(index: Index) -> Found:
+    for believe in index.of(nodes.Believe):
         yield from _must_be_numbers("is no age", believe.node.age)
-    for window in occurrences.of(nodes.Window):
+    for window in index.of(nodes.Window):
         yield from _must_be_numbers("is no time", window.node.start, window.node.stop)
-    for delay in occurrences.of(nodes.MonitorTime):
+    for delay in index.of(nodes.MonitorTime):
         yield from _must_be_numbers("is no time", delay.node.start, delay.node.stop)
-    for rap in occurrences.of(nodes.DefineRap):
+    for rap in index.of(nodes.DefineRap):
         yield from _must_be_numbers("is no time", rap.node.duration)
-    for effect in occurrences.of(nodes.ResourceChange):
+    for effect in index.of(nodes.ResourceChange):
         if effect.node.op in ("counter-add", "counter-sub"):
             yield from _must_be_numbers("is no amount", effect.node.amount)
-    for resource in occurrences.of(nodes.Resource):
+    for resource in index.of(nodes.Resource):
         if resource.node.kind == "counter":
             yield from _must_be_numbers("is no number", resource.node.initial)
 
@@ -129,24 +126,24 @@ def _must_be_numbers(why: str, *terms: nodes.Term | None) -> Found:
             yield term, why
 
 
-def _declared(run: Pass, occurrences: Occurrences) -> Found:
+_STORED: tuple[Use, ...] = ("test", "believed", "asserted", "erased", "primitive")
+
+
+def _declared(run: Pass, index: Index) -> Found:
     """Arguments that were declared to be numbers."""
-    facts = _with_numbers(run.result(PREDICATES))
-    requests = _with_numbers(run.library.primitives)
-    uses: list[tuple[Table, Use[nodes.Proposition] | Use[nodes.Request]]] = []
-    uses += [(facts, use) for use in occurrences.of(nodes.Proposition) if facts]
-    uses += [(requests, use) for use in occurrences.of(nodes.Request) if requests]
-    for table, use in uses:
-        for term, arg in zip(use.node.args, table.get(use.node.name, ()), strict=False):
+    tables = {use: _with_numbers(run.signatures.table(use)) for use in _STORED}
+    for used in index.uses() if any(tables.values()) else ():
+        wanted = tables.get(used.use, {}).get(used.name, ())
+        for term, arg in zip(used.node.args, wanted, strict=False):
             if arg.kind == "number" and _is_other(term) and not _unknown(term):
                 yield term, f"is no number, which `{arg.variable.name}` was declared"
 
 
 def _with_numbers(
-    declared: Mapping[str, Predicate] | Mapping[str, nodes.DeclarePrimitive],
+    declared: Mapping[str, Signature],
 ) -> dict[str, Sequence[nodes.Argument]]:
     """The arguments of declarations that want a number among them."""
-    args = {name: form.args or () for name, form in declared.items()}
+    args = {name: signature.args or () for name, signature in declared.items()}
     return {k: v for k, v in args.items() if any(arg.kind == "number" for arg in v)}
 
 

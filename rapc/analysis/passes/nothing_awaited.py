@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.passes.occurrences import OCCURRENCES
+from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 
@@ -32,7 +32,7 @@ done.""",
 
 
 def _run(run: Pass) -> None:
-    for use in run.result(OCCURRENCES).of(nodes.Skills):
+    for use in run.result(INDEX).of(nodes.Skills):
         if use.node.enable and not use.node.waits:
             run.report(
                 Diagnostic(
@@ -48,6 +48,6 @@ ANALYZER = Analyzer(
     name="nothing-awaited",
     doc="Finds primitives that enable skills and wait for no event.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(INDEX,),
     rules=(NOTHING_AWAITED,),
 )

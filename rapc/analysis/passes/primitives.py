@@ -7,13 +7,8 @@ What the world offers is declared in the library; no world is imported to find o
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.arity import wrong_arity
-from rapc.analysis.names import Names
-from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.unknown import Unknown
+from rapc.analysis.named import MISUSES, report_arguments, report_unknown
 from rapc.base.diagnostics import Rule, Severity
-from rapc.ir import nodes
-from rapc.library.library import name_span, word_span
 
 UNDECLARED = Rule(
     code="RAP020",
@@ -56,26 +51,14 @@ no others.""",
 
 
 def _run(run: Pass) -> None:
-    known = run.library.primitives
-    advice = "declare it with `declare-primitive`, or `require` the file that does"
-    unknown = Unknown(UNDECLARED, "no primitive is called `{}`", Names(known), advice)
-    for use in run.result(OCCURRENCES).of(nodes.Primitive):
-        request = use.node.request
-        declared = known.get(request.name)
-        if declared is None:
-            place = word_span(run.library.files, request.span, 0)
-            unknown.add(request.name, place)
-        elif len(declared.args) != len(request.args):
-            place = name_span(run.library.files, declared)
-            said = (declared.name, declared.args, place)
-            run.report(wrong_arity(ARITY, request, said))
-    unknown.report(run)
+    report_unknown(run, UNDECLARED, ("primitive",))
+    report_arguments(run, ARITY, ("primitive",))
 
 
 ANALYZER = Analyzer(
     name="primitives",
     doc="Finds requests for primitives that are not declared, or declared otherwise.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(MISUSES,),
     rules=(UNDECLARED, ARITY),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.passes.occurrences import OCCURRENCES
+from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -44,13 +44,13 @@ It equals no number, stands in no fact, and a request that holds one fails. Step
 
 
 def _run(run: Pass) -> None:
-    occurrences = run.result(OCCURRENCES)
+    index = run.result(INDEX)
     resources = {
         (id(use.owner), use.node.variable.name): use.node
-        for use in occurrences.of(nodes.Resource)
+        for use in index.of(nodes.Resource)
     }
-    effects = {id(use.node.pattern) for use in occurrences.of(nodes.DeclaredEffect)}
-    for use in occurrences.of(nodes.Var) if resources else ():
+    effects = {id(use.node.pattern) for use in index.of(nodes.DeclaredEffect)}
+    for use in index.of(nodes.Var) if resources else ():
         declared = resources.get((id(use.owner), use.node.name))
         if declared is None or id(use.parent) in effects:
             continue
@@ -62,7 +62,7 @@ ANALYZER = Analyzer(
     name="resource-as-value",
     doc="Finds sets and counters where a plain value is needed.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(INDEX,),
     rules=(RESOURCE_AS_VALUE,),
 )
 
@@ -74,7 +74,7 @@ def _needs_value(
     match parent:
         case nodes.Goal() | nodes.Resource():
             needed = False
-        case nodes.Proposition():
+        case nodes.Pattern():
             needed = parent.name not in functions
         case nodes.Call():
             needed = parent.function in CALLS and parent.function not in _LOOK_INSIDE

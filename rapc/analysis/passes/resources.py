@@ -13,9 +13,8 @@ from typing import Literal
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.occurrences import Occurrences, Use
+from rapc.analysis.index import INDEX, Form, Index, Occurrence
 from rapc.analysis.passes.bindings import BINDINGS
-from rapc.analysis.passes.occurrences import OCCURRENCES
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import nearest
 from rapc.ir import nodes
@@ -81,11 +80,11 @@ class Demand(msgspec.Struct, frozen=True):
 
 
 def _run(run: Pass) -> None:
-    occurrences = run.result(OCCURRENCES)
+    index = run.result(INDEX)
     missing = run.result(BINDINGS).missing
     unbound = {(rap, m.variable.name) for rap, all_ in missing.items() for m in all_}
     by_input: dict[tuple[str, str], Demand] = {}
-    for demand in _demands(occurrences):
+    for demand in _demands(index):
         rap, term = demand.rap, demand.term
         if isinstance(term, nodes.Var) and (
             term.anonymous or (id(rap), term.name) in unbound
@@ -99,7 +98,7 @@ def _run(run: Pass) -> None:
             by_input.setdefault((rap.name, term.name), demand)
         else:
             run.report(_no_resource(demand))
-    for goal in occurrences.of(nodes.Goal) if by_input else ():
+    for goal in index.of(nodes.Goal) if by_input else ():
         if isinstance(goal.owner, nodes.DefineRap):
             _check_step(run, goal.owner, goal.node, by_input)
 
@@ -108,37 +107,38 @@ ANALYZER = Analyzer(
     name="resources",
     doc="Finds sets used as counters, counters as sets, and plain values as either.",
     run=_run,
-    needs=(OCCURRENCES, BINDINGS),
+    needs=(INDEX, BINDINGS),
     rules=(WRONG_KIND, NOT_A_RESOURCE),
 )
 
 
-def _demands(occurrences: Occurrences) -> Iterator[Demand]:
-    for term, kind, owner in _places(occurrences):
+def _demands(index: Index) -> Iterator[Demand]:
+    for term, kind, owner in _places(index):
         if isinstance(owner, nodes.DefineRap):
             yield Demand(term, kind, owner)
 
 
 def _places(
-    occurrences: Occurrences,
-) -> Iterator[tuple[nodes.Term, Kind, nodes.TopForm]]:
+    index: Index,
+) -> Iterator[tuple[nodes.Term, Kind, Form]]:
     """Every term that has to be a resource, with the kind it has to be."""
-    for test in occurrences.of(nodes.SetTest):
+    for test in index.of(nodes.SetTest):
         yield test.node.args[0], "set", test.owner
-    for call in occurrences.of(nodes.Call):
-        if call.node.function in ("size-of", "value"):
+    for call in index.of(nodes.Call):
+        # A call whose argument could not be read has none; the reader has said so.
+        if call.node.function in ("size-of", "value") and call.node.args:
             kind: Kind = "set" if call.node.function == "size-of" else "counter"
             yield call.node.args[0], kind, call.owner
-    for effect in occurrences.of(nodes.ResourceChange):
+    for effect in index.of(nodes.ResourceChange):
         kind = "set" if effect.node.op in ("set-add", "set-sub") else "counter"
         yield effect.node.resource, kind, effect.owner
-    for resource in occurrences.of(nodes.Resource):
+    for resource in index.of(nodes.Resource):
         first = resource.node.initial
         if first is not None and not _may_be_number(resource, first):
             yield first, resource.node.kind, resource.owner
 
 
-def _may_be_number(use: Use[nodes.Resource], initial: nodes.Term) -> bool:
+def _may_be_number(use: Occurrence[nodes.Resource], initial: nodes.Term) -> bool:
     """Whether a counter may begin with a number, not as a copy of another counter."""
     rap = use.owner
     assert isinstance(rap, nodes.DefineRap)

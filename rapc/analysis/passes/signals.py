@@ -6,17 +6,9 @@ and 4). Their names are written with a colon.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.arity import wrong_arity
-from rapc.analysis.names import Names
-from rapc.analysis.occurrences import Occurrences
-from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.unknown import Unknown
+from rapc.analysis.named import MISUSES, report_arguments, report_unknown
 from rapc.base.diagnostics import Rule, Severity
-from rapc.ir import nodes
-from rapc.library.library import name_span, word_span
 
 UNDECLARED = Rule(
     code="RAP023",
@@ -69,55 +61,16 @@ sent with those it was declared with: another number of them never matches.""",
 """,
 )
 
-Signal = nodes.Signal | nodes.Skill | nodes.WaitFor
-Declared = nodes.DeclareSkill | nodes.DeclareEvent
-
 
 def _run(run: Pass) -> None:
-    occurrences = run.result(OCCURRENCES)
-    _check(run, "skill", run.library.skills, _skills(occurrences))
-    _check(run, "event", run.library.events, _events(occurrences))
+    report_unknown(run, UNDECLARED, ("skill", "event"))
+    report_arguments(run, ARITY, ("skill", "event"))
 
 
 ANALYZER = Analyzer(
     name="signals",
     doc="Finds skills and events that are not declared, or declared otherwise.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(MISUSES,),
     rules=(UNDECLARED, ARITY),
 )
-
-
-def _check(
-    run: Pass, what: str, known: Mapping[str, Declared], uses: Iterator[Signal]
-) -> None:
-    advice = f"declare it with `declare-{what}`, or `require` the file that does"
-    unknown = Unknown(UNDECLARED, f"no {what} is called `{{}}`", Names(known), advice)
-    files = run.library.files
-    for use in uses:
-        waits = isinstance(use, nodes.WaitFor)
-        name = use.signal if isinstance(use, nodes.WaitFor) else use.name
-        declared = known.get(name)
-        if declared is None:
-            place = use.span if waits else word_span(files, use.span, 0)
-            unknown.add(name, place)
-        elif len(declared.args) != len(use.args):
-            said = (name, declared.args, name_span(files, declared))
-            run.report(wrong_arity(ARITY, use, said))
-    unknown.report(run)
-
-
-def _skills(occurrences: Occurrences) -> Iterator[Signal]:
-    for use in occurrences.of(nodes.Skills):
-        yield from use.node.enable
-        yield from use.node.disable
-
-
-def _events(occurrences: Occurrences) -> Iterator[Signal]:
-    for wait in occurrences.of(nodes.WaitFor):
-        yield wait.node
-    for rule in occurrences.of(nodes.EventRule):
-        yield nodes.WaitFor(rule.node.signal, rule.node.args, "proceed", rule.node.span)
-    for case in occurrences.of(nodes.ResultCase):
-        if isinstance(case.node.result, nodes.Signal):
-            yield case.node.result

@@ -13,8 +13,8 @@ from itertools import pairwise
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.names import Names
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.library.library import word_span
@@ -178,14 +178,14 @@ TASK_NETS = Analyzer(
 def _net(run: Pass, net: nodes.TaskNet) -> Net:
     tags = _tags(run, net)
     edges: list[list[Edge]] = [[] for _ in net.steps]
-    names: Names | None = None
+    names: Suggestions | None = None
     for at, step in enumerate(net.steps):
         for annotation in step.annotations:
             tag = _tag(annotation)
             if tag is None:
                 continue
             if tag not in tags:
-                names = names or Names(tags)
+                names = names or Suggestions(tags)
                 place = _place(run, annotation, tag)
                 run.report(_unknown_tag(place, tag, names))
             elif type(annotation) is nodes.For:
@@ -266,7 +266,7 @@ def _place(run: Pass, annotation: nodes.Annotation, tag: str) -> Span:
     return source.span(end - len(tag), end) if named else span
 
 
-def _unknown_tag(place: Span, tag: str, names: Names) -> Diagnostic:
+def _unknown_tag(place: Span, tag: str, names: Suggestions) -> Diagnostic:
     return Diagnostic(
         rule=UNKNOWN_TAG.name,
         message=f"no step of this task-net has the tag `{tag}`",

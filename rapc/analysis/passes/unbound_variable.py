@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.names import Names
+from rapc.analysis.index import Form
 from rapc.analysis.passes.bindings import BINDINGS, Missing
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.analysis.sites import Site, sites
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import Suggestions
 from rapc.ir import nodes
 
 UNBOUND = Rule(
@@ -61,6 +62,8 @@ _BIND = {
     "notations": "bind it in `context`",
     "primitive": "bind it in `context`",
     "rule": "bind it in the query of the rule",
+    "script": "the request of a row binds for what the row does",
+    "memory": "bind it by a fact to the left of this",
 }
 """Where to bind what these clauses need."""
 
@@ -68,7 +71,7 @@ _BIND = {
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
     nets = run.result(TASK_NETS)
-    for form in run.library.forms:
+    for form in (*run.library.forms, *run.library.tests):
         lacking = missing.get(id(form))
         if lacking:
             places = _Places(form, run.library.functions)
@@ -89,12 +92,12 @@ ANALYZER = Analyzer(
 class _Places:
     """Where the variables of a RAP or rule are bound, by name, and their names."""
 
-    def __init__(self, form: nodes.TopForm, functions: Container[str]) -> None:
+    def __init__(self, form: Form, functions: Container[str]) -> None:
         self.by_name: dict[str, list[Site]] = {}
         if isinstance(form, nodes.DefineRap):
             for site in sites(form, functions):
                 self.by_name.setdefault(site.name, []).append(site)
-        self.names = Names(self.by_name)
+        self.names = Suggestions(self.by_name)
 
 
 def _by_cause(missing: Iterable[Missing]) -> Iterator[list[Missing]]:

@@ -9,17 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.names import Names
-from rapc.analysis.occurrences import Occurrences
-from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.passes.predicates import PREDICATES
-from rapc.analysis.unknown import Unknown
-from rapc.analysis.vocabulary import Predicate, Role, facts
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.analysis.index import INDEX, Index
+from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_kind
+from rapc.base.diagnostics import Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.library.library import word_span
-from rapc.parser.names import QUERIES
+from rapc.library.signatures import Use
 
 UNDECLARED = Rule(
     code="RAP015",
@@ -60,58 +55,34 @@ nothing can put it there or take it away, and it has no age.""",
 """,
 )
 
-_DONE: dict[Role, str] = {
-    "believe": "has no age",
-    "assert": "cannot be asserted",
-    "erase": "cannot be erased",
-}
+_FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
 
 
 def _run(run: Pass) -> None:
-    known = run.result(PREDICATES)
-    names = Names([*known, *QUERIES])
-    unknown = Unknown(
-        UNDECLARED,
-        "`{}` is not declared",
-        names,
-        "declare it, or `require` the file that does",
-    )
-    occurrences = run.result(OCCURRENCES)
-    for pattern, role in facts(occurrences):
-        declared = known.get(pattern.name)
-        if declared is None:
-            unknown.add(pattern.name, word_span(run.library.files, pattern.span, 0))
-        elif declared.kind == "function" and role != "query":
-            place = word_span(run.library.files, pattern.span, 0)
-            run.report(_not_a_fact(declared, role, place))
-    for name, place in _further(occurrences):
-        if name not in known:
-            unknown.add(name, place)
+    unknown = UnknownNames(UNDECLARED)
+    for one in misuses(run, _FACTS, "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    for name, place, owner in _further(run.result(INDEX)):
+        if name not in run.signatures.predicates:
+            unknown.add(run.signatures.unknown("test", name), place, owner)
     unknown.report(run)
+    for one in misuses(run, _FACTS, "kind"):
+        report_kind(run, NOT_A_FACT, one)
 
 
 ANALYZER = Analyzer(
     name="undeclared-predicate",
     doc="Finds facts and tests that are not declared, and functions taken for facts.",
     run=_run,
-    needs=(OCCURRENCES, PREDICATES),
+    needs=(INDEX, MISUSES),
     rules=(UNDECLARED, NOT_A_FACT),
 )
 
 
-def _further(occurrences: Occurrences) -> Iterator[tuple[str, Span]]:
-    """Predicates named outside of patterns."""
-    for row in occurrences.of(nodes.ComparatorRow):
-        yield row.node.property, row.node.span
-    for function in occurrences.of(nodes.DeclareFunction):
+def _further(index: Index) -> Iterator[tuple[str, Span, nodes.Node]]:
+    """Predicates named outside of propositions."""
+    for row in index.of(nodes.ComparatorRow):
+        yield row.node.property, row.node.span, row.owner
+    for function in index.of(nodes.DeclareFunction):
         for name in function.node.reads or ():
-            yield name, function.node.span
-
-
-def _not_a_fact(declared: Predicate, role: Role, place: Span) -> Diagnostic:
-    return Diagnostic(
-        rule=NOT_A_FACT.name,
-        message=f"`{declared.name}` is a function and {_DONE[role]}",
-        span=place,
-        labels=(Label(declared.span, "declared here"),),
-    )
+            yield name, function.node.span, function.owner

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.names import Names
-from rapc.analysis.passes.occurrences import OCCURRENCES
+from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.names import Suggestions
+from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.ir import nodes
+from rapc.library.library import word_span
 
 UNKNOWN = Rule(
     code="RAP067",
     name="unknown-method",
     severity=Severity.ERROR,
-    summary="`method-tried` or `result-with-method` names no method of its RAP",
-    why="""These questions are about the methods of the RAP that asks them, by their
-names. One that no method has was never tried and never had a result. (In a RAP without
-methods of its own, a problem solver may bring methods with any name.)""",
+    summary="a question or a test names a method that its RAP does not have",
+    why="""`method-tried` and `result-with-method` are about the methods of the RAP that
+asks them, by their names; so is `(method rap name)` in a test, where `#1` is the first
+method if it has no name. One that no method has was never tried and never had a result.
+(In a RAP without methods of its own, a problem solver may bring methods with any name,
+and so it may in a test that names a world.)""",
     example="""\
 (define-rap (knock))
 (define-rap (ring))
@@ -34,31 +38,60 @@ methods of its own, a problem solver may bring methods with any name.)""",
 )
 
 
+def _names(rap: nodes.DefineRap) -> Suggestions:
+    return Suggestions(format_atom(m.name) for m in rap.methods if m.name is not None)
+
+
+def _names_in_traces(rap: nodes.DefineRap) -> Suggestions:
+    return Suggestions(
+        f"#{method.position}" if method.name is None else format_atom(method.name)
+        for method in rap.methods
+    )
+
+
 def _run(run: Pass) -> None:
-    for use in run.result(OCCURRENCES).of(nodes.HistoryTest):
-        rap, history = use.owner, use.node
+    index = run.result(INDEX)
+    known: dict[int, Suggestions] = {}
+    for found in index.of(nodes.HistoryTest):
+        rap, history = found.owner, found.node
         if history.query == "last-result" or not isinstance(rap, nodes.DefineRap):
             continue
         asked = history.args[0]
-        if not isinstance(asked, nodes.Const) or not rap.methods:
-            continue
-        names = [method.name for method in rap.methods if method.name is not None]
-        if asked.value not in names:
+        if isinstance(asked, nodes.Const) and rap.methods:
+            if id(rap) not in known:
+                known[id(rap)] = _names(rap)
             word = format_atom(asked.value)
-            run.report(
-                Diagnostic(
-                    rule=UNKNOWN.name,
-                    message=f"`{rap.name}` has no method called `{word}`",
-                    span=asked.span,
-                    help=Names(map(str, names)).did_you_mean(word),
-                )
-            )
+            _look(run, rap, word, asked.span, known[id(rap)])
+    traced: dict[int, Suggestions] = {}
+    for chosen in index.of(nodes.MethodChosen):
+        named, test = run.library.raps.get(chosen.node.rap), chosen.owner
+        # A world may bring a solver along, whose methods nobody knows before.
+        if named is not None and isinstance(test, nodes.DefineTest) and not test.world:
+            if id(named) not in traced:
+                traced[id(named)] = _names_in_traces(named)
+            place = word_span(run.library.files, chosen.node.span, 2)
+            _look(run, named, chosen.node.method, place, traced[id(named)])
 
 
 ANALYZER = Analyzer(
     name="unknown-method",
     doc="Finds questions about methods that the RAP does not have.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(INDEX,),
     rules=(UNKNOWN,),
 )
+
+
+def _look(
+    run: Pass, rap: nodes.DefineRap, name: str, place: Span, known: Suggestions
+) -> None:
+    """Report a method's name if the RAP does not have it."""
+    if name not in known:
+        run.report(
+            Diagnostic(
+                rule=UNKNOWN.name,
+                message=f"`{rap.name}` has no method called `{name}`",
+                span=place,
+                help=known.did_you_mean(name),
+            )
+        )

@@ -6,9 +6,8 @@ T 4.2 and 4.5.2: a step is a pattern that must match the index of a RAP.
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.names import Names
-from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.unknown import Unknown
+from rapc.analysis.index import INDEX
+from rapc.analysis.named import MISUSES, Misuse, UnknownNames, misuses
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.values import format_list
 from rapc.ir import nodes
@@ -54,53 +53,39 @@ after `=>` as many outputs. An output that is not needed is written `?`.""",
 
 
 def _run(run: Pass) -> None:
-    raps = run.library.raps
-    advice = "define it, or `require` the file that does"
-    unknown = Unknown(UNKNOWN, "no RAP is called `{}`", Names(raps), advice)
-    for use in run.result(OCCURRENCES).of(nodes.Goal):
-        rap = raps.get(use.node.name)
-        if rap is None:
-            place = word_span(run.library.files, use.node.span, 0)
-            unknown.add(use.node.name, place)
-        else:
-            is_rule = type(use.parent) is nodes.MemoryRule
-            _check_arity(run, use.node, rap, outputs_optional=is_rule)
+    unknown = UnknownNames(UNKNOWN)
+    for one in misuses(run, ("goal",), "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    for chosen in run.result(INDEX).of(nodes.MethodChosen):
+        name = chosen.node.rap
+        if name not in run.signatures.raps:
+            place = word_span(run.library.files, chosen.node.span, 1)
+            unknown.add(run.signatures.unknown("goal", name), place, chosen.owner)
     unknown.report(run)
+    for one in misuses(run, ("goal",), "arguments"):
+        run.report(_misfit(run, one))
 
 
 ANALYZER = Analyzer(
     name="unknown-rap",
     doc="Finds steps and memory rules whose RAP is not defined, or is not met.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(INDEX, MISUSES),
     rules=(UNKNOWN, ARITY),
 )
 
 
-def _check_arity(
-    run: Pass, goal: nodes.Goal, rap: nodes.DefineRap, *, outputs_optional: bool
-) -> None:
-    faults = []
-    if len(goal.args) != len(rap.inputs):
-        faults.append(_counts(len(rap.inputs), "input", len(goal.args)))
-    if len(goal.outputs) != len(rap.outputs) and (goal.outputs or not outputs_optional):
-        faults.append(_counts(len(rap.outputs), "output", len(goal.outputs)))
-    if faults:
-        arrow = ["=>", *(v.name for v in rap.outputs)] if rap.outputs else []
-        index = format_list([rap.name, *(v.name for v in rap.inputs), *arrow])
-        run.report(
-            Diagnostic(
-                rule=ARITY.name,
-                message=f"`{goal.name}` has {' and '.join(faults)}",
-                span=goal.span,
-                labels=(Label(rap.name_span, f"its index is `{index}`"),),
-                help="write `?` after `=>` for an output that is not needed"
-                if not goal.outputs and "output" in faults[-1]
-                else "",
-            )
-        )
-
-
-def _counts(wanted: int, what: str, given: int) -> str:
-    plural = "" if wanted == 1 else "s"
-    return f"{wanted or 'no'} {what}{plural}, not {given}"
+def _misfit(run: Pass, one: Misuse) -> Diagnostic:
+    used, rap = one.used, run.library.raps[one.used.name]
+    arrow = ["=>", *(v.name for v in rap.outputs)] if rap.outputs else []
+    index = format_list([rap.name, *(v.name for v in rap.inputs), *arrow])
+    lacks_outputs = used.outputs == 0 and rap.outputs
+    return Diagnostic(
+        rule=ARITY.name,
+        message=one.fault.message,
+        span=used.span,
+        labels=(Label(rap.name_span, f"its index is `{index}`"),),
+        help="write `?` after `=>` for an output that is not needed"
+        if lacks_outputs
+        else "",
+    )

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.names import Names
-from rapc.analysis.occurrences import Occurrences
-from rapc.analysis.passes.occurrences import OCCURRENCES
-from rapc.analysis.unknown import Unknown
-from rapc.base.diagnostics import Rule, Severity
+from rapc.analysis.index import INDEX, Index
+from rapc.analysis.named import UnknownNames, declared_at
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import Suggestions
 from rapc.ir import nodes
 from rapc.library.library import Library
+from rapc.library.signatures import Fault
 
 UNKNOWN = Rule(
     code="RAP022",
@@ -47,21 +47,28 @@ REASONS = ("okay", "no-method", "interference", "futile-loop", "signal")
 
 def _run(run: Pass) -> None:
     known = {*REASONS, *_declared(run.library)}
-    names = Names(known)
-    unknown = Unknown(UNKNOWN, "nothing returns the result `{}`", names)
-    for constant in _asked(run.result(OCCURRENCES)):
+    names = Suggestions(known)
+    unknown = UnknownNames(UNKNOWN)
+    for constant, owner in _asked(run.result(INDEX)):
         value = constant.value
         if not isinstance(value, str) or value not in known:
-            place = constant.span
-            unknown.add(value if isinstance(value, str) else str(value), place)
+            message = f"nothing returns the result `{value}`"
+            fault = Fault("unknown", message, names.did_you_mean(str(value)))
+            unknown.add(fault, constant.span, owner)
     unknown.report(run)
+    for row in run.result(INDEX).of(nodes.ScriptRow):
+        answered = row.node.kind == "request" and not row.node.refused
+        result = row.node.result or "okay"
+        wrong = run.signatures.no_result(row.node.request.name, result)
+        if wrong is not None and answered:
+            run.report(_no_result(run, row.node, wrong))
 
 
 ANALYZER = Analyzer(
     name="unknown-result",
     doc="Finds questions about results that nothing can return.",
     run=_run,
-    needs=(OCCURRENCES,),
+    needs=(INDEX,),
     rules=(UNKNOWN,),
 )
 
@@ -73,23 +80,38 @@ def _declared(library: Library) -> Iterator[str]:
         yield name.removeprefix(":")
 
 
-def _asked(occurrences: Occurrences) -> Iterator[nodes.Const]:
-    """Every constant that stands for a result."""
+def _asked(index: Index) -> Iterator[tuple[nodes.Const, nodes.Node]]:
+    """Every constant that stands for a result, with its top-level form."""
     bound: set[tuple[int, str]] = set()
-    for use in occurrences.of(nodes.HistoryTest):
+    for use in index.of(nodes.HistoryTest):
         if use.node.query != "method-tried":
             result = use.node.args[-1]
             if type(result) is nodes.Const:
-                yield result
+                yield result, use.owner
             elif type(result) is nodes.Var:
                 bound.add((id(use.owner), result.name))
-    for test in occurrences.of(nodes.Compare) if bound else ():
+    for test in index.of(nodes.Compare) if bound else ():
         sides = (test.node.left, test.node.right)
         for one, other in (sides, sides[::-1]):
             asked = type(one) is nodes.Var and (id(test.owner), one.name) in bound
             if asked and type(other) is nodes.Const:
-                yield other
-    for case in occurrences.of(nodes.ResultCase):
+                yield other, test.owner
+    for case in index.of(nodes.ResultCase):
         expected = case.node.result
         if isinstance(expected, nodes.Const) and expected.value != "succeed":
-            yield expected
+            yield expected, case.owner
+    for fails in index.of(nodes.Fails):
+        if isinstance(fails.node.result, nodes.Const):
+            yield fails.node.result, fails.owner
+
+
+def _no_result(run: Pass, row: nodes.ScriptRow, wrong: Fault) -> Diagnostic:
+    assert wrong.declared is not None
+    place = declared_at(run, wrong.declared)
+    return Diagnostic(
+        rule=UNKNOWN.name,
+        message=wrong.message,
+        span=row.span,
+        labels=(Label(place, "its results are declared here"),),
+        help=wrong.help,
+    )

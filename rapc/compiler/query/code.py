@@ -17,8 +17,8 @@ from typing import Any
 
 from rapc.compiler.query import builtin
 from rapc.compiler.query.plan_steps import AccessPath, PlanStep
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
+from rapc.library.signatures import Signatures
 
 MAX_LOOPS = 12
 """Loops nested in one function; CPython allows 20 blocks."""
@@ -51,18 +51,18 @@ class CodeWriter:
     """The code of one variant of a query while it is written: functions and constants.
 
     Args:
-        vocabulary: the declarations.
+        signatures: the declarations.
         where: the clause's name for faults, with its place in the source.
         later: makes a query of a part of the formula, compiled when it is asked.
     """
 
     def __init__(
         self,
-        vocabulary: Vocabulary,
+        signatures: Signatures,
         where: str,
         later: Callable[[nodes.Formula], object],
     ) -> None:
-        self.vocabulary = vocabulary
+        self.signatures = signatures
         self.later = later
         #: What the code is handed, in order: `k1`, `k2` and so on in its text.
         self.constants: list[object] = []

@@ -22,15 +22,15 @@ from rapc.compiler.query.term_code import (
     match,
     registered,
 )
-from rapc.compiler.vocabulary import Relation
 from rapc.ir import nodes
+from rapc.library.signatures import Signature
 
 
 class _Query(msgspec.Struct, frozen=True):
     """A pattern with the expressions of its known arguments (None: unknown)."""
 
     formula: nodes.Formula
-    relation: Relation
+    relation: Signature
     args: tuple[nodes.Term, ...]
     known: tuple[str | None, ...]
     age: nodes.Term | None
@@ -67,10 +67,10 @@ class _Query(msgspec.Struct, frozen=True):
 
 def pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
     """A proposition, a property, or a declared function used as a test."""
-    relation = fn.code.vocabulary.relations.get(formula.name)
+    relation = fn.code.signatures.relations.get(formula.name)
     if relation is not None:
         _fact(fn, relation, formula, formula)
-    elif formula.name in fn.code.vocabulary.functions:
+    elif formula.name in fn.code.signatures.functions:
         fn.code.note(formula, AccessPath.TEST)
         args = arguments(fn, formula.args)
         if args is not None:
@@ -85,7 +85,7 @@ def pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
 
 def believe(fn: FunctionWriter, formula: nodes.Believe) -> None:
     """A pattern with a limit on its age, or asking for it (T 2.2.3)."""
-    relation = fn.code.vocabulary.relations.get(formula.pattern.name)
+    relation = fn.code.signatures.relations.get(formula.pattern.name)
     if relation is None:
         pattern(fn, formula.pattern)
     else:
@@ -94,7 +94,7 @@ def believe(fn: FunctionWriter, formula: nodes.Believe) -> None:
 
 def _fact(
     fn: FunctionWriter,
-    relation: Relation,
+    relation: Signature,
     wanted: nodes.Proposition,
     formula: nodes.Proposition | nodes.Believe,
 ) -> None:
@@ -203,7 +203,7 @@ def _scan(fn: FunctionWriter, query: _Query) -> None:
     fact = fn.code.fresh("f")
     fn.loop(f"for {fact} in {_candidates(fn, query, places)}:")
     size = len(query.args)
-    if query.relation.arity is None:
+    if query.relation.most is None:
         fn.skip_unless(f"len({fact}) == {size + 1}")
     for at in rest:
         fn.skip_if(f"{fact}[{at}] != {query.known[at - 1]}")

@@ -85,8 +85,8 @@ from rapc.compiler.query.code import (
 )
 from rapc.compiler.query.context import Bindings, Context
 from rapc.compiler.query.plan_steps import PlanStep
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
+from rapc.library.signatures import Signatures
 
 
 class QueryingContext(Context, Protocol):
@@ -102,19 +102,19 @@ class Query:
 
     Args:
         formula: what is asked.
-        vocabulary: the declarations that say what its names mean.
+        signatures: the declarations that say what its names mean.
         where: the clause's name for faults, with its place in the source.
     """
 
-    __slots__ = ("_variants", "_vocabulary", "formula", "variables", "where")
+    __slots__ = ("_signatures", "_variants", "formula", "variables", "where")
 
     def __init__(
-        self, formula: nodes.Formula, vocabulary: Vocabulary, where: str
+        self, formula: nodes.Formula, signatures: Signatures, where: str
     ) -> None:
         self.formula = formula
         self.where = where
         self.variables = formulas.variables(formula)
-        self._vocabulary = vocabulary
+        self._signatures = signatures
         self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
     def bind(self, ctx: QueryingContext) -> BoundQuery:
@@ -175,7 +175,7 @@ class Query:
         self, inputs: tuple[str, ...], mode: ResultMode, by_place: bool
     ) -> tuple[CodeWriter, tuple[str, ...]]:
         """Write the code for some bound variables; return it with those it binds."""
-        code = CodeWriter(self._vocabulary, self.where, self._later)
+        code = CodeWriter(self._signatures, self.where, self._later)
         fn = FunctionWriter(code, "query", inputs, mode)
         fn.head = _head_by_place(fn) if by_place else _head_by_name(fn)
         found: set[str] = set()
@@ -190,7 +190,7 @@ class Query:
         return code, tuple(n for n in self.variables if n in found)
 
     def _later(self, part: nodes.Formula) -> Query:
-        return Query(part, self._vocabulary, self.where)
+        return Query(part, self._signatures, self.where)
 
 
 def _head_by_place(fn: FunctionWriter) -> list[str]:

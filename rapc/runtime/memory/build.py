@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import msgspec
 
 from rapc.base.values import Atom
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.library.library import Library
+from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory
@@ -27,19 +27,19 @@ class Assembled(msgspec.Struct, frozen=True):
 
 def assemble(
     library: Library,
-    vocabulary: Vocabulary,
+    signatures: Signatures,
     recorder: Recorder,
     comparators: Mapping[str, Comparator],
     max_layers: int = MAX_LAYERS,
 ) -> Assembled:
-    """The memory of a linked library and its vocabulary.
+    """The memory of a linked library and its signatures.
 
     `comparators` holds every comparator in Python that the library names.
     """
     classes = library.indistinct
     sets: dict[tuple[str, Atom], ExpectationSet] = {}
     declared = library.properties.values()
-    memory = Memory(vocabulary, recorder, declared, classes, sets)
+    memory = Memory(signatures, recorder, declared, classes, sets)
     scores = Scores(classes.values(), library.comparators, comparators)
     recognizer = Recognizer(memory, recorder, tuple(classes), scores, max_layers, sets)
     if classes:

@@ -7,16 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rapc.base.names import counted
 from rapc.base.values import Atom, Fact, Text, format_list, number
-from rapc.compiler.vocabulary import Relation
 from rapc.errors import FactError
+from rapc.library.signatures import Signature
 
 _KINDS = frozenset((str, int, float, Text))
 """The types of what may stand in a fact."""
 
 
-def full_form(fact: Fact, relations: Mapping[str, Relation]) -> Fact:
+def full_form(fact: Fact, relations: Mapping[str, Signature]) -> Fact:
     """A fact as it is kept: numbers in their one form, no value left out.
 
     Raises:
@@ -25,24 +24,21 @@ def full_form(fact: Fact, relations: Mapping[str, Relation]) -> Fact:
     relation = relations.get(fact[0]) if fact and type(fact[0]) is str else None
     if relation is None:
         raise _undeclared(fact)
-    size = relation.arity
     for part in fact:
         if type(part) is not str and type(part) is not int:
             fact = tuple([_in_one_form(part) for part in fact])
             break
-    if size == len(fact) > 1 and relation.is_property:
-        fact = (*fact, "true")
-    if size is not None and len(fact) - 1 != size:
-        raise FactError(
-            f"`{relation.name}` takes {counted(size, 'argument')}, "
-            f"not {len(fact) - 1}: {format_list(fact)}"
-        )
-    if relation.is_property and len(fact) == 1:
-        raise FactError(f"the property `{relation.name}` needs a value")
+    given, most = len(fact) - 1, relation.most
+    if given != most:
+        wrong = relation.miscount(given)
+        if wrong is not None:
+            raise FactError(f"{wrong}: {format_list(fact)}")
+        if most is not None:
+            fact = (*fact, "true")
     return fact
 
 
-def check_prefix(prefix: Fact, relations: Mapping[str, Relation]) -> None:
+def check_prefix(prefix: Fact, relations: Mapping[str, Signature]) -> None:
     """See that facts may begin so. Raises FactError."""
     if not prefix or type(prefix[0]) is not str or prefix[0] not in relations:
         raise _undeclared(prefix)

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.base.values import Atom, Fact
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
+from rapc.library.signatures import Signatures
 from rapc.runtime.memory.store import FactStore
 
 Shape = tuple[str | nodes.Const, ...]
@@ -55,7 +55,7 @@ class Exclusions:
     def __init__(
         self,
         properties: Iterable[nodes.DeclareProperty],
-        vocabulary: Vocabulary,
+        signatures: Signatures,
         facts: FactStore,
     ) -> None:
         self._facts = facts
@@ -63,7 +63,7 @@ class Exclusions:
         for declared in properties:
             for exclusion in declared.excludes:
                 one = _owner(declared, exclusion)
-                other = _excluded(exclusion.pattern, vocabulary)
+                other = _excluded(exclusion.pattern, signatures)
                 self._pairs.setdefault(one.name, []).append((one, other))
                 self._pairs.setdefault(other.name, []).append((other, one))
 
@@ -95,8 +95,8 @@ def _owner(declared: nodes.DeclareProperty, exclusion: nodes.Exclusion) -> _Side
     return _Side(declared.name, (*names, nodes.Const(exclusion.value)))
 
 
-def _excluded(pattern: nodes.Proposition, vocabulary: Vocabulary) -> _Side:
-    relation = vocabulary.relations.get(pattern.name)
+def _excluded(pattern: nodes.Proposition, signatures: Signatures) -> _Side:
+    relation = signatures.relations.get(pattern.name)
     args: list[str | nodes.Const] = []
     for term in pattern.args if relation is None else relation.full(pattern.args):
         if isinstance(term, nodes.Var) and not term.anonymous:

@@ -110,7 +110,7 @@ class Gate(MemoryView):
         memory = self._memory
         if prefix and prefix[0] in _BY_HANDLERS:
             self.check_owner(memory.canonical(prefix))
-        check_prefix(prefix, memory.vocabulary.relations)
+        check_prefix(prefix, memory.signatures.relations)
         if memory.items.aliases:
             prefix = memory.canonical(prefix)
         for fact in memory.facts.starting(prefix):

@@ -14,8 +14,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Any, Final, Protocol
 
 from rapc.base.values import Atom, Fact
-from rapc.compiler.vocabulary import Vocabulary
 from rapc.ir import nodes
+from rapc.library.signatures import Signatures
 from rapc.runtime.events.events import FactAsserted, FactErased
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.checking import full_form
@@ -65,7 +65,7 @@ class Memory:
     """All that the robot believes.
 
     Args:
-        vocabulary: the declarations; nothing undeclared gets in.
+        signatures: the declarations; nothing undeclared gets in.
         recorder: is told of each change; its time is the stamp of new facts.
         properties: the declared properties, for what they exclude.
         indistinct: the classes whose items are recognised by comparison.
@@ -74,19 +74,19 @@ class Memory:
 
     def __init__(
         self,
-        vocabulary: Vocabulary,
+        signatures: Signatures,
         recorder: Recorder,
         properties: Iterable[nodes.DeclareProperty] = (),
         indistinct: Collection[str] = (),
         expected: Mapping[tuple[str, Atom], Sized] | None = None,
     ) -> None:
-        self.vocabulary = vocabulary
-        self.facts = FactStore(vocabulary.relations.get)
+        self.signatures = signatures
+        self.facts = FactStore(signatures.relations.get)
         self.items = Items()
         self.notations = Notations()
         #: Where the robot is: the place last given to `arrive`.
         self.place: Atom | None = None
-        exclusions = Exclusions(properties, vocabulary, self.facts)
+        exclusions = Exclusions(properties, signatures, self.facts)
         #: Which facts cannot stand beside which; None if nothing excludes anything.
         self.exclusions: Exclusions | None = exclusions if exclusions else None
         #: The facts that speak of items of indistinct classes; None without such.
@@ -160,7 +160,7 @@ class Memory:
         Raises:
             FactError: if the declarations do not allow it.
         """
-        fact = full_form(fact, self.vocabulary.relations)
+        fact = full_form(fact, self.signatures.relations)
         return self.canonical(fact) if self.items.aliases else fact
 
     def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:

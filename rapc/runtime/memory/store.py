@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from rapc.base.values import Atom, Fact
-from rapc.compiler.vocabulary import Relation
+from rapc.library.signatures import Signature
 from rapc.world import Time
 
 NEVER: Time = float("-inf")
@@ -33,9 +33,9 @@ class Table:
 
     __slots__ = ("_indexes", "is_property", "length", "spread", "stamps", "values")
 
-    def __init__(self, relation: Relation | None) -> None:
+    def __init__(self, relation: Signature | None) -> None:
         self.is_property = relation is not None and relation.is_property
-        arity = None if relation is None else relation.arity
+        arity = None if relation is None else relation.most
         self.length = None if arity is None else arity + 1
         self.stamps: dict[Fact, Time] = {}
         self.values: dict[Any, Fact] = {}
@@ -92,7 +92,7 @@ class FactStore:
         relation: the declaration of a name, if there is one.
     """
 
-    def __init__(self, relation: Callable[[str], Relation | None]) -> None:
+    def __init__(self, relation: Callable[[str], Signature | None]) -> None:
         self.tables: dict[Atom, Table] = {}
         self._relation = relation
 

@@ -87,7 +87,7 @@ class Recognizer:
             return
         if fact[0] == "class" and fact[2] == item.kind:
             return
-        relation = self._memory.vocabulary.relations[str(fact[0])]
+        relation = self._memory.signatures.relations[str(fact[0])]
         index, value = (fact[0], *fact[2:-1]), fact[-1]
         if relation.is_property and item.values.get(index) != (value if there else ""):
             item.learn(index, value if there else None)

@@ -1,0 +1,190 @@
+"""The index of a library: each node by its type, each name with its uses.
+
+The pass `index` gathers the nodes once for all others, in the order of the text, each
+with its parent, which tells what part it plays, and with the top-level form that it
+stands in. What a name means is for `rapc.library.signatures` to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Generic, TypeVar, cast
+
+import msgspec
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.base.source import SourceFile, Span
+from rapc.ir import nodes
+from rapc.ir.walk import CHILDREN
+from rapc.library.library import Library, word_span
+from rapc.library.signatures import Use
+from rapc.parser.names import CALLS
+
+N = TypeVar("N", bound=nodes.Node)
+P = TypeVar("P", bound=nodes.Pattern)
+
+Form = nodes.TopForm | nodes.DefineTest
+"""A top-level form of a file."""
+
+
+class Occurrence(msgspec.Struct, Generic[N], frozen=True, gc=False):
+    """A node where it stands."""
+
+    node: N
+    #: The node that holds it.
+    parent: nodes.Node
+    #: The top-level form that it stands in.
+    owner: Form
+
+
+class NameUse(msgspec.Struct, frozen=True, gc=False):
+    """A place where a name is used that somebody has to declare."""
+
+    use: Use
+    name: str
+    #: How many arguments (inputs of a RAP) stand behind the name.
+    count: int
+    #: What the name stands in.
+    node: nodes.Pattern | nodes.Goal | nodes.Call | nodes.WaitFor | nodes.EventRule
+    #: The top-level form that it stands in.
+    owner: Form
+    #: How many outputs of a RAP are taken; None where none are named.
+    outputs: int | None = None
+
+    @property
+    def span(self) -> Span:
+        """The list that the name heads, or what else holds the name."""
+        return self.node.span
+
+    def place(self, files: Mapping[str, SourceFile]) -> Span:
+        """Return where the name stands, or what holds it if it heads no list."""
+        heads = not isinstance(self.node, nodes.WaitFor | nodes.EventRule)
+        return word_span(files, self.span, 0) if heads else self.span
+
+
+class Index:
+    """The nodes of a library by type; constants are left out.
+
+    Args:
+        library: the library; its tests are part of it.
+    """
+
+    def __init__(self, library: Library) -> None:
+        self._by_type: dict[type, list[Occurrence[nodes.Node]]] = {
+            kind: [] for kind in CHILDREN
+        }
+        for form in (*library.forms, *library.tests):
+            self._add(form, form, form)
+
+    def of(self, kind: type[N]) -> Sequence[Occurrence[N]]:
+        """Return all nodes of one type, in the order of the text."""
+        return cast(Sequence[Occurrence[N]], self._by_type.get(kind, ()))
+
+    def uses(self) -> Iterator[NameUse]:
+        """Yield each place where a declared name is used."""
+        for proposition in self.of(nodes.Proposition):
+            use = _use(proposition.node, proposition.parent)
+            if use is not None:
+                yield _list_use(use, proposition)
+        for kind, use in _SENT.items():
+            for sent in self.of(kind):
+                yield _list_use(use, sent)
+        for goal in self.of(nodes.Goal):
+            yield _goal_use(goal)
+        for call in self.of(nodes.Call):
+            if call.node.function not in CALLS:
+                yield _call_use(call)
+        for wait in self.of(nodes.WaitFor):
+            yield _signal_use(wait.node, wait.owner)
+        for rule in self.of(nodes.EventRule):
+            yield _signal_use(rule.node, rule.owner)
+        for row in self.of(nodes.ScriptRow):
+            yield from _row_uses(row.node, row.owner)
+
+    def _add(self, node: nodes.Node, parent: nodes.Node, owner: Form) -> None:
+        kind = type(node)
+        self._by_type[kind].append(Occurrence(node, parent, owner))
+        for field in CHILDREN[kind]:
+            value = getattr(node, field)
+            if type(value) is tuple:
+                for child in value:
+                    if type(child) is not nodes.Const:
+                        self._add(child, node, owner)
+            elif value is not None and type(value) is not nodes.Const:
+                self._add(value, node, owner)
+
+
+def _run(run: Pass) -> Index:
+    return Index(run.library)
+
+
+INDEX = Analyzer(
+    name="index",
+    doc="Gathers every node of the library by its type.",
+    run=_run,
+)
+
+
+# --- how a name is used -----------------------------------------------------------
+
+
+def _list_use(use: Use, found: Occurrence[P]) -> NameUse:
+    node = found.node
+    return NameUse(use, node.name, len(node.args), node, found.owner)
+
+
+def _call_use(found: Occurrence[nodes.Call]) -> NameUse:
+    call = found.node
+    return NameUse("computed", call.function, len(call.args), call, found.owner)
+
+
+def _signal_use(node: nodes.WaitFor | nodes.EventRule, owner: Form) -> NameUse:
+    return NameUse("event", node.signal, len(node.args), node, owner)
+
+
+def _goal_use(found: Occurrence[nodes.Goal]) -> NameUse:
+    """A step takes every output; a rule and a test need not name any."""
+    goal, parent = found.node, found.parent
+    outputs: int | None = len(goal.outputs)
+    if type(parent) is nodes.Succeeds:
+        outputs = len(parent.outputs) or None
+    elif type(parent) is not nodes.Step:
+        outputs = outputs or None
+    return NameUse("goal", goal.name, len(goal.args), goal, found.owner, outputs)
+
+
+def _row_uses(row: nodes.ScriptRow, owner: Form) -> Iterator[NameUse]:
+    """The facts of a row, of which its node alone tells which are erased."""
+    for fact in row.asserts:
+        yield NameUse("asserted", fact.name, len(fact.args), fact, owner)
+    for fact in row.erases:
+        yield NameUse("erased", fact.name, len(fact.args), fact, owner)
+
+
+def _use(fact: nodes.Proposition, parent: nodes.Node) -> Use | None:
+    """Say how a proposition in `parent` is used; None where `parent` tells better."""
+    if type(parent) is nodes.Method:
+        return "test" if fact is parent.context else "asserted"
+    if type(parent) is nodes.RuleAction:
+        return "asserted" if parent.op == "mem-add" else "erased"
+    return _USES.get(type(parent), "test")
+
+
+_USES: Mapping[type, Use | None] = {
+    nodes.Believe: "believed",
+    nodes.DeclaredEffect: "asserted",
+    nodes.Exclusion: "asserted",
+    nodes.DefineTest: "asserted",
+    nodes.ScriptRow: None,
+    nodes.Asserts: "asserted",
+    nodes.Erases: "erased",
+}
+"""The uses of propositions that their parents alone tell; all others are tests."""
+
+_SENT: Mapping[type[nodes.Pattern], Use] = {
+    nodes.Request: "primitive",
+    nodes.Datum: "datum",
+    nodes.Skill: "skill",
+    nodes.Signal: "event",
+}
+"""The uses of what is sent to a world or comes from it."""

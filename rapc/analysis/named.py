@@ -1,0 +1,136 @@
+"""Every use of a name that does not meet its declaration, found once for all passes.
+
+The signature table (`rapc.library.signatures`) says what is wrong; here each fault gets
+its place. The passes `unknown-rap`, `undeclared-predicate`, `functions`, `primitives`,
+`signals` and their like choose the faults that are theirs and report them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Sequence
+
+import msgspec
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX, NameUse
+from rapc.base.diagnostics import Diagnostic, Label, Rule
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.library.library import word_span
+from rapc.library.signatures import Fault, Signature, Use
+
+_SHOWN = 2
+"""How many places are shown besides the first one."""
+
+
+class Misuse(msgspec.Struct, frozen=True):
+    """A use of a name, and what is wrong with it."""
+
+    used: NameUse
+    fault: Fault
+
+
+def _run(run: Pass) -> Sequence[Misuse]:
+    faults = run.signatures.fault
+    found: list[Misuse] = []
+    for used in run.result(INDEX).uses():
+        fault = faults(used.use, used.name, used.count, used.outputs)
+        if fault is not None:
+            found.append(Misuse(used, fault))
+    return found
+
+
+MISUSES = Analyzer(
+    name="misuses",
+    doc="Holds every use of a name against its declaration.",
+    run=_run,
+    needs=(INDEX,),
+)
+
+
+def misuses(run: Pass, uses: Container[Use], sort: str) -> Iterator[Misuse]:
+    """Yield the faults of one sort in some uses, in the order of the text by use."""
+    for one in run.result(MISUSES):
+        if one.used.use in uses and one.fault.sort == sort:
+            yield one
+
+
+def report_unknown(run: Pass, rule: Rule, uses: Container[Use]) -> None:
+    """Report the unknown names among some uses, as findings of `rule`."""
+    unknown = UnknownNames(rule)
+    for one in misuses(run, uses, "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    unknown.report(run)
+
+
+def report_arguments(run: Pass, rule: Rule, uses: Container[Use]) -> None:
+    """Report the uses with another number of arguments than was declared."""
+    for one in misuses(run, uses, "arguments"):
+        declared = one.fault.declared
+        assert declared is not None
+        label = Label(
+            declared_at(run, declared), f"declared here as `{declared.written}`"
+        )
+        run.report(
+            Diagnostic(rule.name, one.fault.message, one.used.span, labels=(label,))
+        )
+
+
+def report_kind(run: Pass, rule: Rule, one: Misuse) -> None:
+    """Report a use of a name that is declared as something else."""
+    declared = one.fault.declared
+    assert declared is not None
+    files = run.library.files
+    place = one.used.span if one.used.use == "computed" else one.used.place(files)
+    label = Label(declared_at(run, declared), "declared here")
+    run.report(
+        Diagnostic(
+            rule.name, one.fault.message, place, labels=(label,), help=one.fault.help
+        )
+    )
+
+
+def declared_at(run: Pass, signature: Signature) -> Span:
+    """Return where a name of the library is declared."""
+    if signature.kind == "RAP":
+        return signature.span
+    return word_span(run.library.files, signature.span, 1)
+
+
+class UnknownNames:
+    """The uses of unknown names: one finding for each name, however often it is used.
+
+    Args:
+        rule: the rule they break.
+    """
+
+    def __init__(self, rule: Rule) -> None:
+        self._rule = rule
+        self._uses: dict[tuple[str, int], tuple[Fault, list[Span]]] = {}
+
+    def add(self, fault: Fault, span: Span, owner: nodes.Node) -> None:
+        """Note one more use of an unknown name, in the top-level form `owner`.
+
+        A test is run by itself, so each has findings of its own.
+        """
+        test = id(owner) if type(owner) is nodes.DefineTest else 0
+        self._uses.setdefault((fault.message, test), (fault, []))[1].append(span)
+
+    def report(self, run: Pass) -> None:
+        """Report them, unless names may be unknown for want of a file."""
+        if run.complete:
+            for fault, spans in self._uses.values():
+                run.report(self._finding(fault, spans))
+
+    def _finding(self, fault: Fault, spans: Sequence[Span]) -> Diagnostic:
+        first, *further = spans
+        left = len(further) - _SHOWN
+        places = "one more place" if left == 1 else f"{left} more places"
+        return Diagnostic(
+            rule=self._rule.name,
+            message=fault.message,
+            span=first,
+            labels=tuple(Label(s, "also used here") for s in further[:_SHOWN]),
+            notes=(f"it is used in {places}",) if left > 0 else (),
+            help=fault.help,
+        )

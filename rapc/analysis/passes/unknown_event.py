@@ -1,0 +1,66 @@
+"""RAP077: expectations of a test about events that no trace ever holds."""
+
+from __future__ import annotations
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.names import Suggestions
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.language.trace_events import COMMON, KEYS
+from rapc.library.library import word_span
+
+UNKNOWN = Rule(
+    code="RAP077",
+    name="unknown-event",
+    severity=Severity.ERROR,
+    summary="a test expects an event, or a key of one, that no trace ever holds",
+    why="""`(trace (event :key value...)...)` holds if the trace has such events in that
+order. The names of events and of their keys are those of the trace; one that is spelled
+otherwise is never found.""",
+    example="""\
+(define-rap (wait))
+(define-test waits
+  (task (wait))
+  (expect (trace (task-succeded :goal (wait)))))
+""",
+    better="""\
+(define-rap (wait))
+(define-test waits
+  (task (wait))
+  (expect (trace (task-succeeded :goal (wait)))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    events = Suggestions(KEYS)
+    keys: dict[str, Suggestions] = {}
+    for found in run.result(INDEX).of(nodes.EventPattern):
+        pattern = found.node
+        place = word_span(run.library.files, pattern.span, 0)
+        if pattern.event not in KEYS:
+            help_ = events.did_you_mean(pattern.event, "`docs/trace.md` lists them")
+            _report(run, f"no event is called `{pattern.event}`", place, help_)
+            continue
+        if pattern.event not in keys:
+            keys[pattern.event] = Suggestions((*COMMON, *KEYS[pattern.event]))
+        known = keys[pattern.event]
+        for key, _ in pattern.keys:
+            if key not in known:
+                message = f"`{pattern.event}` has no key `{key}`"
+                _report(run, message, pattern.span, known.did_you_mean(key))
+
+
+def _report(run: Pass, message: str, place: Span, help_: str) -> None:
+    run.report(Diagnostic(UNKNOWN.name, message, place, help=help_))
+
+
+ANALYZER = Analyzer(
+    name="unknown-event",
+    doc="Finds events and keys of events in tests that no trace ever holds.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(UNKNOWN,),
+)
