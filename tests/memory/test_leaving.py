@@ -19,7 +19,7 @@ def _set(rows: Rows, layers: int) -> ExpectationSet:
     """A set whose descriptions each have a mark and stand in some layers, as bits."""
     found = ExpectationSet("drum", "depot")
     for _ in range(layers):
-        found.new_layer()
+        found.new_layer(len(found.layers) + 1)
     for number, (mark, stands) in enumerate(rows, 1):
         name = f"item-{number}" if mark else ""
         description = Description(number, name, "", "drum")

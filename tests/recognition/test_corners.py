@@ -70,6 +70,21 @@ def test_containers_that_are_one_hold_together_what_each_held(side: Side) -> Non
     assert side.picture().facts["location", "@4", "@1"] == 5
 
 
+def test_layers_of_containers_that_are_one_stand_oldest_first(side: Side) -> None:
+    story = Story(side, "drum")
+    story.see("dock", {"1": {"color": "red"}, "2": {"color": "blue"}}, kind="box")
+    story.leave()
+    story.see("dock", {"5": {"size": 1}, "6": {"size": 2}}, kind="box")
+    story.see("@5", {"7": {"size": 3}, "8": {"size": 4}})
+    story.leave()
+    story.see("@1", {"3": {"size": 1}, "4": {"size": 2}})
+    story.leave()
+    merged = story.look("5", "color", "red")
+    assert merged == [("@1", "@5", 20, 10), ("@2", "@6", 10, None)]
+    layers = [items(layer) for layer in story.set("@1").layers]
+    assert layers == [{"@7", "@8"}, {"@3", "@4"}]
+
+
 def test_what_was_in_a_forgotten_box_does_not_come_back(side: Side) -> None:
     story = Story(side, "drum")
     story.see("dock", {"1": {"color": "red"}}, kind="box")

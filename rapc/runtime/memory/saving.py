@@ -39,7 +39,8 @@ class SetState(msgspec.Struct, frozen=True, array_like=True):
     kind: str
     place: Atom
     local: tuple[int, ...]
-    layers: tuple[tuple[int, ...], ...]
+    #: Each layer with its serial number, oldest first.
+    layers: tuple[tuple[int, tuple[int, ...]], ...]
 
 
 class MemoryState(msgspec.Struct, frozen=True):
@@ -68,8 +69,9 @@ class MemoryState(msgspec.Struct, frozen=True):
     unsettled: tuple[int, ...]
     #: The numbers of the descriptions whose place is unknown.
     lost: tuple[int, ...]
-    #: The number of the youngest description.
+    #: The numbers of the youngest description and of the latest layer.
     number: int
+    layers: int
 
 
 # --- capturing ---------------------------------------------------------------------
@@ -105,6 +107,7 @@ def capture(parts: Assembled) -> MemoryState:
         unsettled=tuple(position[h] for h in recognizer.unsettled if h in position),
         lost=tuple(d.number for d in recognizer.lost),
         number=recognizer.number,
+        layers=recognizer.layers,
     )
 
 
@@ -135,7 +138,7 @@ def _set(home: ExpectationSet) -> SetState:
         home.kind,
         home.place,
         _members(home.local),
-        tuple(_members(layer) for layer in home.layers),
+        tuple((layer.serial, _members(layer)) for layer in home.layers),
     )
 
 
@@ -185,16 +188,15 @@ def _restore_sets(
     parts: Assembled, state: MemoryState, by_number: dict[int, Description]
 ) -> None:
     recognizer = parts.recognizer
-    recognizer.number = state.number
+    recognizer.number, recognizer.layers = state.number, state.layers
     recognizer.sets.clear()
     made = []
     for each in state.sets:
         home = ExpectationSet(each.kind, each.place)
         made.append(home)
         recognizer.sets[each.kind, each.place] = home
-        rows = ((home.local, each.local), *((None, row) for row in each.layers))
-        for view, row in rows:
-            into = home.new_layer() if view is None else view
+        for serial, row in ((0, each.local), *each.layers):
+            into = home.new_layer(serial) if serial else home.local
             for number in row:
                 home.add(into, by_number[number])
     recognizer.unsettled.clear()

@@ -1,1 +1,1 @@
-"""Recognition: which description is of which item (T 2.3, semantics 7)."""
+"""Recognition: which description is of which item [T 2.3]."""

@@ -1,7 +1,7 @@
 """What a view offers for a match: its candidate groups, found without comparing all.
 
 Descriptions that are known by the same are a kind. Of a kind, those out of reach are
-identical and one group; each accessible one is a group of its own (semantics 7).
+identical and one group; each accessible one is a group of its own.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Group(msgspec.Struct, frozen=True, eq=False):
     `number` is that of the accessible one, 0 for the others.
     """
 
-    kind: Kind
+    kind: SameKnown
     number: int
 
     def same(self, other: Group) -> bool:
@@ -51,7 +51,7 @@ class Group(msgspec.Struct, frozen=True, eq=False):
         ]
 
 
-class Kind:
+class SameKnown:
     """The descriptions of a view that are known by the same.
 
     They are kept by the views in which they stand: which of them another one may be
@@ -102,32 +102,32 @@ class Kind:
         return Group(self, member.number if member.accessible else 0)
 
 
-NONE: tuple[Kind, ...] = ()
+NONE: tuple[SameKnown, ...] = ()
 
 
-class Offer:
+class Candidates:
     """The kinds of descriptions that a view offers, by what they are known by."""
 
     def __init__(self, members: Iterable[Description]) -> None:
-        self._kinds: dict[Known, Kind] = {}
-        self._having: dict[tuple[Fact, Atom], dict[Kind, None]] = {}
+        self._kinds: dict[Known, SameKnown] = {}
+        self._having: dict[tuple[Fact, Atom], dict[SameKnown, None]] = {}
         self._counts: dict[int, int] = {}
         for member in members:
             known = member.known
             kind = self._kinds.get(known)
             if kind is None:
-                kind = self._kinds[known] = Kind()
+                kind = self._kinds[known] = SameKnown()
                 for part in known:
                     self._having.setdefault(part, {})[kind] = None
             kind.add(member)
 
-    def kinds(self) -> Iterable[Kind]:
+    def kinds(self) -> Iterable[SameKnown]:
         """All kinds, in the order in which they came."""
         return self._kinds.values()
 
-    def sharing(self, x: Description) -> Collection[Kind]:
+    def sharing(self, x: Description) -> Collection[SameKnown]:
         """The kinds that have a known property in common with a description."""
-        found: dict[Kind, None] | None = None
+        found: dict[SameKnown, None] | None = None
         for part in x.known:
             having = self._having.get(part)
             if having is not None:

@@ -1,9 +1,9 @@
-"""Which descriptions go when an item leaves a set, in all layers at once (T 2.3.3).
+"""Which descriptions go when an item leaves a set, in all layers at once [T 2.3.3].
 
 The collection has a member of every candidate group in every layer to be served, so
 that what tells them apart can be made unknown; some of its members leave, so that
 each layer loses exactly one. The smallest collection is found exactly where there
-are few groups; above that, groups are hit greedily (semantics 7).
+are few groups; above that, groups are hit greedily.
 """
 
 from __future__ import annotations

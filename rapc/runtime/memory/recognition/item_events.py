@@ -1,4 +1,4 @@
-"""What the trace is told of items, and why (testing.md: item-merged and the rest)."""
+"""The events about items of indistinct classes (docs/trace.md, `item-merged`)."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from rapc.runtime.memory.recognition.matching import Match
 from rapc.runtime.memory.recognition.sets import Description
 
 
-class Teller:
+class ItemEvents:
     """Emits the events about items of indistinct classes."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
 
-    def tell(
+    def emit(
         self,
         kind: type[ItemEvent],
         item: Description,
@@ -25,7 +25,7 @@ class Teller:
         score: Number | None = None,
         rival: Number | None = None,
     ) -> None:
-        """Something happened to an item that now is at a place."""
+        """Emit an event about an item that is at `place` now."""
         if self._recorder.on:
             self._recorder.emit(
                 kind,
@@ -39,11 +39,11 @@ class Teller:
             )
 
     def merged(self, kept: Description, match: Match) -> None:
-        """A match was made; that an empty description was filled is not worth it."""
+        """Emit `item-merged`, unless one of the two descriptions was empty."""
         other = match.other if kept is match.one else match.one
         if not other.empty and kept.home is not None:
             place = kept.home.place
-            self.tell(
+            self.emit(
                 ItemMerged, kept, place, other.name, match.score, match.rival or None
             )
 
@@ -55,11 +55,14 @@ class Teller:
         before: str,
         gone: Collection | None,
     ) -> None:
-        """An item left its set, `before` its name then; `gone` is what it may be."""
+        """Emit that an item left its set.
+
+        `before` is the name it had there, `gone` the collection it may be of.
+        """
         if gone is None or not gone.leaving:
-            self.tell(kind, item, place)
+            self.emit(kind, item, place)
             return
         named = [member.name for member in gone.leaving if member.name != item.name]
         other = before if before not in ("", item.name) else None
         other = other or next((name for name in named if name), None)
-        self.tell(kind, item, place, other, gone.score, gone.rival or None)
+        self.emit(kind, item, place, other, gone.score, gone.rival or None)

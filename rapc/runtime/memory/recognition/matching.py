@@ -1,4 +1,4 @@
-"""The next identification that a set allows: the best maximal match (T 2.3.2, 2.3.3).
+"""The next identification that a set allows: the best maximal match [T 2.3.2, 2.3.3].
 
 Every ordered pair of views is looked at, local model first, then layers from latest
 to earliest; the first pair with matches gives the one that scores highest. Whether
@@ -13,7 +13,7 @@ from collections.abc import Iterable
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number
-from rapc.runtime.memory.recognition.candidates import Group, Kind, Offer
+from rapc.runtime.memory.recognition.candidates import Candidates, Group, SameKnown
 from rapc.runtime.memory.recognition.scoring import SHARED, Score
 from rapc.runtime.memory.recognition.sets import (
     Description,
@@ -92,15 +92,15 @@ def _best_of_pair(table: _Table, complete: bool) -> Match | None:
     return match
 
 
-def _offer(of: ExpectationSet, view: View, one: View) -> Offer:
+def _candidates(of: ExpectationSet, view: View, one: View) -> Candidates:
     """What a view offers to another, made anew only when it has changed."""
     shared = _shared(view, one)
-    known = of.offers.get((view.bit, shared))
+    known = of.candidates.get((view.bit, shared))
     if known is not None and known[0] == view.version:
-        found: Offer = known[1]
+        found: Candidates = known[1]
         return found
-    offer = Offer(y for y in view.members if not y.mask & shared)
-    of.offers[view.bit, shared] = (view.version, offer)
+    offer = Candidates(y for y in view.members if not y.mask & shared)
+    of.candidates[view.bit, shared] = (view.version, offer)
     return offer
 
 
@@ -139,11 +139,11 @@ class _Table:
         self, of: ExpectationSet, one: View, other: View, score: Score
     ) -> None:
         self.seekers = _seekers(of, one, other)
-        self._offer = _offer(of, other, one)
+        self._candidates = _candidates(of, other, one)
         self._score = score
         self._standings: dict[Profile, _Standing] = {}
         self._strange: dict[int, _Standing] = {}
-        self._on: dict[tuple[Kind, int], list[Number]] = {}
+        self._on: dict[tuple[SameKnown, int], list[Number]] = {}
 
     def standing(self, profile: Profile, x: Description) -> _Standing:
         """How the descriptions of a profile, x among them, stand to the groups."""
@@ -155,8 +155,8 @@ class _Table:
     def _compared(self, x: Description) -> _Standing:
         """Compare x with all kinds, or with those that share something with it."""
         if not self._score.sparse:
-            return self._scored(x, self._offer.kinds())
-        sharing = self._offer.sharing(x)
+            return self._scored(x, self._candidates.kinds())
+        sharing = self._candidates.sharing(x)
         if sharing:
             return self._scored(x, sharing)
         found = self._strange.get(x.mask)
@@ -164,10 +164,10 @@ class _Table:
             found = self._strange[x.mask] = self._scored(x, ())
         return found
 
-    def _scored(self, x: Description, kinds: Iterable[Kind]) -> _Standing:
+    def _scored(self, x: Description, kinds: Iterable[SameKnown]) -> _Standing:
         """Compare x with kinds; others score `SHARED` if the comparator is sparse."""
-        scored: list[tuple[Number, int, Kind | None]] = []
-        plain = self._offer.count(x.mask)
+        scored: list[tuple[Number, int, SameKnown | None]] = []
+        plain = self._candidates.count(x.mask)
         for kind in kinds:
             y = kind.first(x.mask)
             if y is not None:
@@ -179,7 +179,7 @@ class _Table:
         return self._standing([s for s in scored if s[0] > 0], x)
 
     def _standing(
-        self, scored: list[tuple[Number, int, Kind | None]], x: Description
+        self, scored: list[tuple[Number, int, SameKnown | None]], x: Description
     ) -> _Standing:
         if not scored:
             return _Standing(0, None, None, False)
@@ -190,9 +190,11 @@ class _Table:
             return _Standing(best, None, best, False)
         kind = top[0][1]
         if kind is None:
-            shared = self._offer.sharing(x)
+            shared = self._candidates.sharing(x)
             kind = next(
-                k for k in self._offer.kinds() if k not in shared and k.first(x.mask)
+                k
+                for k in self._candidates.kinds()
+                if k not in shared and k.first(x.mask)
             )
         rival = max(others, default=None)
         return _Standing(best, kind.group(x.mask), rival, rival is None)

@@ -1,4 +1,4 @@
-"""What becomes of facts when two descriptions are one, or alike (T 2.3.2, 2.3.3).
+"""What becomes of facts when two descriptions are one, or alike [T 2.3.2, 2.3.3].
 
 Every fact that mentions the younger name gets the older one, with its stamp; where
 two of them disagree the newer stays. Views and names are for `recognizer`.

@@ -1,8 +1,54 @@
-"""The memory that recognises: items come, go, and turn out to be one (T 2.3, A.5).
+"""The memory that recognises items: they come, go, and turn out to be one [T 2.3, A.5].
 
-Descriptions of indistinct classes stand in expectation sets; each change of a set is
-followed, at the end of its batch, by all identifications that it allows. The parts
-are in the modules beside this one (semantics 7).
+A robot that comes back sees a drum under another sensor name. Which of the drums that
+it remembers is it? Memory answers by comparing what is known of them, and waits where
+that does not tell. docs/memory.md says what holds; here is how it is done.
+
+*Descriptions.* Each item of an indistinct class that is introduced gets a description:
+a memory name (`item-7`), a sensor name as long as the item is in reach, and its
+properties, which are the facts of memory about that name. One item may have several
+descriptions until they are recognised as one.
+
+*Sets and views.* The descriptions of one class at one place form an expectation set. It
+consists of views. The local model holds what is in reach now; when the robot leaves
+(`expire`), it becomes a layer. Members of one view are different items: they were seen
+side by side. Members of two views may be the same item. All layers of a set hold as
+many descriptions as items are expected; where fewer were seen, empty descriptions fill
+the places, of which nothing is known but that something is there.
+
+*Matching* (`matching`, `candidates`, `scoring`). After every change of a set, each
+description `x` of a view is compared with the candidates of each other view. Candidates
+out of reach that are known by the same properties cannot be told apart and form a
+group. If one group alone has the highest score with `x`, and has room for all
+descriptions that score as high on it, `x` is a member of that group: the two are
+merged. Of several such matches the one with the highest score comes first, and after a
+merge the search starts anew, since one identification rules out others. A tie waits.
+
+*Merging* (`merging`). The older name stays; facts about the younger one are rewritten,
+with their stamps; where two values disagree the newer stays. If the item is a
+container, the sets of what is expected in it are joined, their layers oldest first.
+
+*Departure* (`departure`). An item that moves away or is lost leaves its set by one
+description in every layer. Where several may be the one, none can be said to be it: a
+smallest collection with a member of each candidate group is made alike (what its
+members do not share becomes `unknown`), and from each layer one of them goes.
+
+*Forgetting* (`_tidy`, `_forget`). A layer that says the same as another one goes; so
+does the oldest, if there are more than `max_layers`; so do descriptions that then stand
+in no view, and lost ones at the next expiry.
+
+An example, the empty boxes of [T 2.3.2]. In a warehouse the robot saw two boxes:
+`item-1`, red, big and empty, and `item-2`, red, small, with bars in it. It left, so the
+set has one layer {item-1, item-2}. It comes back and sees two boxes, both empty: the
+local model is {item-3, item-4}. The comparator for boxes in this place ignores
+`is-empty`, for that changes. So each new box scores 10, for its class, with each old
+one: a tie, nothing is merged. Now the robot looks closer: `item-3` is big. It scores 20
+with `item-1` and 10 with `item-2`: one group alone is best, `item-3` is `item-1`. That
+leaves `item-4` with one candidate, so it is `item-2`, at a score of 10. Merging it,
+memory finds "empty", stamped now, beside "contains bars", stamped then; the two exclude
+each other and the newer stays: the bars are gone. And `item-2` is still red and small,
+as it was when it was seen. The layer now says nothing that the local model does not
+say, and is dropped.
 """
 
 from __future__ import annotations
@@ -14,15 +60,15 @@ from rapc.runtime.events.events import ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.memory import REPLACED, STORED, Memory
 from rapc.runtime.memory.mentions import PREFIX
-from rapc.runtime.memory.recognition import departure as leaving
-from rapc.runtime.memory.recognition import merging
-from rapc.runtime.memory.recognition.item_events import Teller
+from rapc.runtime.memory.recognition import departure, merging
+from rapc.runtime.memory.recognition.item_events import ItemEvents
 from rapc.runtime.memory.recognition.matching import Match, best_match
 from rapc.runtime.memory.recognition.scoring import Scores
 from rapc.runtime.memory.recognition.sets import (
     UNKNOWN,
     Description,
     ExpectationSet,
+    View,
 )
 
 MAX_LAYERS = 8
@@ -39,10 +85,6 @@ class Recognizer:
         scores: their comparators.
         max_layers: how many layers a set keeps after an expiry, at least 1.
         sets: where the expectation sets are kept, if others are to see them.
-
-    `unsettled` holds the sets that have changed since all were settled. `renamed` is
-    called with the name that goes and the one that stands for it, after the facts have
-    been changed: tasks that hold it have to change too.
     """
 
     def __init__(
@@ -55,14 +97,19 @@ class Recognizer:
         sets: dict[tuple[str, Atom], ExpectationSet] | None = None,
     ) -> None:
         self.sets: dict[tuple[str, Atom], ExpectationSet] = {} if sets is None else sets
+        #: Called with the name that goes and the one that stands for it, once the facts
+        #: have been rewritten: tasks that hold the name have to change too.
         self.renamed: Callable[[str, str], None] = lambda lost, kept: None
         self._memory = memory
-        self._teller = Teller(recorder)
+        self._item_events = ItemEvents(recorder)
         self._classes = frozenset(classes)
         self._scores = scores or Scores((), (), {})
         self._max_layers = max_layers
-        self.number = 0
+        #: How many descriptions, and how many layers, have been made so far.
+        self.number = self.layers = 0
+        #: The sets that have changed since all were settled.
         self.unsettled: dict[ExpectationSet, None] = {}
+        #: The descriptions whose place is unknown: the next expiry forgets them.
         self.lost: dict[Description, None] = {}
 
     def recognises(self, kind: str) -> bool:
@@ -109,6 +156,10 @@ class Recognizer:
         name = f"{PREFIX}{self.number}" if sensor else ""
         return Description(self.number, name, sensor, kind)
 
+    def _new_layer(self, home: ExpectationSet) -> View:
+        self.layers += 1
+        return home.new_layer(self.layers)
+
     def _set(self, kind: str, place: Atom) -> ExpectationSet | None:
         if place == UNKNOWN:
             return None
@@ -145,7 +196,7 @@ class Recognizer:
         else:
             self.lost[item] = None
         self._memory.tell("know-sensor-name")
-        self._teller.tell(ItemIntroduced, item, place)
+        self._item_events.emit(ItemIntroduced, item, place)
         return item
 
     def move(self, item: Description, place: Atom) -> Description:
@@ -154,7 +205,7 @@ class Recognizer:
         if place == self._place(item):
             self._assert("location", item.name, place)
             return item
-        gone: leaving.Collection | None = None
+        gone: departure.Collection | None = None
         before = item.name
         if home is not None:
             item, gone = self._leave(home, item)
@@ -165,7 +216,7 @@ class Recognizer:
             self.lost[item] = None
         else:
             self._arrive(target, item)
-        self._teller.moved(ItemMoved, item, place, before, gone)
+        self._item_events.moved(ItemMoved, item, place, before, gone)
         return item
 
     def _place(self, item: Description) -> Atom:
@@ -174,7 +225,7 @@ class Recognizer:
     def _arrive(self, target: ExpectationSet, item: Description) -> None:
         """An item stands as itself in the local model and in every layer."""
         if not item.accessible and not target.layers:
-            layer = target.new_layer()
+            layer = self._new_layer(target)
             for member in target.local.members:
                 target.add(layer, member)
         for layer in target.layers:
@@ -185,12 +236,12 @@ class Recognizer:
 
     def lose(self, item: Description) -> None:
         """An item is not where it was: its place is unknown, it is out of reach."""
-        gone: leaving.Collection | None = None
+        gone: departure.Collection | None = None
         before = item.name
         if item.home is not None:
             item, gone = self._leave(item.home, item)
         self._out(item)
-        self._teller.moved(ItemLost, item, UNKNOWN, before, gone)
+        self._item_events.moved(ItemLost, item, UNKNOWN, before, gone)
 
     def _out(self, item: Description) -> None:
         if item.accessible:
@@ -205,7 +256,7 @@ class Recognizer:
             self._forget(item)
         for home in list(self.sets.values()):
             if home.local.members:
-                layer = home.new_layer()
+                layer = self._new_layer(home)
                 for member in list(home.local.members):
                     home.add(layer, member)
                     home.discard(home.local, member)
@@ -222,7 +273,7 @@ class Recognizer:
 
     def _leave(
         self, home: ExpectationSet, item: Description
-    ) -> tuple[Description, leaving.Collection | None]:
+    ) -> tuple[Description, departure.Collection | None]:
         """Take an item out of its set, one description out of every layer.
 
         An item that was out of reach may leave fewer than are in reach there.
@@ -231,15 +282,15 @@ class Recognizer:
         collection they were of; None where nothing could be merged.
         """
         score = self._scores.of(home.kind, home.place)
-        served, found = leaving.collect(home, item, score)
-        choice = leaving.smallest(served, found)
+        served, found = departure.collect(home, item, score)
+        choice = departure.smallest(served, found)
         for view in home.views():
             home.discard(view, item)
         self._touch(home)
         self._memory.tell("location")
         if choice is None:
             for layer, (_, candidates) in zip(served, found, strict=True):
-                member = leaving.next_best(home, layer, candidates)
+                member = departure.next_best(home, layer, candidates)
                 home.discard(layer, member)
                 if not member.mask:
                     self._forget(member)
@@ -260,7 +311,7 @@ class Recognizer:
                 item, gone = self._leave(home, self._new(home.kind, ""))
                 if not item.empty:
                     self._out(item)
-                    self._teller.moved(ItemLost, item, UNKNOWN, item.name, gone)
+                    self._item_events.moved(ItemLost, item, UNKNOWN, item.name, gone)
 
     def _forget(self, item: Description) -> None:
         """An item, and what memory has in it, means nothing from now on."""
@@ -308,11 +359,11 @@ class Recognizer:
             del self.sets[home.kind, lost]
             target = self._set(home.kind, kept)
             assert target is not None
-            rows = [list(view.members) for view in (home.local, *home.layers)]
+            rows = [(v.serial, list(v.members)) for v in (home.local, *home.layers)]
             for member in home.members():
                 member.mask = 0
-            for at, row in enumerate(rows):
-                into = target.new_layer() if at else target.local
+            for serial, row in rows:
+                into = target.new_layer(serial) if serial else target.local
                 for member in row:
                     target.add(into, member)
             self.unsettled.pop(home, None)
@@ -328,7 +379,7 @@ class Recognizer:
             match = self._next(home)
             if match is not None:
                 kept = self._one(match.one, match.other)
-                self._teller.merged(kept, match)
+                self._item_events.merged(kept, match)
             elif not self._tidy(home):
                 del self.unsettled[home]
 

@@ -1,4 +1,4 @@
-"""How well two descriptions match (T 2.3.2, A.5, semantics 7).
+"""How well two descriptions match [T 2.3.2, A.5].
 
 Every comparator takes two descriptions of one set and returns a score; 0 or less
 rules the pair out. Without one, and for what a declared one does not mention, 10

@@ -1,7 +1,7 @@
 """Descriptions of items, and the expectation sets and views in which they stand.
 
-Structure only: what is alike is for `scoring` and `matching`, what leaves for
-`leaving`, and what becomes of facts for `recognizer` (T 2.3.1, 2.3.3, semantics 7).
+Structure only [T 2.3.1, 2.3.3]. Not here: what is alike (`scoring`, `matching`), what
+leaves (`departure`), and what becomes of facts (`merging`).
 """
 
 from __future__ import annotations
@@ -66,18 +66,19 @@ class Description(Item):
 
 
 class View:
-    """A layer of an expectation set, or its part of the local model.
+    """A layer of an expectation set, or its part of the local model."""
 
-    `bit` is its own among the views of its set; members stand in the order in which
-    they came. `version` is another one whenever a member comes, goes, or changes in
-    what it is known by or where else it stands.
-    """
+    __slots__ = ("bit", "members", "serial", "version")
 
-    __slots__ = ("bit", "members", "version")
-
-    def __init__(self, bit: int) -> None:
+    def __init__(self, bit: int, serial: int = 0) -> None:
+        #: Its own bit among the views of its set.
         self.bit = bit
+        #: Of a layer its number among all layers of all sets, the older the smaller.
+        self.serial = serial
+        #: The descriptions that stand in it, in the order in which they came.
         self.members: dict[Description, None] = {}
+        #: Another number whenever a member comes, goes, or changes in what is known of
+        #: it or in where else it stands.
         self.version = 0
 
     def __len__(self) -> int:
@@ -87,18 +88,15 @@ class View:
 class ExpectationSet:
     """The items of one class that are expected at one place.
 
-    `layers` stand oldest first and all hold equally many descriptions; `local` holds
-    the accessible ones, at most as many. `settled` has the pairs of views that were
-    found without a match, as they then were;
-    `offers` and `seekers` what views offered, and who sought, when last looked at.
+    All layers hold equally many descriptions, and the local model at most as many.
     """
 
     __slots__ = (
         "_changes",
+        "candidates",
         "kind",
         "layers",
         "local",
-        "offers",
         "place",
         "seekers",
         "settled",
@@ -107,10 +105,15 @@ class ExpectationSet:
     def __init__(self, kind: str, place: Atom) -> None:
         self.kind = kind
         self.place = place
+        #: The accessible descriptions.
         self.local = View(1)
+        #: The layers, oldest first.
         self.layers: list[View] = []
+        #: The pairs of views that were found without a match, with their versions.
         self.settled: dict[tuple[int, int], tuple[int, int, bool]] = {}
-        self.offers: dict[tuple[int, int], tuple[int, Any]] = {}
+        #: The candidates of views when they were last looked at, with a version.
+        self.candidates: dict[tuple[int, int], tuple[int, Any]] = {}
+        #: The descriptions of views that sought a match then, with a version.
         self.seekers: dict[tuple[int, int], tuple[int, Any]] = {}
         self._changes = 0
 
@@ -135,12 +138,13 @@ class ExpectationSet:
         found = dict.fromkeys(d for view in self.views() for d in view.members)
         return sorted(found, key=lambda d: d.number)
 
-    def new_layer(self) -> View:
-        """A further layer, the latest."""
+    def new_layer(self, serial: int) -> View:
+        """Add a layer, which stands among the others by its `serial`; return it."""
         taken = sum(layer.bit for layer in self.layers) | 1
         bit = (taken + 1) & ~taken
-        layer = View(bit)
+        layer = View(bit, serial)
         self.layers.append(layer)
+        self.layers.sort(key=lambda layer: layer.serial)
         self._changes += 1
         layer.version = self._changes
         return layer
