@@ -13,12 +13,12 @@ from collections.abc import Iterator
 import msgspec
 
 from bench.common import Figure
-from rapc.api import compile_library
 from rapc.experiments import definition
 from rapc.experiments.config import Config
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import measure
 from rapc.experiments.session import Session
+from rapc.host import load
 
 
 class Run(msgspec.Struct, frozen=True):
@@ -41,7 +41,7 @@ def session() -> Session:
     file = definition.find("chapter6")
     made = definition.read(file)
     path = file.parent / made.library
-    return Session(made, file.parent, compile_library(path), path)
+    return Session(made, file.parent, load(path).program, path)
 
 
 def figures(quick: bool = False) -> Iterator[Figure]:

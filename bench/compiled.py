@@ -11,7 +11,7 @@ from pathlib import Path
 
 from bench.common import Figure, seconds
 from bench.parse import library
-from rapc import api
+from rapc import host
 from rapc.base.gc_paused import gc_paused
 from rapc.compiler.artifact import encode
 
@@ -30,10 +30,10 @@ def figures(quick: bool = False) -> Iterator[Figure]:
 
 def _both(sources: Path, size: str, folder: str) -> Iterator[Figure]:
     file = Path(folder, "compiled")
-    file.write_bytes(encode(api.compile_library(sources)))
+    file.write_bytes(encode(host.load(sources).program))
     works: tuple[tuple[str, Callable[[], object]], ...] = (
-        ("read and check sources", lambda: api.compile_library(sources)),
-        ("read a compiled library", lambda: api.compile_library(file)),
+        ("read and check sources", lambda: host.load(sources).program),
+        ("read a compiled library", lambda: host.load(file).program),
         ("the same, and each RAP", lambda: _read_all(file)),
     )
     for what, work in works:
@@ -43,6 +43,6 @@ def _both(sources: Path, size: str, folder: str) -> Iterator[Figure]:
 
 
 def _read_all(file: Path) -> None:
-    raps = api.compile_library(file).library.raps
+    raps = host.load(file).program.library.raps
     for name in raps:
         raps[name]

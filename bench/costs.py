@@ -17,7 +17,7 @@ from pathlib import Path
 
 from bench import chapter6, compiled
 from bench.child import take
-from rapc import api
+from rapc import host
 from rapc.compiler.artifact import encode
 
 RAPC = (sys.executable, "-c", "from rapc.cli.main import main; main()")
@@ -56,7 +56,7 @@ def _installed(folder: str) -> dict[str, str]:
 
 def _commands(folder: Path) -> Mapping[str, Sequence[str]]:
     compiled_truck = folder / "truck"
-    compiled_truck.write_bytes(encode(api.compile_library(STDLIB / "truck")))
+    compiled_truck.write_bytes(encode(host.load(STDLIB / "truck").program))
     return {
         "help": ("--help",),
         "check": ("check", str(STDLIB)),

@@ -163,7 +163,7 @@ def _compiled(text: str) -> Any:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "library.rap"
         path.write_text(text, encoding="utf-8")
-        return rapc.compile(path)
+        return rapc.load(path).program
 
 
 def _in_order(goals: Sequence[str]) -> str:

@@ -1,8 +1,16 @@
-"""rapc: Reactive Action Packages, checked, run and explained.
+"""Reactive Action Packages, checked, run and explained.
 
-What a program needs is here; each name is imported when it is first asked for, so that
-the command line starts at once.
+    library = rapc.load("rocks.rap")
+    result = rapc.run(library, "truck", "(fill-order red 4 factory-1)", seed=7)
+    print(result.reason, result.succeeded)
+
+`load` and `loads` read a library, `check` says what is wrong with one, `run` runs tasks
+of it, `CheckedLibrary.start` begins a run that is stepped and asked. Worlds of one's
+own are made of what `rapc.world` has. What a caller can get wrong is a `rapc.Error`;
+docs/python.md tells the rest.
 """
+
+# Each name is imported when it is first asked for: the command line starts at once.
 
 from __future__ import annotations
 
@@ -12,59 +20,79 @@ from typing import TYPE_CHECKING
 from rapc.base.version import VERSION
 
 if TYPE_CHECKING:
-    from rapc.analysis.driver import check as check
-    from rapc.api import compile_library as compile
-    from rapc.api import extend as extend
-    from rapc.api import load as load
-    from rapc.runtime.events import events
+    from rapc import world as world
+    from rapc.analysis.driver import Report as Report
+    from rapc.errors import ArgumentError as ArgumentError
+    from rapc.errors import Error as Error
+    from rapc.errors import FactError as FactError
+    from rapc.errors import LoadError as LoadError
+    from rapc.errors import PortError as PortError
+    from rapc.errors import RefusedError as RefusedError
+    from rapc.errors import SavedError as SavedError
+    from rapc.errors import SettingError as SettingError
+    from rapc.errors import TextError as TextError
+    from rapc.errors import WorldError as WorldError
+    from rapc.host import CheckedLibrary as CheckedLibrary
+    from rapc.host import CheckError as CheckError
+    from rapc.host import RunResult as RunResult
+    from rapc.host import check as check
+    from rapc.host import load as load
+    from rapc.host import loads as loads
+    from rapc.host import methods as methods
+    from rapc.host import run as run
+    from rapc.runtime.events import events as events
     from rapc.runtime.events.trace import JsonTrace as JsonTrace
     from rapc.runtime.events.trace import TextTrace as TextTrace
     from rapc.runtime.interpreter import Interpreter as Interpreter
     from rapc.runtime.settings import Settings as Settings
     from rapc.runtime.task_request import TaskRequest as TaskRequest
-    from rapc.runtime.task_request import read_task_request as task
     from rapc.world import World as World
     from rapc.worlds.registry import open_world as open_world
 
 __version__ = VERSION
 
-__all__ = (
-    "Interpreter",
-    "JsonTrace",
-    "Settings",
-    "TaskRequest",
-    "TextTrace",
-    "World",
-    "__version__",
-    "check",
-    "compile",
-    "events",
-    "extend",
-    "load",
-    "open_world",
-    "task",
-)
-
 _HOMES = {
-    "Interpreter": ("rapc.runtime.interpreter", "Interpreter"),
-    "JsonTrace": ("rapc.runtime.events.trace", "JsonTrace"),
-    "Settings": ("rapc.runtime.settings", "Settings"),
-    "TaskRequest": ("rapc.runtime.task_request", "TaskRequest"),
-    "TextTrace": ("rapc.runtime.events.trace", "TextTrace"),
-    "World": ("rapc.world", "World"),
-    "check": ("rapc.analysis.driver", "check"),
-    "compile": ("rapc.api", "compile_library"),
-    "extend": ("rapc.api", "extend"),
-    "load": ("rapc.api", "load"),
-    "open_world": ("rapc.worlds.registry", "open_world"),
-    "task": ("rapc.runtime.task_request", "read_task_request"),
+    "ArgumentError": "rapc.errors",
+    "CheckError": "rapc.host",
+    "CheckedLibrary": "rapc.host",
+    "Error": "rapc.errors",
+    "FactError": "rapc.errors",
+    "Interpreter": "rapc.runtime.interpreter",
+    "JsonTrace": "rapc.runtime.events.trace",
+    "LoadError": "rapc.errors",
+    "PortError": "rapc.errors",
+    "RefusedError": "rapc.errors",
+    "Report": "rapc.analysis.driver",
+    "RunResult": "rapc.host",
+    "SavedError": "rapc.errors",
+    "SettingError": "rapc.errors",
+    "Settings": "rapc.runtime.settings",
+    "TaskRequest": "rapc.runtime.task_request",
+    "TextError": "rapc.errors",
+    "TextTrace": "rapc.runtime.events.trace",
+    "World": "rapc.world",
+    "WorldError": "rapc.errors",
+    "check": "rapc.host",
+    "load": "rapc.host",
+    "loads": "rapc.host",
+    "methods": "rapc.host",
+    "open_world": "rapc.worlds.registry",
+    "run": "rapc.host",
 }
+"""Every public name that is no module, with the module that has it."""
+
+_MODULES = {"events": "rapc.runtime.events.events", "world": "rapc.world"}
+
+__all__ = ["__version__", *_HOMES, *_MODULES]  # noqa: PLE0604  # they are strings
 
 
 def __getattr__(name: str) -> object:
-    if name == "events":
-        return import_module("rapc.runtime.events.events")
+    if name in _MODULES:
+        return import_module(_MODULES[name])
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, attribute = _HOMES[name]
-    return getattr(import_module(module), attribute)
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -12,7 +12,6 @@ from bisect import bisect_right
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -71,15 +70,6 @@ class UnknownRuleError(Error):
     def __init__(self, word: str, near: str | None) -> None:
         meant = f"did you mean `{near}`?" if near else ""
         super().__init__(f"no rule is called `{word}`", meant)
-
-
-def check(*paths: str | Path) -> Report:
-    """Load files and folders as one library and check it by all rules.
-
-    Raises:
-        LoadError: for what cannot be read; see `rapc.library.loader.load`.
-    """
-    return check_library(loader.load(paths))
 
 
 @gc_paused()

@@ -7,7 +7,7 @@ are compiled from the IR when they are first asked, as they are from sources.
 
 Nothing in a file is trusted. What is declared is looked at when the file is read, a RAP
 when it is first asked for, which is why reading takes so little time. Files are read
-and written by `rapc.api`.
+by `rapc.host`, and written by `rapc compile`.
 """
 
 from __future__ import annotations
@@ -182,13 +182,6 @@ class Artifact:
         """Look at everything now, not when it is asked for."""
         _look_at_all(self.library)
         deque(self.suites(), 0)
-
-    def whole(self) -> Library:
-        """The library as linking its sources makes it, with all `forms`."""
-        with _blaming(self._file):
-            units = [self._body.units[at] for at in self._body.library]
-            everything = [_parsed(unit, range(len(unit.forms))) for unit in units]
-            return link(everything)[0]
 
     def _compiled(self, name: str, places: Sequence[int]) -> tuple[Program, Verifier]:
         """The library of some of the sources, its RAPs not yet decoded."""

@@ -29,7 +29,7 @@ from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings
 from rapc.runtime.snapshot import AgendaEntry
-from rapc.runtime.task_request import TaskRequest
+from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.runtime.tasks.finish import remove
 from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
@@ -169,13 +169,15 @@ class Interpreter:
         """Do something when the run is over, before live tasks are removed."""
         self._machine.at_end.append(action)
 
-    def submit(self, task: TaskRequest) -> None:
-        """Give the robot a task, now or for a later time.
+    def submit(self, task: TaskRequest | str) -> None:
+        """Give the robot a task, as text or as an object, now or for a later time.
 
         Raises:
             RefusedError: for an unknown RAP, a wrong number of inputs, or a task that
                 can reach something this version cannot run.
         """
+        if isinstance(task, str):
+            task = read_task_request(task)
         self.check([task])
         self.start()
         if task.at is not None and task.at > self.now:

@@ -138,10 +138,7 @@ def _known(world: type[World], options: Mapping[str, Option], name: str) -> Opti
 
 
 def _value(world: type[World], option: Option, text: str) -> Atom | bool:
-    kind = "`true` or `false`" if option.kind == "flag" else f"one {option.kind}"
-    wrong = WorldError(
-        f"`{world.name}.{option.name}` takes {kind}, not `{text}`", option.doc
-    )
+    wrong = _wrong_kind(world, option, text)
     if option.kind == "text":
         return Text(_file(text[1:]) if text.startswith("@") else text)
     if option.kind == "flag":
@@ -158,6 +155,12 @@ def _value(world: type[World], option: Option, text: str) -> Atom | bool:
     if option.kind == "integer" and not isinstance(value, int):
         raise wrong
     return value
+
+
+def _wrong_kind(world: type[World], option: Option, value: str) -> WorldError:
+    kind = "`true` or `false`" if option.kind == "flag" else f"one {option.kind}"
+    said = f"`{world.name}.{option.name}` takes {kind}, not `{value}`"
+    return WorldError(said, option.doc)
 
 
 def _file(path: str) -> str:
@@ -193,11 +196,36 @@ def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
         WorldError: if there is no such world or option, or the world refuses a value.
     """
     world = find_world(name)
-    given = {key.replace("_", "-"): value for key, value in options.items()}
+    return build_world(world, seed, check_options(world, options))
+
+
+_TYPES: Mapping[str, tuple[type, ...]] = {
+    "flag": (bool,),
+    "integer": (int,),
+    "number": (int, float),
+    "symbol": (str,),
+    "text": (Text, str),
+}
+
+
+def check_options(
+    world: type[World], options: Mapping[str, Atom | bool]
+) -> dict[str, Atom | bool]:
+    """Return option values as a world takes them, by their names with hyphens.
+
+    Raises:
+        WorldError: for an unknown option or a value of another kind.
+    """
     known = {option.name: option for option in world.kit.options}
-    for option in given:
-        _known(world, known, option)
-    return build_world(world, seed, given)
+    found: dict[str, Atom | bool] = {}
+    for given, value in options.items():
+        name = given.replace("_", "-")
+        option = _known(world, known, name)
+        if type(value) not in _TYPES[option.kind]:
+            raise _wrong_kind(world, option, repr(value))
+        is_text = option.kind == "text" and isinstance(value, str)
+        found[name] = Text(str(value)) if is_text else value
+    return found
 
 
 def _did_you_mean(name: str, names: Iterable[str]) -> str:

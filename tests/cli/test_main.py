@@ -16,7 +16,7 @@ from rapc.cli import main
 from .command import COMMAND, rapc
 
 FOREIGN = ("lark", "networkx", "rich", "prompt_toolkit", "pebble", "matplotlib")
-RUNNING = ("api", "compiler", "experiments", "repl", "runtime", "testing", "worlds")
+RUNNING = ("host", "compiler", "experiments", "repl", "runtime", "testing", "worlds")
 CHECKING = ("analysis", "ir", "loader", "parser", "render")
 
 

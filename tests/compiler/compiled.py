@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from rapc import api
+from rapc import host
 from rapc.base.values import Fact
 from rapc.compiler.artifact import Suite, encode
 from rapc.compiler.program import Program
@@ -41,7 +41,7 @@ def suites(path: Path) -> list[Suite]:
 
 def compiled(path: Path) -> bytes:
     """A library with its tests as bytes."""
-    return encode(api.compile_library(path), suites(path))
+    return encode(host.load(path).program, suites(path))
 
 
 def fields(library: Library) -> Mapping[str, object]:

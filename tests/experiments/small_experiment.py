@@ -10,13 +10,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from rapc.api import compile_library
 from rapc.experiments import definition
 from rapc.experiments.config import Config
 from rapc.experiments.definition import Experiment
 from rapc.experiments.measures import Measures
 from rapc.experiments.session import Session
 from rapc.experiments.store import Store
+from rapc.host import load
 from tests.cli.command import COMMAND, HOME
 
 CHECKOUT = Path(__file__).parents[2]
@@ -71,7 +71,7 @@ def session(
     """A session for the text of an experiment that lies in the checkout."""
     made: Experiment = definition.decode(text, "truck")
     path = CHECKOUT / made.library
-    return Session(made, CHECKOUT, compile_library(path), path, parts, seeds)
+    return Session(made, CHECKOUT, load(path).program, path, parts, seeds)
 
 
 def config(text: str = TRUCK) -> Config:

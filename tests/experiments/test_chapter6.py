@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from rapc.api import compile_library
 from rapc.experiments import definition
 from rapc.experiments.session import Session
+from rapc.host import load
 from tests.cli.command import rapc
 
 
@@ -15,7 +15,7 @@ def chapter6() -> Session:
     file = definition.find("chapter6")
     made = definition.read(file)
     path = file.parent / made.library
-    return Session(made, file.parent, compile_library(path), path)
+    return Session(made, file.parent, load(path).program, path)
 
 
 def test_points_are_those_of_the_thesis_and_shared_where_they_are_alike() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc import api
+import rapc
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.library.loader import load_text
@@ -48,16 +48,16 @@ def started() -> Interpreter:
     return run
 
 
-def compiled() -> Program:
+def library() -> rapc.CheckedLibrary:
     """The library again."""
-    return Program(load_text(LIBRARY).library)
+    return rapc.loads(LIBRARY)
 
 
 def test_a_sketchy_plan_is_taken_up_while_the_run_goes_on() -> None:
     run = started()
     run.submit(TaskRequest(("go", "park")))
     run.step()
-    run.extend(api.extend(compiled(), PLAN))
+    run.extend(library().extend(PLAN).program)
     run.submit(TaskRequest(("round-trip", "den", "park")))
     assert run.run() == "done"
     assert [result.outcome for result in run.results()] == [
@@ -69,16 +69,17 @@ def test_a_sketchy_plan_is_taken_up_while_the_run_goes_on() -> None:
 
 
 def test_a_plan_with_a_mistake_is_found_before_it_is_taken_up() -> None:
-    with pytest.raises(api.CheckError, match="go-too") as caught:
-        api.extend(compiled(), PLAN.replace("(go ?back)", "(go-too ?back)"))
+    with pytest.raises(rapc.CheckError, match="go-too") as caught:
+        library().extend(PLAN.replace("(go ?back)", "(go-too ?back)"))
     [finding] = caught.value.report.findings
-    assert finding.diagnostic.span.file == api.PLAN
+    assert finding.diagnostic.span.file == "<plan>"
 
 
 def test_a_library_with_more_than_new_raps_is_refused() -> None:
     run = started()
+    more = library().extend("(declare-memory-proposition new (?x))").program
     with pytest.raises(RefusedError, match="no other propositions"):
-        run.extend(api.extend(compiled(), "(declare-memory-proposition new (?x))"))
+        run.extend(more)
     other = LIBRARY.replace("(duration 7)", "(duration 8)")
     with pytest.raises(RefusedError, match="`go` is not the one that runs"):
         run.extend(Program(load_text(other).library))

@@ -204,9 +204,9 @@ def test_a_small_screen_gets_a_list_with_what_is_wrong_first(
 
 def test_a_frame_fits_where_it_is_drawn() -> None:
     world = TruckWorld(random.Random(3), {})
-    library = rapc.compile(EXAMPLE)
+    library = rapc.load(EXAMPLE).program
     run = rapc.Interpreter(library, world, 3)
-    run.submit(rapc.task("(rock-order red 2)"))
+    run.submit("(rock-order red 2)")
     run.run(until=90)
     for width, height in ((1, 1), (20, 4), (40, 12), (80, 24), (132, 43), (300, 100)):
         frame = draw_frame(world.picture(), run.memory, Doings(), width, height)

@@ -34,12 +34,12 @@ class Terminal(io.StringIO):
 
 def _show(stream: io.StringIO, *, color: bool) -> str:
     world = rapc.open_world("truck", seed=7)
-    run = rapc.Interpreter(rapc.compile(EXAMPLE), world, 7)
+    run = rapc.Interpreter(rapc.load(EXAMPLE).program, world, 7)
     assert isinstance(world, Drawable)
     view = LiveView(run, world.picture, stream, lambda: (80, 24), color=color, pace=0)
     with view:
         run.listen(view)
-        run.submit(rapc.task("(rock-order red 2)"))
+        run.submit("(rock-order red 2)")
         run.run(until=30)
     return stream.getvalue()
 

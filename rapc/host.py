@@ -1,0 +1,360 @@
+"""What a Python program does with rapc: load a library, check it, run tasks of it.
+
+These are the functions that `import rapc` has. A library of sources and a saved one
+(`rapc compile`) are loaded alike. Whatever a caller can get wrong is a `rapc.Error`.
+Not here: stepping and asking a run (`rapc.runtime.interpreter`), worlds of one's own
+(`rapc.world`).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.analysis.driver import Report, check_library
+from rapc.base import files
+from rapc.base.diagnostics import Severity
+from rapc.base.gc_paused import gc_paused
+from rapc.base.source import SourceFile
+from rapc.base.values import Atom, Fact
+from rapc.compiler.artifact import Artifact
+from rapc.compiler.program import Program
+from rapc.errors import ArgumentError, Error, TextError
+from rapc.ir.nodes import DefineRap, Method
+from rapc.library import loader
+from rapc.library.loader import Loaded
+from rapc.parser.parse import parse, parse_fact
+from rapc.runtime.events.events import TaskResult
+from rapc.runtime.events.recorder import Listener
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.settings import Settings
+from rapc.runtime.task_request import TaskRequest, read_task_request
+from rapc.world import Callables, Time, World
+from rapc.worlds.registry import build_world, check_options, find_world
+
+PLAN = "<plan>"
+"""The file name of what `CheckedLibrary.extend` adds, in findings and faults."""
+
+Path = str | os.PathLike[str]
+Task = str | TaskRequest
+
+
+class CheckError(Error):
+    """A library with findings of severity error."""
+
+    #: The findings of severity error, no others.
+    report: Report
+
+    def __init__(self, report: Report) -> None:
+        span = report.findings[0].diagnostic.span
+        source, place = report.files.get(span.file), span.file
+        if source is not None:
+            at = source.position(span.start)
+            place = f"{place}:{at.row}:{at.column}"
+        count = len(report.findings) - 1
+        more = f", and {count} more" if count else ""
+        found = report.findings[0].diagnostic
+        super().__init__(f"{place}: {found.message}{more}", found.help)
+        self.report = report
+
+
+class CheckedLibrary:
+    """A library without errors, ready to be run any number of times."""
+
+    #: What traces call the library.
+    name: str
+    #: The library in executable form, for `Interpreter` and `Interpreter.extend`.
+    program: Program
+
+    def __init__(self, program: Program) -> None:
+        self.name = program.name
+        self.program = program
+
+    def __repr__(self) -> str:
+        return f"<rapc.CheckedLibrary {self.name!r}: {len(self.raps)} RAPs>"
+
+    @property
+    def raps(self) -> tuple[str, ...]:
+        """The names of all RAPs, in the order of the text."""
+        return tuple(self.program.library.raps)
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The names of all files, each after those that it requires."""
+        return tuple(self.program.library.files)
+
+    def extend(self, text: str) -> CheckedLibrary:
+        """Return a library with the RAPs of `text` added, checked together.
+
+        `Interpreter.extend` takes its `program` up while a run goes on [T 4.10.1].
+
+        Raises:
+            CheckError: if anything of severity error is found.
+        """
+        sources = [*self.program.library.files.values(), SourceFile(PLAN, _text(text))]
+        return checked(loader.load_sources(sources), self.name)
+
+    def start(  # noqa: PLR0913  # each has a default and goes by name
+        self,
+        world: str | World | type[World],
+        *,
+        tasks: Task | Iterable[Task] = (),
+        facts: str | Iterable[str | Fact] = (),
+        seed: int = 0,
+        options: Mapping[str, Atom | bool] | None = None,
+        settings: Settings | None = None,
+        functions: Callables | None = None,
+        solvers: Callables | None = None,
+        comparators: Callables | None = None,
+        listeners: Iterable[Listener] = (),
+    ) -> Interpreter:
+        """Begin a run that is then stepped, asked, and given further tasks.
+
+        Args:
+            world: the name of an installed world or `module:Class`, a class, or a world
+                freshly made.
+            tasks: tasks to begin with, as text: `"(rap args) :priority 4"`.
+            facts: what is in memory at first, besides what the world says.
+            seed: the seed of all chance in the run, the world's too unless it is made.
+            options: values for options of the world, unless it is made.
+            settings: settings of the interpreter.
+            functions: functions and default functions besides those of the world.
+            solvers: problem solvers besides those of the world, by the name of a RAP.
+            comparators: comparators besides those of the world.
+            listeners: called with every event of the run.
+
+        Raises:
+            WorldError: if there is no such world or option, or it cannot be made.
+            RefusedError: if the library or a task cannot be run in the world.
+            TextError: for a task or a fact that is none.
+            FactError: for a fact that the declarations do not allow.
+            PortError: if the world breaks.
+        """
+        requests = [_request(task) for task in _listed(tasks, "tasks")]
+        known = [_fact(fact) for fact in _listed(facts, "facts")]
+        made, given = _world(world, seed, options)
+        run = Interpreter(
+            self.program, made, seed, settings, functions, solvers, comparators
+        )
+        run.check(requests)
+        for fact in known:
+            run.check_fact(*fact)
+        for listener in listeners:
+            run.listen(listener)
+        texts = [task for task in _listed(tasks, "tasks") if isinstance(task, str)]
+        run.start(given, texts)
+        for fact in known:
+            run.assert_fact(*fact)
+        for request in requests:
+            run.submit(request)
+        return run
+
+
+class RunResult(msgspec.Struct, frozen=True):
+    """What came of a run."""
+
+    #: Why the run is over: `done`, `until`, `world`, `stuck`, `runaway` or `cycles`.
+    reason: str
+    #: The time of the clock at the end.
+    time: Time
+    #: What became of each task, in the order in which the tasks came.
+    tasks: tuple[TaskResult, ...]
+    #: The run itself, to ask for memory or the agenda.
+    run: Interpreter
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether every task that does not stand in the background succeeded."""
+        given = [task for task in self.tasks if not task.background]
+        return all(task.outcome == "succeeded" for task in given)
+
+
+# --- the functions --------------------------------------------------------------------
+
+
+@gc_paused()
+def load(*paths: Path | Iterable[Path]) -> CheckedLibrary:
+    """Load files and folders as one library and check it; or load a saved library.
+
+    Args:
+        paths: files, folders (all `.rap` below), or `-` for standard input.
+
+    Raises:
+        LoadError: for what cannot be read.
+        SavedError: for a saved library that this rapc cannot run.
+        CheckError: if anything of severity error is found.
+    """
+    names = _paths(paths)
+    data = files.read_compiled(names[0]) if len(names) == 1 else None
+    if data is not None:
+        return CheckedLibrary(Artifact(data, names[0]).library)
+    return checked(loader.load(names), ", ".join(names))
+
+
+def loads(text: str, name: str = "<text>") -> CheckedLibrary:
+    """Check a library given as text, as if it were a file of the working folder.
+
+    Args:
+        text: definitions and declarations; it may `require` others.
+        name: what findings and traces call it.
+
+    Raises:
+        LoadError: for what it requires and cannot be read.
+        CheckError: if anything of severity error is found.
+    """
+    return checked(loader.load_text(_text(text), name), name)
+
+
+def check(*paths: Path | Iterable[Path]) -> Report:
+    """Load files and folders as one library and return all that is wrong with it.
+
+    Args:
+        paths: files, folders (all `.rap` below), or `-` for standard input.
+
+    Raises:
+        LoadError: for what cannot be read. Findings never raise anything.
+    """
+    return check_library(loader.load(_paths(paths)))
+
+
+def run(
+    library: CheckedLibrary,
+    world: str | World | type[World],
+    tasks: Task | Iterable[Task],
+    *,
+    until: Time | None = None,
+    cycles: int | None = None,
+    **more: Any,
+) -> RunResult:
+    """Run tasks of a library in a world until they are done, and say what came of it.
+
+    Args:
+        library: what `load` or `loads` returned.
+        world: see `CheckedLibrary.start`.
+        tasks: the tasks, as text: `"(rap args) :priority 4"`.
+        until: the time at which to stop.
+        cycles: how many cycles to run at most.
+        more: what else `CheckedLibrary.start` takes: `seed`, `options`, ...
+
+    Raises:
+        Error: as `CheckedLibrary.start`; whatever goes wrong in the run itself for the
+            robot is in the result.
+    """
+    if not isinstance(library, CheckedLibrary):
+        wanted = "`rapc.load(path)` or `rapc.loads(text)` returns one"
+        raise ArgumentError(f"`library` is {_kind(library)}, no library", wanted)
+    if not (until is None or isinstance(until, int | float)):
+        raise ArgumentError(f"`until` is {_kind(until)}, no time")
+    going = library.start(world, tasks=tasks, **more)
+    reason = going.run(until=until, cycles=cycles)
+    return RunResult(reason, going.now, going.results(), going)
+
+
+def methods(text: str) -> tuple[Method, ...]:
+    """Return methods written as RAP text, for a problem solver to return.
+
+    Args:
+        text: one or more `(method ...)`, as they would stand in the RAP.
+
+    Raises:
+        TextError: if `text` is anything else.
+    """
+    unit = parse(SourceFile("<methods>", f"(define-rap (any) {_text(text)})"))
+    for found in unit.diagnostics:
+        raise TextError(f"{found.message}: {text.strip()}", found.help)
+    forms = [form for form in unit.forms if isinstance(form, DefineRap)]
+    if len(unit.forms) != 1 or not forms or not forms[0].methods:
+        raise TextError(f"methods are wanted, as in (method ...): {text.strip()}")
+    return tuple(forms[0].methods)
+
+
+def checked(loaded: Loaded, name: str) -> CheckedLibrary:
+    """Check what was read; `name` is what traces call it.
+
+    Raises:
+        CheckError: if anything of severity error is found.
+    """
+    report = check_library(loaded)
+    errors = tuple(f for f in report.findings if f.severity is Severity.ERROR)
+    if errors:
+        raise CheckError(Report(errors, report.library))
+    return CheckedLibrary(Program(report.library, name))
+
+
+# --- arguments ------------------------------------------------------------------------
+
+
+def _paths(paths: Sequence[Path | Iterable[Path]]) -> list[str]:
+    """Return all paths, also those in a list."""
+    found: list[str] = []
+    for path in paths:
+        inner = [path] if isinstance(path, str | os.PathLike) else path
+        if isinstance(inner, bytes) or not isinstance(inner, Iterable):
+            raise ArgumentError(f"a path is {_kind(path)}, no text")
+        for one in inner:
+            if not isinstance(one, str | os.PathLike):
+                raise ArgumentError(f"a path is {_kind(one)}, no text")
+            found.append(os.fspath(one))
+    if not found:
+        raise ArgumentError("no path is given")
+    return found
+
+
+def _text(text: object) -> str:
+    if not isinstance(text, str):
+        raise ArgumentError(f"the text is {_kind(text)}", "a file is read by `load`")
+    return text
+
+
+def _listed(given: Any, what: str) -> list[Any]:
+    """Return several things as a list, and one thing as a list of one."""
+    if isinstance(given, str | TaskRequest):
+        return [given]
+    if isinstance(given, bytes | Mapping) or not isinstance(given, Sequence | Iterable):
+        raise ArgumentError(f"`{what}` is {_kind(given)}, no list")
+    return list(given)
+
+
+def _request(task: object) -> TaskRequest:
+    if isinstance(task, TaskRequest):
+        return task
+    if not isinstance(task, str):
+        raise ArgumentError(f"a task is {_kind(task)}", 'as text: "(rap args)"')
+    return read_task_request(task)
+
+
+def _fact(fact: object) -> Fact:
+    if isinstance(fact, tuple):
+        return fact
+    if not isinstance(fact, str):
+        raise ArgumentError(f"a fact is {_kind(fact)}", 'as text: "(name args)"')
+    return parse_fact(fact)
+
+
+def _world(
+    world: object, seed: int, options: Mapping[str, Atom | bool] | None
+) -> tuple[World, Mapping[str, Atom | bool]]:
+    """Return the world, made if need be, with its options as traces have them."""
+    if isinstance(world, World):
+        if options:
+            raise ArgumentError("options are given for a world that is made already")
+        return world, {}
+    if isinstance(world, str):
+        world = find_world(world)
+    if not (isinstance(world, type) and issubclass(world, World)):
+        listed = "`rapc worlds` lists those installed"
+        raise ArgumentError(f"`world` is {_kind(world)}, no world", listed)
+    given = check_options(world, options or {})
+    return build_world(world, seed, given), given
+
+
+def _kind(value: object) -> str:
+    """Return in a few words what was given instead."""
+    words: dict[type, str] = {type(None): "None", str: "a text", list: "a list"}
+    kind = type(value)
+    return words.get(
+        kind, f"of type {kind.__module__}.{kind.__qualname__}".replace("builtins.", "")
+    )

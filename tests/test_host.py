@@ -1,0 +1,128 @@
+"""What a caller in Python gets, and what it gets told for wrong arguments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rapc
+
+LAMPS = Path(__file__).parent / "worlds" / "lamps" / "lamps.rap"
+WORLD = "tests.worlds.lamps.lamps:LampWorld"
+DOOR: Any = rapc
+"""The package without its types: its functions may be called with anything."""
+
+
+@pytest.fixture(scope="module")
+def lamps() -> rapc.CheckedLibrary:
+    return rapc.load(LAMPS)
+
+
+def test_a_path_may_be_text_a_path_or_in_a_list(lamps: rapc.CheckedLibrary) -> None:
+    for paths in ((str(LAMPS),), (LAMPS,), ([str(LAMPS)],), ([LAMPS, LAMPS],)):
+        assert DOOR.load(*paths).raps == lamps.raps == ("light", "light-all")
+
+
+def test_tasks_may_be_text_requests_or_several(lamps: rapc.CheckedLibrary) -> None:
+    request = rapc.TaskRequest(("light", "room-1"))
+    for tasks in ("(light room-1)", request, ["(light room-1)"], [request]):
+        result = DOOR.run(lamps, WORLD, tasks, seed=3)
+        assert result.succeeded
+        assert [task.goal for task in result.tasks] == ["(light room-1)"]
+
+
+def test_a_world_may_be_a_name_a_class_or_an_object(lamps: rapc.CheckedLibrary) -> None:
+    from tests.worlds.lamps.lamps import LampWorld  # noqa: PLC0415  # one of the three
+
+    made = rapc.open_world(WORLD, seed=3, every=50)
+    times = set()
+    for world, options in (
+        (WORLD, {"every": 50}),
+        (LampWorld, {"every": 50}),
+        (made, None),
+    ):
+        result = DOOR.run(lamps, world, "(light-all)", seed=3, options=options)
+        assert result.succeeded
+        times.add(result.time)
+    assert len(times) == 1
+
+
+def test_a_run_is_stepped_and_given_tasks_as_text(lamps: rapc.CheckedLibrary) -> None:
+    run = lamps.start(WORLD, seed=3, facts=["(lamp-state room-2 on)"])
+    run.submit("(light room-2)")
+    run.submit("(light room-1) :priority 3")
+    assert [entry.priority for entry in run.agenda()] == [0, 3]
+    while run.step():
+        pass
+    assert run.reason == "done"
+    assert [task.outcome for task in run.results()] == ["succeeded", "succeeded"]
+
+
+def test_a_saved_library_is_loaded_like_its_sources(
+    lamps: rapc.CheckedLibrary, tmp_path: Path
+) -> None:
+    from rapc.compiler.artifact import encode  # noqa: PLC0415  # nowhere else here
+
+    file = tmp_path / "lamps.rapc"
+    file.write_bytes(encode(lamps.program))
+    assert rapc.load(file).raps == lamps.raps
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "said"),
+    [
+        (lambda lib: DOOR.load(), rapc.ArgumentError, "no path is given"),
+        (lambda lib: DOOR.load(3), rapc.ArgumentError, "a path is of type int"),
+        (lambda lib: DOOR.load(["a", 3]), rapc.ArgumentError, "a path is of type int"),
+        (lambda lib: DOOR.load("nowhere"), rapc.LoadError, "`nowhere` does not exist"),
+        (lambda lib: DOOR.check("nowhere"), rapc.LoadError, "does not exist"),
+        (lambda lib: DOOR.loads(LAMPS), rapc.ArgumentError, "the text is of type"),
+        (lambda lib: DOOR.run("lib", WORLD, "(a)"), rapc.ArgumentError, "is a text"),
+        (lambda lib: DOOR.run(lib, 3, "(a)"), rapc.ArgumentError, "no world"),
+        (lambda lib: DOOR.run(lib, WORLD, 3), rapc.ArgumentError, "`tasks` is of type"),
+        (
+            lambda lib: DOOR.run(lib, WORLD, [3]),
+            rapc.ArgumentError,
+            "a task is of type",
+        ),
+        (lambda lib: DOOR.run(lib, WORLD, "(light"), rapc.TextError, "never closed"),
+        (lambda lib: DOOR.run(lib, WORLD, "(lihgt a)"), rapc.RefusedError, "`light`"),
+        (
+            lambda lib: DOOR.run(lib, WORLD, "(light a)", until="3"),
+            rapc.ArgumentError,
+            "`until` is a text",
+        ),
+        (
+            lambda lib: lib.start(WORLD, facts=["(lamp-stat a on)"]),
+            rapc.FactError,
+            "lamp-stat",
+        ),
+        (
+            lambda lib: lib.start(WORLD, options={"rooms": "3"}),
+            rapc.WorldError,
+            "`lamps.rooms` takes one integer, not `'3'`",
+        ),
+        (
+            lambda lib: lib.start(WORLD, options={"room": 3}),
+            rapc.WorldError,
+            "has no option `room`",
+        ),
+        (
+            lambda lib: lib.start(rapc.open_world(WORLD), options={"rooms": 3}),
+            rapc.ArgumentError,
+            "made already",
+        ),
+        (lambda lib: DOOR.methods("(metod)"), rapc.TextError, "metod"),
+        (lambda lib: DOOR.methods(""), rapc.TextError, "methods are wanted"),
+        (lambda lib: lib.extend(3), rapc.ArgumentError, "the text is of type int"),
+    ],
+)
+def test_what_a_caller_gets_wrong_is_told_in_a_line(
+    call: Any, error: type[rapc.Error], said: str, lamps: rapc.CheckedLibrary
+) -> None:
+    with pytest.raises(error) as caught:
+        call(lamps)
+    assert said in caught.value.message
+    assert "\n" not in caught.value.message
