@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from rapc.errors import RefusedError as RefusedError
     from rapc.errors import SavedError as SavedError
     from rapc.errors import SettingError as SettingError
+    from rapc.errors import StateError as StateError
     from rapc.errors import TextError as TextError
     from rapc.errors import WorldError as WorldError
     from rapc.host import CheckedLibrary as CheckedLibrary
@@ -67,6 +68,7 @@ _HOMES = {
     "SavedError": "rapc.errors",
     "SettingError": "rapc.errors",
     "Settings": "rapc.runtime.settings",
+    "StateError": "rapc.errors",
     "TaskRequest": "rapc.runtime.task_request",
     "TextError": "rapc.errors",
     "TextTrace": "rapc.runtime.events.trace",

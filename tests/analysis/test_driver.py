@@ -154,5 +154,5 @@ def test_checking_is_offered_to_programs(tmp_path: Path) -> None:
     path.write_text("(define-rap (a) (succeed (b)))")
     (finding,) = rapc.check(path).findings
     assert finding.rule.name == "undeclared-predicate"
-    with pytest.raises(rapc.CheckError, match=r"a.rap:1:28: .*`b`"):
+    with pytest.raises(rapc.CheckError, match=r"a.rap:1:27: .*`b`"):
         rapc.load(path)

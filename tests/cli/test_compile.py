@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from rapc.compiler.artifact import FORMAT
 from tests.cli.command import rapc
 
 CHECKOUT = Path(__file__).parents[2]
@@ -185,7 +186,7 @@ def test_no_file_that_is_there_is_lost(tmp_path: Path) -> None:
 
 def test_what_is_no_plain_file_is_written_to() -> None:
     done = rapc("compile", str(KITCHEN), "-o", "/dev/stdout")
-    assert done.stdout.startswith("rapc-library 1 ")
+    assert done.stdout.startswith(f"rapc-library {FORMAT} ")
 
 
 def test_the_commands_on_the_page_work(tmp_path: Path) -> None:
