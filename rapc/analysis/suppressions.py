@@ -93,7 +93,7 @@ def find(
     if not meant:
         return [], []
     by_word = {word: rule for rule in rules.values() for word in (rule.name, rule.code)}
-    starts = _first_forms(unit)
+    starts, below = _first_forms(unit), _rows_with_text(source)
     names = Suggestions(rules)
     found: list[Suppression] = []
     wrong: list[Diagnostic] = []
@@ -105,7 +105,7 @@ def find(
             continue
         whole = form["kind"].lower() == "file-ignore"
         covers = source.span(0, len(source.text) + 1)
-        covers = covers if whole else _covered(source, comment, starts)
+        covers = covers if whole else _covered(source, comment, starts, below)
         for word in words:
             rule = by_word.get(word) or by_word.get(word.upper())
             if rule is None:
@@ -120,22 +120,72 @@ def find(
 def apply(
     found: Iterable[Diagnostic], suppressions: Sequence[Suppression]
 ) -> tuple[list[Diagnostic], list[Suppression]]:
-    """The findings left, and the suppressions that silenced none."""
-    by_place: dict[tuple[str, str], list[Suppression]] = {}
+    """Return the findings left, and the suppressions that silenced none.
+
+    The time is in proportion to the number of both, however they lie: what one rule's
+    suppressions cover in a file is sorted once, and so are the rule's findings there.
+    """
+    diagnostics = list(found)
+    covers: dict[tuple[str, str], dict[Stretch, list[Suppression]]] = {}
     for one in suppressions:
-        by_place.setdefault((one.covers.file, one.rule), []).append(one)
-    left: list[Diagnostic] = []
-    used: set[int] = set()
-    for diagnostic in found:
-        at = diagnostic.span
-        silent = False
-        for one in by_place.get((at.file, diagnostic.rule), ()):
-            if one.covers.start <= at.start < one.covers.end:
-                silent = True
-                used.add(id(one))
-        if not silent:
-            left.append(diagnostic)
-    return left, [one for one in suppressions if id(one) not in used]
+        there = covers.setdefault((one.covers.file, one.rule), {})
+        there.setdefault((one.covers.start, one.covers.end), []).append(one)
+    places: dict[tuple[str, str], list[tuple[int, int]]] = {key: [] for key in covers}
+    for number, diagnostic in enumerate(diagnostics):
+        here = places.get((diagnostic.span.file, diagnostic.rule))
+        if here is not None:
+            here.append((diagnostic.span.start, number))
+    silent: set[int] = set()
+    idle: set[int] = set()
+    for key, by_stretch in covers.items():
+        inside, used = _meet(sorted(by_stretch, key=_outer_first), sorted(places[key]))
+        silent.update(inside)
+        idle.update(
+            id(o) for s, all_ in by_stretch.items() if s not in used for o in all_
+        )
+    left = [d for number, d in enumerate(diagnostics) if number not in silent]
+    return left, [one for one in suppressions if id(one) in idle]
+
+
+Stretch = tuple[int, int]
+"""Where a part of a text begins and ends."""
+
+
+def _outer_first(stretch: Stretch) -> Stretch:
+    return stretch[0], -stretch[1]
+
+
+def _meet(
+    stretches: Sequence[Stretch], places: Iterable[tuple[int, int]]
+) -> tuple[list[int], set[Stretch]]:
+    """Return the numbers of the places in some stretch, and the stretches with places.
+
+    Both are sorted; of two stretches one lies in the other, or they lie apart. Those
+    open at a place are a stack, and below one that has a place all have one.
+    """
+    inside: list[int] = []
+    used: set[Stretch] = set()
+    open_: list[Stretch] = []
+    next_ = 0
+    for start, number in places:
+        while next_ < len(stretches) and stretches[next_][0] <= start:
+            _close(open_, stretches[next_][0])
+            open_.append(stretches[next_])
+            next_ += 1
+        _close(open_, start)
+        if open_:
+            inside.append(number)
+            for stretch in reversed(open_):
+                if stretch in used:
+                    break
+                used.add(stretch)
+    return inside, used
+
+
+def _close(open_: list[Stretch], start: int) -> None:
+    """Take the stretches off that end before `start`."""
+    while open_ and open_[-1][1] <= start:
+        open_.pop()
 
 
 def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:
@@ -178,15 +228,25 @@ def _lists(data: Iterable[Datum]) -> Iterator[List]:
             stack.extend(reversed(datum.items))
 
 
-def _covered(source: SourceFile, comment: Comment, starts: Mapping[int, Span]) -> Span:
+def _rows_with_text(source: SourceFile) -> Sequence[int]:
+    """Return for each row, from 0, the first one from there on that holds code."""
+    last = len(source.line_starts)
+    found = [last + 1] * (last + 2)
+    for row in range(last, 0, -1):
+        found[row] = found[row + 1] if _is_blank(source.line(row)) else row
+    return found
+
+
+def _covered(
+    source: SourceFile,
+    comment: Comment,
+    starts: Mapping[int, Span],
+    below: Sequence[int],
+) -> Span:
     """The form that begins on the comment's line, else on the next one with text."""
     at = source.position(comment.span.start)
     before = source.line(at.row)[: at.column - 1]
-    row = at.row
-    if not before.strip():
-        row += 1
-        while row <= len(source.line_starts) and _is_blank(source.line(row)):
-            row += 1
+    row = at.row if before.strip() else below[at.row + 1]
     return starts.get(row, source.span(0, 0))
 
 

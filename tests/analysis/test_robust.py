@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -19,6 +20,7 @@ TEXTS = [
         [*CHECKOUT.glob("examples/*.rap"), *Path(__file__).parent.glob("*.rap")]
     )
 ]
+TERMS = ("(size-of (?x))", "(value (?x))", "(size-of ())", "(size-of)", "(value 1 2)")
 SCRAPS = [
     "(",
     ")",
@@ -63,3 +65,9 @@ def test_damaged_programs_can_be_checked_and_shown(text: str) -> None:
     for finding in report.findings:
         span = finding.diagnostic.span
         assert 0 <= span.start <= span.end <= len(text) + 1
+
+
+@pytest.mark.parametrize("term", TERMS)
+def test_a_term_that_cannot_be_read_is_one_finding(term: str) -> None:
+    text = f"(define-rap (a ?seen) (succeed (> 1 {term})))"
+    assert len(check_library(load_text(text)).findings) == 1

@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
+
+import pytest
+
 from rapc.analysis.driver import check_library
 from rapc.ir import nodes
 from rapc.ir.walk import CHILDREN
@@ -69,3 +76,72 @@ def test_the_index_knows_the_children_of_every_node() -> None:
             if not said.startswith((*scalars, *others))
         }
         assert set(children) == holding, kind
+
+
+# --- work in proportion to the text ---------------------------------------------------
+
+
+def _rap(number: int, before: str = "") -> str:
+    step = f"(t (gone-{number:04}))"
+    return f"{before}\n(define-rap (r{number:04}) (method (task-net {step})))\n"
+
+
+def _suppressed_steps(count: int) -> str:
+    steps = "\n".join(
+        f"(t{n} (x{n})) ; rapc: ignore[unknown-rap]" for n in range(count)
+    )
+    return f"(define-rap (r) (method (task-net\n{steps}\n)))"
+
+
+def _methods_asked_for(count: int) -> str:
+    rows = "\n".join(
+        f"(method n{n} (context (method-tried m{n})) (task-net))" for n in range(count)
+    )
+    return f"(define-rap (r) {rows})"
+
+
+def _tests(count: int) -> str:
+    rows = "".join(
+        f"(define-test t{n} (task (r{n})) (expect (never (p{n}))))\n"
+        for n in range(count)
+    )
+    return f"(define-rap (r))\n{rows}"
+
+
+IGNORE, FILE_IGNORE = "; rapc: ignore[unknown-rap]", "; rapc: file-ignore[unknown-rap]"
+
+TEXTS: dict[str, Callable[[int], str]] = {
+    "a suppression at each RAP": lambda n: "".join(_rap(i, IGNORE) for i in range(n)),
+    "comments in a row": lambda n: f"{IGNORE}\n" * n + _rap(0),
+    "file-ignore at each RAP": lambda n: "".join(
+        _rap(i, FILE_IGNORE) for i in range(n)
+    ),
+    "suppressed steps of one RAP": _suppressed_steps,
+    "unknown methods of one RAP": _methods_asked_for,
+    "tests with unknown names": _tests,
+}
+
+
+@pytest.mark.parametrize("shape", TEXTS)
+def test_work_of_a_check_is_in_proportion_to_its_text(shape: str) -> None:
+    small, large = (_work(TEXTS[shape](count)) for count in (200, 800))
+    assert large < 5 * small
+
+
+def _work(text: str) -> int:
+    """How many lines of Python are run to check a text, once it is read."""
+    loaded = load_text(text)
+    lines = 0
+
+    def step(frame: FrameType, event: str, _: object) -> Callable[..., Any]:
+        nonlocal lines
+        lines += event == "line"
+        return step
+
+    before = sys.gettrace()
+    sys.settrace(step)
+    try:
+        check_library(loaded)
+    finally:
+        sys.settrace(before)
+    return lines

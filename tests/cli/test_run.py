@@ -44,6 +44,9 @@ class Bed(World):
 
 class Broken(Bed):
     def __init__(self): pass
+
+class Telling(Bed):
+    def facts(self): return [("rested", "well"), ("rested", "badly")]
 """
 
 
@@ -122,3 +125,15 @@ def test_the_report_says_why_the_world_ended_a_run(tmp_path: Path) -> None:
     end = json.loads(trace.read_text().splitlines()[-1])
     assert end["reason"] == "world"
     assert end["because"].startswith("out of fuel on road-")
+
+
+def test_a_word_of_the_world_declared_otherwise_is_refused(bed: Path) -> None:
+    text = LIBRARY.replace("rested)", "rested ())", 1)
+    (bed / "doze.rap").write_text(text)
+    done = _run(bed, "--trace", "trace.jsonl", world="bed:Telling")
+    assert done.returncode == 2
+    assert done.stderr == (
+        "error: doze.rap:2:1: `rested` takes no arguments, not 1: "
+        "the world `bed` tells (rested well)\n"
+    )
+    assert not (bed / "trace.jsonl").exists()
