@@ -129,7 +129,8 @@ def in_order(task: Task, method: nodes.Method, env: Bindings) -> list[str]:
 
 
 def note(run: Run, running: Running) -> bool:
-    """Assert the notations; False if one is unbound."""
+    """Assert the notations, all or none; False if one is unbound."""
+    facts: list[Fact] = []
     for pattern in running.method.notations:
         values: list[Value] = []
         for term in pattern.args:
@@ -139,7 +140,8 @@ def note(run: Run, running: Running) -> bool:
                 run.fault(running.task, "notation", pattern, why)
                 return False
             values.append(value)
-        fact: Fact = (pattern.name, *values)  # type: ignore[arg-type]
+        facts.append((pattern.name, *values))  # type: ignore[arg-type]
+    for fact in facts:
         run.memory.note(fact, running)
         running.noted.append(fact)
     return True

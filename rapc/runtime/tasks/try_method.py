@@ -135,16 +135,17 @@ def _release_steps(machine: Machine, run: MethodRun) -> None:
 
 
 def _note(machine: Machine, run: MethodRun, method: MethodPlan) -> bool:
-    """Assert a method's notations; False if one of them cannot be."""
+    """Assert a method's notations, all or none; whether they could be [L 6.27]."""
+    facts = []
     for plan in method.notations:
         fact = ground(machine, run, plan)
         if fact is None:
             return False
         try:
-            notation = machine.memory.note(machine.memory.checked(fact))
+            facts.append(machine.memory.checked(fact))
         except FactError as error:
             machine.context.fault(plan.where, str(error))
             return False
-        if notation is not None:
-            run.notations = (*run.notations, notation)
+    noted = [machine.memory.note(fact) for fact in facts]
+    run.notations = tuple([notation for notation in noted if notation is not None])
     return True
