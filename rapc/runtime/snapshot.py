@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.base.values import number
+from rapc.base.values import Fact, format_list, number
 from rapc.runtime.events.events import RunStarted, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
@@ -69,7 +69,8 @@ def _entry(machine: Machine, task: Task) -> AgendaEntry:
 
 def _obstacle(machine: Machine, task: Task) -> str:
     if task.run is not None:
-        return "its method"
+        request = _request(machine, task)
+        return "its method" if request is None else format_list(request)
     if task.wait is not None and task.wait.awaits_signal:
         return task.wait.blocked_on
     if task.waiting:
@@ -132,14 +133,27 @@ def goals(machine: Machine) -> dict[int, str]:
 def waiting(machine: Machine) -> tuple[str, ...]:
     """Each task that is not done, and what it waits for, for a person to read.
 
-    Tasks that wait for their own steps are left out.
+    Tasks that wait for their own steps, or for steps before them, are left out.
     """
     return tuple(
         f"{task.goal()} [{task.number}] {_awaited(machine, task)}"
         for task in machine.state.live_tasks()
-        if task.run is None
-        and (not task.waiting or (task.wait is not None and task.wait.awaits_signal))
+        if _is_told(machine, task)
     )
+
+
+def _is_told(machine: Machine, task: Task) -> bool:
+    if task.run is not None:
+        return _request(machine, task) is not None
+    return not task.waiting or (task.wait is not None and task.wait.awaits_signal)
+
+
+def _request(machine: Machine, task: Task) -> Fact | None:
+    """Return the request that a task has under way, if it has one."""
+    ticket = None if task.run is None else task.run.ticket
+    if ticket is None or ticket not in machine.state.pending:
+        return None
+    return machine.state.pending[ticket][1]
 
 
 def _awaited(machine: Machine, task: Task) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from io import StringIO
 from typing import Any
 
 import msgspec
@@ -12,6 +13,8 @@ from rapc.base.values import Fact
 from rapc.errors import PortError
 from rapc.library.library import Library
 from rapc.runtime.events import events
+from rapc.runtime.events.report import Report
+from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
 from rapc.world import (
@@ -210,3 +213,33 @@ def test_a_primitive_that_ends_after_until_stays_unended() -> None:
     ran.run(until=5)
     assert ran.told("asked", "done", "over") == ["asked (act a)", "over until"]
     assert times == [5]
+
+
+SLOW = "(define-rap (charge) (method (primitive (slow dock))))"
+
+
+def test_a_task_that_waits_for_a_primitive_is_seen_everywhere() -> None:
+    ran = Play(SLOW, "(charge)", rows=[row("(slow dock)", after=50)])
+    run, stream = ran.interpreter, StringIO()
+    report = Report()
+    run.listen(TextTrace(stream))
+    run.listen(report, *report.kinds)
+    run.step()
+    assert run.agenda()[0].waits_for == "(slow dock)"
+    assert run.waiting() == ("(charge) [1] waits for (slow dock)",)
+    run.run(until=20)
+    assert ran.events[-1].waiting == ("(charge) [1] waits for (slow dock)",)  # type: ignore[attr-defined]
+    assert " ... primitive operation (slow dock) begun\n" in stream.getvalue()
+    lines = list(report.lines())
+    assert lines[lines.index("Left over:") + 1] == (
+        "  (charge) [1] waits for (slow dock)"
+    )
+
+
+def test_a_primitive_that_ends_at_once_has_one_line_in_the_text() -> None:
+    ran = Play(USE, "(use a)")
+    stream = StringIO()
+    ran.interpreter.listen(TextTrace(stream))
+    ran.run()
+    assert "begun" not in stream.getvalue()
+    assert "... primitive operation (act a) - okay" in stream.getvalue()

@@ -33,13 +33,26 @@ class TextTrace:
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
         self._time: object = None
+        self._asked: events.PrimitiveRequested | None = None
 
     def __call__(self, event: events.Event) -> None:
-        """Write what there is to say about one event, if anything."""
+        """Write what there is to say about one event, if anything.
+
+        A request gets a line of its own only if its primitive does not end at once.
+        """
+        if isinstance(event, events.PrimitiveRequested):
+            self._asked = event
+            return
         line = _LINES.get(type(event))
         text = line(event) if line is not None else None
         if text is None:
             return
+        asked, self._asked = self._asked, None
+        if asked is not None and not isinstance(event, events.PrimitiveEnded):
+            self._write(asked, f"    ... primitive operation {asked.request} begun")
+        self._write(event, text)
+
+    def _write(self, event: events.Event, text: str) -> None:
         stamp = "" if event.time == self._time else format_atom(event.time)
         self._time = event.time
         self._stream.write(f"{stamp:>7} {text}\n")

@@ -48,7 +48,7 @@ def try_method(machine: Machine, task: Task) -> None:
     if method.steps and not _spawn(machine, run):
         fail(machine, task, FUTILE_LOOP)
         return
-    _start(machine, run)
+    start_method(machine, run)
 
 
 def _only(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
@@ -84,8 +84,8 @@ def _spawn(machine: Machine, run: MethodRun) -> bool:
     return True
 
 
-def _start(machine: Machine, run: MethodRun) -> None:
-    """Step 9: the method starts and the task waits for it."""
+def start_method(machine: Machine, run: MethodRun) -> None:
+    """Start the method of `run`; its task waits for it until it ends."""
     task, method = run.task, run.plan
     task.run = run
     if machine.may_recur(task.plan):
