@@ -34,11 +34,13 @@ class TextTrace:
         self._stream = stream
         self._time: object = None
         self._asked: events.PrimitiveRequested | None = None
+        self._held: list[tuple[events.Event, str]] = []
 
     def __call__(self, event: events.Event) -> None:
         """Write what there is to say about one event, if anything.
 
         A request gets a line of its own only if its primitive does not end at once.
+        Until that is known, what the host does meanwhile is held back.
         """
         if isinstance(event, events.PrimitiveRequested):
             self._asked = event
@@ -47,10 +49,26 @@ class TextTrace:
         text = line(event) if line is not None else None
         if text is None:
             return
-        asked, self._asked = self._asked, None
-        if asked is not None and not isinstance(event, events.PrimitiveEnded):
-            self._write(asked, f"    ... primitive operation {asked.request} begun")
+        if self._asked is not None:
+            if isinstance(event, events.TaskCreated | events.TaskRemoved):
+                self._held.append((event, text))
+                return
+            self._tell_asked(event, self._asked)
         self._write(event, text)
+
+    def _tell_asked(
+        self, event: events.Event, asked: events.PrimitiveRequested
+    ) -> None:
+        """Write what was held back; `event` tells whether the primitive has ended."""
+        ended = isinstance(event, events.PrimitiveEnded) and (
+            event.task == asked.task or event.request == asked.request
+        )
+        if not ended:
+            self._write(asked, f"    ... primitive operation {asked.request} begun")
+        for held, text in self._held:
+            self._write(held, text)
+        self._asked = None
+        self._held.clear()
 
     def _write(self, event: events.Event, text: str) -> None:
         stamp = "" if event.time == self._time else format_atom(event.time)
