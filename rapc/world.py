@@ -166,6 +166,10 @@ class Handlers(msgspec.Struct, frozen=True):
     data: Mapping[str, DatumHandler] = {}
 
 
+KINDS = ("number", "integer", "flag", "symbol", "text")
+"""The kinds of options."""
+
+
 class Option(msgspec.Struct, frozen=True):
     """One option of a world: what `rapc worlds NAME` lists and `--set` changes."""
 
@@ -260,6 +264,18 @@ class Kit(msgspec.Struct, frozen=True):
     #: Comparators `(one, other)` of descriptions, by name [T A.5]: each returns a
     #: number, 0 or less if the two cannot be the same item.
     comparators: Callables = {}
+
+    def __post_init__(self) -> None:
+        """See that the parts are what they should be; raises TypeError."""
+        if not isinstance(self.offer, Offer):
+            raise TypeError(f"`offer` of a Kit is an Offer, not {self.offer!a:.60}")
+        if not isinstance(self.handlers, Handlers):
+            raise TypeError(
+                f"`handlers` of a Kit is Handlers, not {self.handlers!a:.60}"
+            )
+        for option in self.options:
+            if not isinstance(option, Option) or option.kind not in KINDS:
+                raise TypeError(f"`options` of a Kit has {option!a:.60}")
 
 
 class World(ABC):

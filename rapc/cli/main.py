@@ -17,6 +17,7 @@ import click
 
 from rapc.base.names import nearest
 from rapc.cli.options import USAGE, common_options, show_traceback
+from rapc.errors import Error
 
 COMMANDS = {
     "check": "Check RAP libraries.",
@@ -95,6 +96,9 @@ def main(args: Sequence[str] | None = None) -> None:
         sys.exit(USAGE)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(INTERRUPTED)
+    except Error as error:
+        _say(error)
+        sys.exit(USAGE)
     except BrokenPipeError:
         _drop_output()
         sys.exit(1)
@@ -140,6 +144,16 @@ def _message(error: click.ClickException) -> str:
         text = " ".join(error.format_message().split()).removesuffix(".")
         text = text[:1].lower() + text[1:]
     return f"{text}; did you mean `{close}`?" if close else text
+
+
+def _say(error: Error) -> None:
+    """Say what the user got wrong, in a line, and what to do about it."""
+    from rapc.console.findings import visible  # noqa: PLC0415  # brings rich along
+
+    show_traceback(error)
+    click.echo(f"error: {visible(error.message)}", err=True)
+    if error.help:
+        click.echo(f"  {visible(error.help)}", err=True)
 
 
 def _drop_output() -> None:

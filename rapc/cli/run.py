@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import shutil
 import sys
-import traceback
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import click
 
 from rapc.base.values import Fact, number
 from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, settings
-from rapc.cli.options import show_traceback
 from rapc.compiler.program import Program
 from rapc.errors import (
     FactError,
-    PortError,
     RefusedError,
     SavedError,
     SettingError,
@@ -28,6 +25,7 @@ from rapc.errors import (
 )
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
+from rapc.runtime.authors import blame
 from rapc.runtime.events.report import Report
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
@@ -140,7 +138,7 @@ def run(
             interpreter.assert_fact(*fact)
         for submission in submissions:
             interpreter.submit(submission)
-        _run(interpreter, end, world_name)
+        _run(interpreter, end)
     for line in report.lines():
         click.echo(line)
     given = [result for result in interpreter.results() if not result.background]
@@ -148,39 +146,12 @@ def run(
         raise SystemExit(1)
 
 
-def _run(interpreter: Interpreter, until: Time | None, world_name: str) -> None:
+def _run(interpreter: Interpreter, until: Time | None) -> None:
     """Run to the end; Ctrl-C ends a run early, with its report."""
     try:
         interpreter.run(until=until)
     except KeyboardInterrupt:
         interpreter.end("cancelled")
-    except SavedError as error:
-        fail(str(error))
-    except (PortError, FactError) as error:
-        fail(f"the world `{world_name}` does not keep to the port: {error}")
-    except Exception as error:
-        _blame(world_name, error)
-
-
-def _blame(world_name: str, error: Exception) -> NoReturn:
-    """End the command for an error of a world; one of ours is raised again."""
-    place = _place_in(registry.find_world(world_name), error)
-    if place is None:
-        raise error
-    show_traceback(error)
-    what = " ".join(f"{type(error).__name__}: {error}".split())
-    fail(f"the world `{world_name}` failed at {place}: {what}")
-
-
-def _place_in(world: type[World], error: Exception) -> str | None:
-    """Where an error came by the package of a world that is not ours, at last."""
-    package = world.__module__.partition(".")[0]
-    places = [
-        f"{Path(frame.f_code.co_filename).name}:{row}"
-        for frame, row in traceback.walk_tb(error.__traceback__)
-        if str(frame.f_globals.get("__name__")).partition(".")[0] == package != "rapc"
-    ]
-    return places[-1] if places else None
 
 
 def _submission(text: str) -> TaskRequest:
@@ -289,7 +260,7 @@ def _drawable(world: World, world_name: str) -> Drawable:
     try:
         world.picture()
     except Exception as error:
-        _blame(world_name, error)
+        blame(error, world, {})
     return world
 
 

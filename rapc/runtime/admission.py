@@ -15,6 +15,13 @@ from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.signatures import CONSTANT_DEFAULTS, Signatures, Use
+from rapc.runtime.authors import (
+    PORT,
+    Named,
+    is_fact,
+    misfits,
+    wrong,
+)
 from rapc.world import World
 
 _Offered = (
@@ -42,6 +49,34 @@ def refusals(
     ]
 
 
+def misfitting(program: Program, world: World, code: Mapping[str, Named]) -> list[str]:
+    """Return a line for each part of an author's code that takes other arguments."""
+    port = {name: getattr(world, name) for name in PORT}
+    found = [
+        line
+        for name, given in PORT.items()
+        for line in misfits(f"the world `{world.name}`:", {name: port[name]}, given)
+    ]
+    counts = (
+        ("the handler of", 3),
+        ("the handler of the datum", 2),
+        ("the solver of", 2),
+        ("the comparator", 2),
+    )
+    for what, given in counts:
+        found += misfits(what, code[what], given)
+    functions, library = code["the function"], program.library
+    for declared in library.functions.values():
+        if declared.name in functions and declared.args is not None:
+            one = {declared.name: functions[declared.name]}
+            found += misfits("the function", one, 1 + len(declared.args))
+    for prop in library.properties.values():
+        if prop.default in functions and prop.default not in library.functions:
+            one = {prop.default: functions[prop.default]}
+            found += misfits("the default function", one, 2)
+    return list(dict.fromkeys(found))
+
+
 def _lacking(library: Library, world: World) -> Iterator[str]:
     """What the library declares and the world does not offer, or not so."""
     offered = Signatures.offered(world.kit.offer)
@@ -66,6 +101,8 @@ def _untellable(
     unknown: dict[str, None] = {}
     told: set[str] = set()
     for fact in world.facts():
+        if not is_fact(fact):
+            raise wrong(world, "a first fact", fact)
         name = str(fact[0])
         fault = signatures.fault("asserted", name, len(fact) - 1)
         if fault is None or name in told:

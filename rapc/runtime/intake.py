@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from rapc.base.values import format_list
 from rapc.errors import PortError
 from rapc.runtime.acts.primitives import handle, take_reply
+from rapc.runtime.authors import is_fact, wrong
 from rapc.runtime.events.events import DataReceived
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.finish import end_method
@@ -25,6 +26,8 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         PortError: as `finish`.
     """
     others: list[Message] = []
+    if not isinstance(messages, tuple | list):
+        raise wrong(machine.world, "what `messages` returns", messages)
     for message in messages:
         if isinstance(message, Finished):
             finish(machine, message.ticket, message.reply)
@@ -37,8 +40,10 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
             named = machine.memory.canonical(named)
             if machine.recorder.on:
                 machine.recorder.emit(DataReceived, data=format_list(named))
-        elif isinstance(message, Signal):
+        elif isinstance(message, Signal) and is_fact(message.content):
             signal(machine, message.content)
+        else:
+            raise wrong(machine.world, "a message", message)
 
 
 def finish(machine: Machine, ticket: int, reply: Reply) -> None:
@@ -48,7 +53,11 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
         PortError: for a ticket that is not under way, or a datum nobody handles.
     """
     if ticket not in machine.state.pending:
-        raise PortError(f"the world ended a request that is not under way: {ticket}")
+        name = machine.world.name
+        said = f"the world `{name}` ended a request that is not under way: {ticket!r}"
+        raise PortError(said)
+    if type(reply) is not Reply:
+        raise wrong(machine.world, "the end of a request", reply)
     task, asked = machine.state.pending.pop(ticket)
     result = take_reply(machine, task, asked, reply)
     if result is not None and task is not None and task.run is not None:

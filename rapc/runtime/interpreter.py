@@ -19,7 +19,8 @@ from rapc.errors import RefusedError
 from rapc.ir.nodes import Formula
 from rapc.parser.parse import parse_formula
 from rapc.runtime import snapshot
-from rapc.runtime.admission import refusals, refuse_extension, refuse_tasks
+from rapc.runtime.admission import misfitting, refusals, refuse_extension, refuse_tasks
+from rapc.runtime.authors import blame, is_time, wrong
 from rapc.runtime.events.events import Event, RunEnded, TaskResult
 from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.host_query import HostQuery
@@ -69,19 +70,36 @@ class Interpreter:
     ) -> None:
         self.seed = seed
         self._registered = (functions, solvers, comparators)
-        compare = {**world.kit.comparators, **(comparators or {})}
-        self._machine = Machine(
-            library,
-            world,
-            random.Random(f"{seed}:interpreter"),
-            settings or Settings(),
-            {**world.kit.functions, **(functions or {})},
-            {**world.kit.solvers, **(solvers or {})},
-            compare,
-        )
-        self._machine.recognizer.renamed = partial(rename, self._machine)
-        functions = self._machine.context.functions
-        found = refusals(library, world, functions, compare)
+        self._world = world
+        kit = world.kit
+        self._code: dict[str, Mapping[str, Callable[..., Any]]] = {
+            "the handler of": kit.handlers.results,
+            "the handler of the datum": kit.handlers.data,
+            "the function": {**kit.functions, **(functions or {})},
+            "the solver of": {**kit.solvers, **(solvers or {})},
+            "the comparator": {**kit.comparators, **(comparators or {})},
+        }
+        found = misfitting(library, world, self._code)
+        if found:
+            raise RefusedError(found)
+        try:
+            if not is_time(now := world.now()):
+                raise wrong(world, "the time", now)
+            self._machine = Machine(
+                library,
+                world,
+                random.Random(f"{seed}:interpreter"),
+                settings or Settings(),
+                self._code["the function"],
+                self._code["the solver of"],
+                self._code["the comparator"],
+            )
+            self._machine.recognizer.renamed = partial(rename, self._machine)
+            found = refusals(
+                library, world, self._code["the function"], self._code["the comparator"]
+            )
+        except BaseException as error:
+            blame(error, world, self._code)
         if found:
             raise RefusedError(found)
         self._loop = Loop(self._machine)
@@ -232,8 +250,11 @@ class Interpreter:
         self.start()
         if self._machine.state.reason is None:
             most = None if cycles is None else max(cycles, 0)
-            reason = self._loop.run(most, wait=True)
-            self.end(reason or self._loop.reason() or "cycles")
+            try:
+                reason = self._loop.run(most, wait=True) or self._loop.reason()
+            except BaseException as error:
+                blame(error, self._world, self._code)
+            self.end(reason or "cycles")
         return self._machine.state.reason or "done"
 
     def step(self, wait: bool = True) -> bool:
@@ -252,7 +273,10 @@ class Interpreter:
         recorder = self._machine.recorder
         before = recorder.cycle
         if self._machine.state.reason is None:
-            reason = self._loop.run(most, wait)
+            try:
+                reason = self._loop.run(most, wait)
+            except BaseException as error:
+                blame(error, self._world, self._code)
             if reason is not None:
                 self.end(reason)
         return recorder.cycle - before
@@ -274,8 +298,11 @@ class Interpreter:
         self._machine.state.started = True
         machine = self._machine
         snapshot.tell_start(machine, self.seed, options or {}, tasks, faults)
-        for fact in machine.world.facts():
-            self.assert_fact(*fact)
+        try:
+            for fact in machine.world.facts():
+                self.assert_fact(*fact)
+        except BaseException as error:
+            blame(error, self._world, self._code)
 
     # --- saving ---------------------------------------------------------------------
 

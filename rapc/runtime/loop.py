@@ -8,10 +8,9 @@ task (T figure 3.3, semantics 4). What a cycle does to its task is in
 from __future__ import annotations
 
 import heapq
-import math
 
 from rapc.base.values import number
-from rapc.errors import PortError
+from rapc.runtime.authors import is_time, wrong
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.cycle import run_cycle
@@ -153,9 +152,8 @@ class Loop:
         """
         machine = self._machine
         times = [machine.monitors.next_time(), machine.world.next_time()]
-        if times[1] is not None and not math.isfinite(times[1]):
-            name = machine.world.name
-            raise PortError(f"the next time of the world `{name}` is `{times[1]}`")
+        if times[1] is not None and not is_time(times[1]):
+            raise wrong(machine.world, "the next time", times[1])
         if machine.state.scheduled:
             times.append(machine.state.scheduled[0][0])
         if machine.host_timers:

@@ -20,7 +20,7 @@ from rapc.base.files import named, read_text
 from rapc.base.names import nearest
 from rapc.base.values import Atom, Text, number
 from rapc.errors import LoadError, WorldError
-from rapc.world import Option, World
+from rapc.world import Kit, Option, World
 
 GROUP = "rapc.worlds"
 """The entry-point group under which packages offer their worlds."""
@@ -53,7 +53,10 @@ def find_world(name: str) -> type[World]:
     if not (isinstance(found, type) and issubclass(found, World)):
         raise WorldError(f"`{point.value}` is not a subclass of `rapc.World`")
     missing = sorted(getattr(found, "__abstractmethods__", ()))
-    missing += [part for part in ("name", "kit") if not hasattr(found, part)]
+    parts: tuple[tuple[str, type], ...] = (("name", str), ("kit", Kit))
+    for part, kind in parts:
+        if not isinstance(getattr(found, part, None), kind):
+            missing.append(part)
     if missing:
         listed = ", ".join(missing)
         raise WorldError(f"the world `{point.value}` does not define {listed}")
@@ -78,7 +81,9 @@ def _load(point: EntryPoint) -> object:
             found = importlib.import_module(point.module)
             for part in point.attr.split("."):
                 found = getattr(found, part)
-    except Exception as error:  # whatever code from elsewhere may raise on import
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # whatever code from elsewhere may raise on import
         what = f"{type(error).__name__}: {error}"
         raise WorldError(
             f"the world `{point.name}` cannot be loaded: {what}"
@@ -184,7 +189,9 @@ def build_world(
         return make(random.Random(f"{seed}:world"), {**values, **options})
     except ValueError as error:
         raise WorldError(f"the world `{world.name}` refuses: {error}") from error
-    except Exception as error:  # whatever code from elsewhere may raise
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # whatever code from elsewhere may raise
         what = f"{type(error).__name__}: {error}"
         raise WorldError(f"the world `{world.name}` cannot be built: {what}") from error
 

@@ -104,7 +104,7 @@ def test_a_run_that_was_called_off_has_not_succeeded(bed: Path) -> None:
 def test_what_a_world_raises_is_told_of_the_world(bed: Path) -> None:
     done = _run(bed, "-q", task="(doze)")
     assert (done.returncode, done.stdout) == (2, "")
-    said = "error: the world `bed:Bed` failed at bed.py:4: KeyError: 'pillow'\n"
+    said = "error: the handler of `nap` failed at bed.py:4: KeyError: 'pillow'\n"
     assert done.stderr == said
 
 

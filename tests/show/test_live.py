@@ -123,7 +123,7 @@ def test_a_picture_that_fails_is_blamed_on_its_world(tmp_path: Path) -> None:
         PYTHONPATH=f"{lamps}:{CHECKOUT}",
     )
     assert (done.returncode, done.stdout) == (2, "")
-    said = "error: the world `dim:Dim` failed at dim.py:4: ZeroDivisionError: "
+    said = "error: the world `lamps` failed at dim.py:4: ZeroDivisionError: "
     assert done.stderr == f"{said}division by zero\n"
 
 

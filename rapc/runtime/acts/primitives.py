@@ -11,6 +11,7 @@ from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.compiler import RequestPlan
 from rapc.errors import PortError
+from rapc.runtime.authors import is_fact, wrong
 from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
@@ -62,6 +63,8 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> str | None:
     machine.state.tickets += 1
     run.ticket = ticket = machine.state.tickets
     reply = world.perform(ticket, sent)
+    if reply is not None and type(reply) is not Reply:
+        raise wrong(world, f"the reply to {format_list(sent)}", reply)
     now = world.now()
     if now != machine.recorder.time or machine.state.until is not None:
         machine.set_clock(now)
@@ -96,6 +99,8 @@ def take_reply(
         PortError: for a datum that the world has no handler for.
     """
     handler, result = machine.result_handlers.get(asked[0]), reply.result
+    if type(result) is not str or not isinstance(reply.data, tuple | list):
+        raise wrong(machine.world, f"the reply to {format_list(asked)}", reply)
     if handler is not None or reply.data or machine.recognizer.unsettled:
         canonical = machine.memory.canonical
         with machine.access.batch():
@@ -132,9 +137,12 @@ def handle(machine: Machine, content: Fact) -> Fact:
     Raises:
         PortError: if the world has no handler for it.
     """
+    if not is_fact(content):
+        raise wrong(machine.world, "a datum", content)
     handler = machine.handlers.data.get(str(content[0]))
     if handler is None:
-        raise PortError(f"the world has no handler for its datum {content[0]}")
+        name = machine.world.name
+        raise PortError(f"the world `{name}` has no handler for its datum {content[0]}")
     named = _named(machine, content)
     handler(machine.access, named)
     return named

@@ -11,6 +11,7 @@ from typing import TypeVar
 from rapc.base.resources import frozen
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.ir import nodes
+from rapc.runtime.authors import wrong
 from rapc.runtime.events.events import SolverCalled
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task
@@ -98,7 +99,11 @@ def _ask_solver(machine: Machine, task: Task) -> bool:
     if solver is None:
         return False
     inputs = [task.env[name] for name in task.plan.inputs]
-    returned = list(solver((task.plan.name, *inputs), machine.context.view))
+    returned = solver((task.plan.name, *inputs), machine.context.view)
+    if not isinstance(returned, tuple | list) or not all(
+        isinstance(node, nodes.Method) for node in returned
+    ):
+        raise wrong(machine.world, f"what the solver of `{task.plan.name}`", returned)
     for node in returned:
         if not any(
             _same(node, known.node) for known in machine.state.methods(task.plan)

@@ -8,10 +8,12 @@ count for the class and 10 for each property that both have with one known value
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from math import isnan
 
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number
+from rapc.errors import PortError
 from rapc.ir import nodes
 from rapc.runtime.memory.recognition.sets import Description
 
@@ -83,13 +85,17 @@ def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
     return Score(score, not vetoing)
 
 
-def named(compare: Comparator) -> Score:
+def named(name: str, compare: Comparator) -> Score:
     """A comparator in Python; empty descriptions match anything."""
 
     def score(a: Description, b: Description) -> Number:
         if a.empty or b.empty:
             return SHARED
-        return compare(_described(a), _described(b))
+        found = compare(_described(a), _described(b))
+        if type(found) not in (int, float) or isnan(found):
+            said = f"the comparator `{name}` returned {found!a:.60}, no number"
+            raise PortError(said)
+        return found
 
     return Score(score, False)
 
@@ -101,7 +107,7 @@ def _described(of: Description) -> Described:
 
 def _found(name: str, registered: Mapping[str, Comparator]) -> Score:
     compare = registered.get(name)
-    return plain() if compare is None else named(compare)
+    return plain() if compare is None else named(name, compare)
 
 
 class Scores:

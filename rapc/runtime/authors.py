@@ -1,0 +1,178 @@
+"""Whose fault it is when Python code of a world, or of a host, breaks in a run.
+
+A world's methods, its handlers, and functions, solvers and comparators are code of
+their authors. What such code raises is a `PortError` that names the code with file and
+line. What a listener raises is the host's own and goes through untouched; anything
+else is a fault of rapc. How many arguments the code takes is looked at beforehand.
+"""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from inspect import signature
+from math import inf
+from pathlib import Path
+from types import CodeType, FrameType, FunctionType, MethodType
+from typing import NoReturn
+
+from rapc.errors import PortError
+from rapc.world import Text, World
+
+Named = Mapping[str, Callable[..., object]]
+"""Python code by the name under which a library knows it."""
+
+_VARIADIC = 0x04
+"""The flag of a function with `*args`."""
+
+PORT = {
+    "facts": 0,
+    "now": 0,
+    "perform": 2,
+    "next_time": 0,
+    "advance": 1,
+    "messages": 0,
+    "ended": 0,
+}
+"""How many arguments the methods of a world are called with."""
+
+
+# --- beforehand -----------------------------------------------------------------------
+
+
+def misfits(what: str, code: Named, given: int) -> Iterator[str]:
+    """Yield a line for each callable that does not take the `given` arguments.
+
+    Args:
+        what: says what the callables are: `the solver`.
+        code: the callables by name.
+        given: how many arguments each is called with.
+    """
+    for name, call in code.items():
+        if not callable(call):
+            yield f"{what} `{name}` is no function"
+        elif not takes(call, given):
+            count = "1 argument" if given == 1 else f"{given} arguments"
+            yield f"{what} `{name}`{_defined(call)} is called with {count}"
+
+
+def takes(call: Callable[..., object], given: int) -> bool:
+    """Whether `call` may be called with the `given` number of arguments.
+
+    True where Python cannot say, as for some of its own functions.
+    """
+    if isinstance(call, MethodType):
+        return takes(call.__func__, given + 1)
+    if not isinstance(call, FunctionType):
+        try:
+            signature(call).bind(*range(given))
+        except TypeError:
+            return False
+        except ValueError:
+            return True
+        return True
+    code = call.__code__
+    required = code.co_argcount - len(call.__defaults__ or ())
+    named = code.co_kwonlyargcount - len(call.__kwdefaults__ or ())
+    most = given if code.co_flags & _VARIADIC else code.co_argcount
+    return required <= given <= most and not named
+
+
+def _defined(call: Callable[..., object]) -> str:
+    code = _code(call)
+    if code is None:
+        return ""
+    return f" ({Path(code.co_filename).name}:{code.co_firstlineno})"
+
+
+# --- when it breaks -------------------------------------------------------------------
+
+
+def blame(error: BaseException, world: World, code: Mapping[str, Named]) -> NoReturn:
+    """Raise what `error` is to a host: a `PortError` if an author's code raised it.
+
+    Args:
+        error: what came out of a run.
+        world: the world of the run.
+        code: the other code that was registered, by what it is (`the solver`).
+
+    Raises:
+        PortError: if an author's code raised `error`, though it be `SystemExit`.
+        BaseException: `error` itself if not.
+    """
+    if isinstance(error, KeyboardInterrupt | PortError):
+        raise error
+    frames = [
+        (frame, row)
+        for frame, row in traceback.walk_tb(error.__traceback__)
+        if _package(frame) != "rapc"
+    ]
+    named = {
+        found: f"{what} `{name}`"
+        for what, table in code.items()
+        for name, call in table.items()
+        if (found := _code(call)) is not None
+    }
+    whose = f"the world `{world.name}`"
+    for at, (frame, _) in enumerate(frames):
+        if frame.f_code in named or _is_of_world(frame):
+            whose = named.get(frame.f_code, whose)
+            own = [f for f in frames[at:] if _package(f[0]) == _package(frame)]
+            inner, row = own[-1]
+            place = f"{Path(inner.f_code.co_filename).name}:{row}"
+            what = " ".join(f"{type(error).__name__}: {error}".split())
+            raise PortError(f"{whose} failed at {place}: {what}") from error
+    raise error
+
+
+def _package(frame: FrameType) -> str:
+    return str(frame.f_globals.get("__name__")).partition(".")[0]
+
+
+def _is_of_world(frame: FrameType) -> bool:
+    """Whether a frame is that of a method of a world."""
+    first = frame.f_locals.get(next(iter(frame.f_code.co_varnames), ""))
+    if isinstance(first, tuple) and first:  # of a method with `*args` alone
+        first = first[0]
+    return isinstance(first, World)
+
+
+def _code(call: object) -> CodeType | None:
+    """Return the code that runs first when `call` is called, if it is in Python."""
+    for name in ("func", "__func__"):  # of a partial, of a method
+        call = getattr(call, name, call)
+    if not isinstance(call, FunctionType):
+        call = vars(type(call)).get("__call__")
+    return call.__code__ if isinstance(call, FunctionType) else None
+
+
+# --- answers of another type ----------------------------------------------------------
+
+
+def wrong(world: World, what: str, value: object) -> PortError:
+    """Return what to raise for a `value` of the wrong type from an author's code.
+
+    Args:
+        world: the world of the run.
+        what: says what the value should have been: `the reply to (look)`.
+        value: the value.
+    """
+    shown = ascii(value)
+    shown = shown if len(shown) <= _MOST_SHOWN else f"{shown[:_MOST_SHOWN]}..."
+    return PortError(f"{what} of the world `{world.name}` is `{shown}`")
+
+
+def is_fact(value: object) -> bool:
+    """Whether `value` is a fact: a tuple of atoms, the first of them a name."""
+    if type(value) is not tuple or not value or type(value[0]) is not str:
+        return False
+    return all(type(part) in _ATOMS for part in value)
+
+
+def is_time(value: object) -> bool:
+    """Whether `value` is a time: a number, neither negative nor infinite."""
+    return type(value) in (int, float) and 0 <= value < inf  # type: ignore[operator]
+
+
+_ATOMS = (str, int, float, Text)
+_MOST_SHOWN = 60
