@@ -9,13 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, Literal, TypeVar, cast
 
 from rapc.base.diagnostics import Diagnostic, Rule
+from rapc.base.source import Span
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 
 T = TypeVar("T")
+
+
+Whole = Literal["node", "method", "form"]
+"""How much around a finding must have been read for it to be sure."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -28,6 +33,8 @@ class Analyzer(Generic[T]):
         run: the pass itself; what it returns is handed to those that need it.
         needs: passes whose results it asks for.
         rules: the rules it may report, no others.
+        needs_whole: what must have been read without a slip for a finding to be sure:
+            the node it is about, its method, or all of the form.
     """
 
     name: str
@@ -35,6 +42,12 @@ class Analyzer(Generic[T]):
     run: Callable[[Pass], T]
     needs: tuple[Analyzer[Any], ...] = ()
     rules: tuple[Rule, ...] = ()
+    needs_whole: Whole = "node"
+
+
+def never(place: Span) -> bool:
+    """Say of no place that a slip has to do with it."""
+    return False
 
 
 class Pass:
@@ -46,6 +59,7 @@ class Pass:
         signatures: what is declared in it.
         results: what the analyzers that ran before returned, by name.
         complete: whether every file that the library requires was found.
+        unsure: whether a slip of the pen may have to do with what is at a place.
     """
 
     def __init__(
@@ -55,10 +69,12 @@ class Pass:
         signatures: Signatures,
         results: Mapping[str, object],
         complete: bool,
+        unsure: Callable[[Span], bool] = never,
     ) -> None:
         self.library = library
         self.signatures = signatures
         self.complete = complete
+        self.unsure = unsure
         self.found: list[Diagnostic] = []
         self._analyzer = analyzer
         self._results = results

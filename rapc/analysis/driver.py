@@ -8,8 +8,7 @@ printed here.
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
@@ -17,7 +16,8 @@ from typing import Any
 import msgspec
 
 from rapc.analysis import suite, suppressions
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.analyzer import Analyzer, Pass, never
+from rapc.analysis.damage import Damage
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.gc_paused import gc_paused
 from rapc.base.names import nearest
@@ -83,8 +83,9 @@ def check_library(loaded: Loaded, enabled: Collection[str] | None = None) -> Rep
     rules = suite.rules()
     if enabled is None:
         enabled = rules.keys()
-    found = [*loaded.diagnostics, *_analyze(loaded)]
-    found = _suppress(loaded, rules, found, enabled)
+    damage = Damage(loaded)
+    found = [*loaded.diagnostics, *_analyze(loaded, damage)]
+    found = _suppress(loaded, rules, found, enabled, damage)
     order = {name: at for at, name in enumerate(loaded.files)}
     findings = [Finding(rules[d.rule], d) for d in found if d.rule in enabled]
     findings.sort(key=lambda f: _place(order, f))
@@ -98,7 +99,7 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     """
     alone = msgspec.structs.replace(library, forms=(), tests=tuple(tests))
     rules = suite.rules()
-    found = [Finding(rules[d.rule], d) for d in _findings(alone, complete=True)]
+    found = [Finding(rules[d.rule], d) for _, d in _findings(alone, True, never)]
     return [finding for finding in found if finding.severity is Severity.ERROR]
 
 
@@ -174,40 +175,24 @@ def _must_be_documented(analyzer: Analyzer[Any], codes: set[str]) -> None:
         codes.update((rule.code, rule.name))
 
 
-def _analyze(loaded: Loaded) -> Iterator[Diagnostic]:
+def _analyze(loaded: Loaded, damage: Damage) -> Iterator[Diagnostic]:
+    """Yield what the passes find, without what may be due to a slip of the pen."""
     complete = all(d.rule != loader.UNRESOLVED.name for d in loaded.diagnostics)
-    partial = _Partial(form.span for form in loaded.partial)
-    for diagnostic in _findings(loaded.library, complete):
-        if not partial.holds(diagnostic.span):
+    for analyzer, diagnostic in _findings(loaded.library, complete, damage.reaches):
+        if not damage.silences(diagnostic, analyzer.needs_whole):
             yield diagnostic
 
 
-def _findings(library: Library, complete: bool) -> Iterator[Diagnostic]:
-    """What the passes find in the forms and tests of a library."""
+def _findings(
+    library: Library, complete: bool, unsure: Callable[[Span], bool]
+) -> Iterator[tuple[Analyzer[Any], Diagnostic]]:
+    """Yield what the passes find in forms and tests, each finding with its pass."""
     results: dict[str, object] = {}
     signatures = Signatures.of(library)
     for analyzer in passes():
-        run = Pass(analyzer, library, signatures, results, complete)
+        run = Pass(analyzer, library, signatures, results, complete, unsure)
         results[analyzer.name] = analyzer.run(run)
-        yield from run.found
-
-
-class _Partial:
-    """The places of forms from which something had to be left out.
-
-    What passes miss in them is not the author's fault.
-    """
-
-    def __init__(self, spans: Iterable[Span]) -> None:
-        self._spans: dict[str, list[Span]] = {}
-        for span in sorted(spans, key=lambda span: span.start):
-            self._spans.setdefault(span.file, []).append(span)
-
-    def holds(self, place: Span) -> bool:
-        """Whether a place lies in one of them; top-level forms do not overlap."""
-        spans = self._spans.get(place.file, [])
-        at = bisect_right(spans, place.start, key=lambda span: span.start)
-        return at > 0 and place.start < spans[at - 1].end
+        yield from ((analyzer, found) for found in run.found)
 
 
 def _suppress(
@@ -215,6 +200,7 @@ def _suppress(
     rules: Mapping[str, Rule],
     found: list[Diagnostic],
     enabled: Collection[str],
+    damage: Damage,
 ) -> list[Diagnostic]:
     """Apply the suppressions in comments, and report those that are wrong or unused."""
     written: list[suppressions.Suppression] = []
@@ -225,7 +211,7 @@ def _suppress(
         wrong += bad
     left, unused = suppressions.apply(found, written)
     for one in unused:
-        if one.rule in enabled:
+        if one.rule in enabled and not damage.lies_in(one.covers):
             wrong.append(suppressions.unused(one, loaded.files[one.comment.file]))
     return left + wrong
 

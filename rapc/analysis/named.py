@@ -118,9 +118,12 @@ class UnknownNames:
 
     def report(self, run: Pass) -> None:
         """Report them, unless names may be unknown for want of a file."""
-        if run.complete:
-            for fault, spans in self._uses.values():
-                run.report(self._finding(fault, spans))
+        if not run.complete:
+            return
+        for fault, spans in self._uses.values():
+            sure = [span for span in spans if not run.unsure(span)]
+            if sure:
+                run.report(self._finding(fault, sure))
 
     def _finding(self, fault: Fault, spans: Sequence[Span]) -> Diagnostic:
         first, *further = spans

@@ -111,10 +111,11 @@ def test_findings_come_in_the_order_of_the_text() -> None:
 
 def test_nothing_is_missed_in_forms_that_were_not_read_whole() -> None:
     broken = "(define-rap (a) (contxt (x)) (method (task-net (t1 (b ?c)))))"
-    assert _found(broken) == ["unknown-clause"]
+    assert _found(broken) == ["unknown-clause", "unknown-rap"]
     other = "(define-rap (d) (method (task-net (t1 (e ?f)))))"
     assert _found(f"{broken}\n{other}") == [
         "unknown-clause",
+        "unknown-rap",
         "unknown-rap",
         "unbound-variable",
     ]

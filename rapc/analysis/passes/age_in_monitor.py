@@ -51,4 +51,5 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(BINDINGS,),
     rules=(AGE,),
+    needs_whole="form",
 )

@@ -75,6 +75,7 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX, BINDINGS),
     rules=(MISSPELT,),
+    needs_whole="form",
 )
 
 

@@ -50,4 +50,5 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(NOTHING_AWAITED,),
+    needs_whole="method",
 )

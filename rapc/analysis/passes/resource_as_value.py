@@ -64,6 +64,7 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(RESOURCE_AS_VALUE,),
+    needs_whole="method",
 )
 
 

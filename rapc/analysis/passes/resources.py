@@ -109,6 +109,7 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX, BINDINGS),
     rules=(WRONG_KIND, NOT_A_RESOURCE),
+    needs_whole="method",
 )
 
 

@@ -172,6 +172,7 @@ TASK_NETS = Analyzer(
     doc="Works out the order of each task-net; finds unknown and double tags, circles.",
     run=_run,
     rules=(UNKNOWN_TAG, DUPLICATE_TAG, CYCLE),
+    needs_whole="method",
 )
 
 

@@ -56,6 +56,7 @@ ANALYZER = Analyzer(
     doc="Finds outputs that neither `succeed` nor any method can bind.",
     run=_run,
     rules=(UNBINDABLE,),
+    needs_whole="form",
 )
 
 

@@ -86,6 +86,7 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(BINDINGS, TASK_NETS),
     rules=(UNBOUND,),
+    needs_whole="method",
 )
 
 

@@ -79,6 +79,7 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(UNKNOWN,),
+    needs_whole="form",
 )
 
 
