@@ -7,6 +7,7 @@ stands in. What a name means is for `rapc.library.signatures` to say.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Generic, TypeVar, cast
 
@@ -73,12 +74,37 @@ class Index:
         self._by_type: dict[type, list[Occurrence[nodes.Node]]] = {
             kind: [] for kind in CHILDREN
         }
+        self._forms: dict[str, list[Form]] = {}
+        self._by_name: dict[tuple[Use, str], list[NameUse]] | None = None
         for form in (*library.forms, *library.tests):
+            self._forms.setdefault(form.span.file, []).append(form)
             self._add(form, form, form)
+        for forms in self._forms.values():
+            forms.sort(key=lambda form: form.span.start)
 
     def of(self, kind: type[N]) -> Sequence[Occurrence[N]]:
         """Return all nodes of one type, in the order of the text."""
         return cast(Sequence[Occurrence[N]], self._by_type.get(kind, ()))
+
+    def at(self, file: str, offset: int) -> Occurrence[nodes.Node] | None:
+        """Return the innermost node at an offset of a file; None between forms."""
+        forms = self._forms.get(file, [])
+        first = bisect_right(forms, offset, key=lambda form: form.span.start) - 1
+        if first < 0 or offset >= forms[first].span.end:
+            return None
+        owner = forms[first]
+        found = Occurrence[nodes.Node](owner, owner, owner)
+        while (below := _child_at(found.node, offset)) is not None:
+            found = Occurrence[nodes.Node](below, found.node, owner)
+        return found
+
+    def uses_of(self, use: Use, name: str) -> Sequence[NameUse]:
+        """Return the places where a name is used in one way, in the order of uses."""
+        if self._by_name is None:
+            self._by_name = {}
+            for one in self.uses():
+                self._by_name.setdefault((one.use, one.name), []).append(one)
+        return self._by_name.get((use, name), ())
 
     def uses(self) -> Iterator[NameUse]:
         """Yield each place where a declared name is used."""
@@ -112,6 +138,16 @@ class Index:
                         self._add(child, node, owner)
             elif value is not None and type(value) is not nodes.Const:
                 self._add(value, node, owner)
+
+
+def _child_at(node: nodes.Node, offset: int) -> nodes.Node | None:
+    """The part of a node that an offset lies in."""
+    for field in CHILDREN[type(node)]:
+        value = getattr(node, field)
+        for child in value if type(value) is tuple else (value,):
+            if child is not None and child.span.start <= offset < child.span.end:
+                return cast(nodes.Node, child)
+    return None
 
 
 def _run(run: Pass) -> Index:

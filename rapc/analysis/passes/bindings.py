@@ -6,7 +6,7 @@ Every clause is walked with what is bound where it stands (semantics 3,
 hand out, what `for` formulas pointing at it or at those bind, and the signals that
 they wait for. A step that an `until` may end early surely hands nothing on, not even
 what steps before it did: they may be running still.
-How a formula binds is in `rapc.analysis.scope`; what is said about it is in the
+How a formula binds is in `rapc.analysis.binding_rules`; what is said about it is in the
 passes `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
 """
 
@@ -17,8 +17,8 @@ from collections.abc import Container, Iterable, Mapping
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.binding_rules import Bound, Findings, Walker
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
-from rapc.analysis.scope import Bound, Findings, Walker
 from rapc.ir import nodes
 
 
@@ -193,9 +193,9 @@ def _task_net(
 ) -> None:
     net = walk.nets[id(body)]
     if net.order is None:
-        _without_order(walk, method, body, base)
+        _cyclic_net(walk, method, body, base)
         return
-    handed = _Handed(base, net)
+    handed = _OrderedBindings(base, net)
     for at in net.order:
         before = handed.before(at)
         bound = Bound(before)
@@ -205,7 +205,7 @@ def _task_net(
             handed.after(at, before, bound.names)
 
 
-def _without_order(
+def _cyclic_net(
     walk: _Walk, method: nodes.Method, body: nodes.TaskNet, base: Bound
 ) -> None:
     """Steps in a circle: each may use what any of them binds, to find the rest."""
@@ -264,7 +264,7 @@ def _signals(step: nodes.Step) -> set[str]:
     return names
 
 
-class _Handed:
+class _OrderedBindings:
     """What steps hand to those ordered after them, as sets of bits.
 
     Long chains of steps would otherwise take time and memory quadratic in names; a

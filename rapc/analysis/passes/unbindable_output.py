@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.sites import sites
+from rapc.analysis.binding_sites import sites
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import nearest
 from rapc.ir import nodes
