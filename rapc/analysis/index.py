@@ -19,7 +19,7 @@ from rapc.ir import nodes
 from rapc.ir.walk import CHILDREN
 from rapc.library.library import Library, word_span
 from rapc.library.signatures import Use
-from rapc.parser.names import CALLS
+from rapc.language.heads import CALLS
 
 N = TypeVar("N", bound=nodes.Node)
 P = TypeVar("P", bound=nodes.Pattern)

@@ -16,7 +16,7 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
-from rapc.parser.names import CALLS, QUERIES, TRUTHS
+from rapc.language.heads import CALLS, QUERIES, TRUTHS
 from rapc.parser.unit import SourceUnit
 
 BUILTIN_NAMES = frozenset((*TRUTHS, *QUERIES, *CALLS))

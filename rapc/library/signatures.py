@@ -22,7 +22,7 @@ from rapc.base.source import NOWHERE, Span
 from rapc.base.values import format_list
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.parser.names import CALLS, QUERIES
+from rapc.language.heads import CALLS, QUERIES
 from rapc.world import Offer
 
 Kind = Literal[

@@ -17,10 +17,10 @@ from rapc.errors import TextError
 from rapc.ir import nodes
 from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.formulas import formula
-from rapc.parser.forms.table import FORMS
-from rapc.parser.forms.terms import goal, proposition
+from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.special.formulas import formula
+from rapc.parser.special.table import FORMS
+from rapc.parser.special.terms import goal, proposition
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol

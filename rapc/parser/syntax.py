@@ -2,7 +2,7 @@
 
 Every datum knows its place by two offsets into its file, in code points; which file
 that is, the `Reading` knows. Names are folded to lower case, strings are not. What
-data mean is for `rapc.parser.forms`.
+data mean is for `rapc.parser.special`.
 """
 
 from __future__ import annotations

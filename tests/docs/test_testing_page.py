@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from rapc.parser.forms import expectations, script, tests
-from rapc.parser.names import TEST_CLAUSES
+from rapc.language.heads import TEST_CLAUSES
+from rapc.parser.special import expectations, script, tests
 from rapc.testing.coverage_table import COLUMNS
 
 from ..cli.command import rapc

@@ -10,9 +10,9 @@ from rapc.base.source import SourceFile
 from rapc.base.values import Text, number
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal, format_term
-from rapc.parser.forms.context import Context
-from rapc.parser.forms.formulas import formula
-from rapc.parser.forms.terms import goal, term
+from rapc.parser.special.context import Context
+from rapc.parser.special.formulas import formula
+from rapc.parser.special.terms import goal, term
 from rapc.parser.reader import read
 from rapc.parser.syntax import Datum
 from tests.effort import examples

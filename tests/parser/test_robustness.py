@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rapc.parser import names
+from rapc.language import heads as names
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.unit import SourceUnit
 from tests.effort import examples

@@ -13,7 +13,7 @@ from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
 from rapc.library.signatures import Signature, Use
-from rapc.parser.names import CALLS
+from rapc.language.heads import CALLS
 
 NOT_A_NUMBER = Rule(
     code="RAP069",

@@ -16,7 +16,7 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.ir import nodes
-from rapc.parser.names import CALLS
+from rapc.language.heads import CALLS
 
 RESOURCE_AS_VALUE = Rule(
     code="RAP066",

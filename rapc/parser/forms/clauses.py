@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import cast
 
 from rapc.ir import nodes
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.formulas import formula
-from rapc.parser.names import METHOD_CLAUSES, RAP_CLAUSES
+from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES
+from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, List, Symbol
 
 

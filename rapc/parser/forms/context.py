@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
-from rapc.parser.names import SLIPS
+from rapc.language.slips import SLIPS
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 
 _KINDS = {

@@ -1,6 +1,6 @@
 """What memory holds: propositions, properties, functions, classes (T A.1, A.5).
 
-What a world offers is declared in `rapc.parser.forms.offers`.
+What a world offers is declared in `rapc.parser.special.offers`.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from typing import Literal, cast
 
 from rapc.base.values import Atom, Text
 from rapc.ir import nodes
-from rapc.parser.forms.context import Context, head_of
-from rapc.parser.forms.parts import Option, Parts, arguments, parts, symbol, symbols
-from rapc.parser.forms.terms import proposition as read_proposition
+from rapc.parser.special.context import Context, head_of
+from rapc.parser.special.parts import Option, Parts, arguments, parts, symbol, symbols
+from rapc.parser.special.terms import proposition as read_proposition
 from rapc.parser.syntax import Keyword, List, Numeral, String, Symbol, Variable
 
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, cast
 
 from rapc.ir import nodes
-from rapc.parser.forms.clauses import lone_formula
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.script import (
+from rapc.parser.special.clauses import lone_formula
+from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.special.script import (
     asked_goal,
     made,
     number,
@@ -17,7 +17,7 @@ from rapc.parser.forms.script import (
     requests,
     whole,
 )
-from rapc.parser.forms.terms import term, terms
+from rapc.parser.special.terms import term, terms
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol, Variable
 
 

@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 from typing import Literal, cast
 
 from rapc.ir import nodes
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.terms import proposition, term, terms
-from rapc.parser.names import CALLS, TRUTHS
+from rapc.language.heads import CALLS, TRUTHS
+from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.special.terms import proposition, term, terms
 from rapc.parser.syntax import Datum, List, Symbol
 
 MAX_LEAVES = 200

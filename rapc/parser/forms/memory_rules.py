@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import Literal, cast
 
 from rapc.ir import nodes
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.formulas import formula
-from rapc.parser.forms.terms import goal, proposition, signal, terms
-from rapc.parser.names import TRUTHS
+from rapc.language.heads import TRUTHS
+from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.special.formulas import formula
+from rapc.parser.special.terms import goal, proposition, signal, terms
 from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
 
 _ACTIONS = ("mem-add", "mem-del")

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rapc.ir import nodes
-from rapc.parser.forms.clauses import clauses, lone_formula, single
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.steps import task_net, wait_for
-from rapc.parser.forms.terms import colon, pattern, propositions
-from rapc.parser.names import METHOD_CLAUSES
+from rapc.language.heads import METHOD_CLAUSES
+from rapc.parser.special.clauses import clauses, lone_formula, single
+from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.special.steps import task_net, wait_for
+from rapc.parser.special.terms import colon, pattern, propositions
 from rapc.parser.syntax import Datum, List, Numeral, Symbol
 
 

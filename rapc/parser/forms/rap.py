@@ -1,6 +1,6 @@
 """`define-rap` and its clauses, in both spellings (T chapter 4, S 3).
 
-Methods are read by `rapc.parser.forms.method`.
+Methods are read by `rapc.parser.special.method`.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from typing import Literal, cast
 
 from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.parser.forms.clauses import clauses, lone_formula, single
-from rapc.parser.forms.context import Context, head_of
-from rapc.parser.forms.method import method
-from rapc.parser.forms.parts import parameter
-from rapc.parser.forms.terms import proposition, split_arrow, term
-from rapc.parser.names import METHOD_CLAUSES, RAP_CLAUSES
+from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES
+from rapc.parser.special.clauses import clauses, lone_formula, single
+from rapc.parser.special.context import Context, head_of
+from rapc.parser.special.method import method
+from rapc.parser.special.parts import parameter
+from rapc.parser.special.terms import proposition, split_arrow, term
 from rapc.parser.syntax import Datum, List, Symbol
 
 

@@ -7,8 +7,8 @@ from typing import TypeVar
 
 from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.terms import colon, goal, pattern
+from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.special.terms import colon, goal, pattern
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
 
 OPTIONS = {

@@ -7,10 +7,11 @@ from typing import Literal, cast
 
 from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.forms.formulas import formula
-from rapc.parser.forms.terms import goal, signal, term
-from rapc.parser.names import ANNOTATIONS, CALLS, METHOD_CLAUSES, SLIPS
+from rapc.language.heads import ANNOTATIONS, CALLS, METHOD_CLAUSES
+from rapc.language.slips import SLIPS
+from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.special.formulas import formula
+from rapc.parser.special.terms import goal, signal, term
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
 
 _GROUPS = ("sequence", "parallel")

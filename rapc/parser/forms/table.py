@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
-from rapc.parser.forms import declarations, memory_rules, offers
-from rapc.parser.forms.context import Context
-from rapc.parser.forms.rap import define_rap
-from rapc.parser.forms.require import require
-from rapc.parser.forms.tests import define_test
+from rapc.parser.special import declarations, memory_rules, offers
+from rapc.parser.special.context import Context
+from rapc.parser.special.rap import define_rap
+from rapc.parser.special.require import require
+from rapc.parser.special.tests import define_test
 from rapc.parser.syntax import List
 
 FORMS: Mapping[str, Callable[[Context, List], nodes.TopForm | DefineTest | None]] = {

@@ -8,8 +8,8 @@ from typing import TypeVar
 from rapc.base.source import Span
 from rapc.base.values import Text
 from rapc.ir import nodes
-from rapc.parser.forms.context import Context, head_of, kind_of
-from rapc.parser.names import CALLS, QUERIES
+from rapc.language.heads import CALLS, QUERIES
+from rapc.parser.special.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 
 ARROW = "=>"

@@ -1,7 +1,7 @@
 """`define-test`: its clauses, what is given, and what is done at a time.
 
-The rows of a script are read by `rapc.parser.forms.script`, expectations by
-`rapc.parser.forms.expectations`. What a test means is in docs/testing.md.
+The rows of a script are read by `rapc.parser.special.script`, expectations by
+`rapc.parser.special.expectations`. What a test means is in docs/testing.md.
 """
 
 from __future__ import annotations
@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from rapc.ir import nodes
-from rapc.parser.forms.clauses import clauses, single
-from rapc.parser.forms.context import Context
-from rapc.parser.forms.expectations import expectations
-from rapc.parser.forms.require import require
-from rapc.parser.forms.script import (
+from rapc.language.heads import TEST_CLAUSES
+from rapc.parser.special.clauses import clauses, single
+from rapc.parser.special.context import Context
+from rapc.parser.special.expectations import expectations
+from rapc.parser.special.require import require
+from rapc.parser.special.script import (
     asked_goal,
     facts,
     made,
@@ -23,7 +24,6 @@ from rapc.parser.forms.script import (
     signals,
     whole,
 )
-from rapc.parser.names import TEST_CLAUSES
 from rapc.parser.syntax import Datum, List, Numeral, String, Symbol
 
 _MANY = ("require", "facts", "script", "at", "task", "expect")

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 import msgspec
 
 from rapc.base.source import SourceFile
+from rapc.language.heads import FORMS, METHOD_CLAUSES, RAP_CLAUSES
 from rapc.parser.lexicon import ATOM, CLOSE, MAX_DEPTH, OPEN, Token
-from rapc.parser.names import FORMS, METHOD_CLAUSES, RAP_CLAUSES
 
 
 class Repair(msgspec.Struct, frozen=True):

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from typing import cast
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.language.heads import RAP_CLAUSES
 from rapc.parser.lexicon import Notes
-from rapc.parser.names import RAP_CLAUSES
 from rapc.parser.syntax import Datum, List, Symbol
 
 

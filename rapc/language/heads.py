@@ -1,0 +1,76 @@
+"""The words that begin the lists of the language, group by group, from its grammar."""
+
+from __future__ import annotations
+
+from rapc.language.grammar import RULES
+from rapc.language.shapes import Shape, is_rule, is_word, leaves
+
+
+def words(shape: Shape) -> tuple[str, ...]:
+    """The words in a shape, without their quotes; rules are not entered."""
+    return tuple([leaf[1:-1] for leaf in leaves(shape) if is_word(leaf)])
+
+
+def heads(rule: str) -> tuple[str, ...]:
+    """The words that a rule may begin with; of a list, the words it is headed by.
+
+    Rules that are headed by a name have none, and so have the alternatives of a group
+    that are.
+    """
+    return _heads(RULES[rule])
+
+
+def _heads(shape: Shape) -> tuple[str, ...]:
+    if is_word(shape):
+        return words(shape)
+    if isinstance(shape, str):
+        return _heads(RULES[shape]) if is_rule(shape) else ()
+    if shape[0] in ("list", "seq"):
+        first = shape[1]
+        named = first[0] == "or" and any(map(is_word, first[1:]))
+        return words(first) if is_word(first) or named else ()
+    if shape[0] == "or":
+        return tuple(dict.fromkeys(h for part in shape[1:] for h in _heads(part)))
+    return _heads(shape[1])
+
+
+def rules_by_head(group: str) -> dict[str, str]:
+    """The rules of a group of lists by the words that head them."""
+    return {
+        head: rule
+        for rule in leaves(RULES[group])
+        for head in (heads(rule) if rule[0] != "_" else ())
+    } | {
+        head: rule
+        for inner in leaves(RULES[group])
+        if inner[0] == "_"
+        for head, rule in rules_by_head(inner).items()
+    }
+
+
+FORMS = heads("_form")
+"""What may stand at the top level."""
+
+RAP_CLAUSES = ("index", *heads("_rap_clause"))
+"""The clauses of a `define-rap`."""
+
+METHOD_CLAUSES = (*heads("_once_method_clause"), *heads("_body"))
+"""The clauses of a method."""
+
+TEST_CLAUSES = heads("_test_clause")
+"""The clauses of a `define-test`."""
+
+ANNOTATIONS = heads("annotation")
+"""What may head an annotation of a step."""
+
+CALLS = heads("call")
+"""Functions that compute a term; others are declared."""
+
+TRUTHS = {"t": True, "true": True, "nil": False, "false": False}
+"""The constants that are formulas."""
+
+QUERIES = tuple([word for word in heads("formula") if word not in TRUTHS])
+"""Words that head a formula and are no propositions."""
+
+ARROW = "=>"
+"""The symbol between the inputs and the outputs of an index or a goal."""
