@@ -17,9 +17,9 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.walk import CHILDREN
+from rapc.language.heads import CALLS
 from rapc.library.library import Library, word_span
 from rapc.library.signatures import Use
-from rapc.language.heads import CALLS
 
 N = TypeVar("N", bound=nodes.Node)
 P = TypeVar("P", bound=nodes.Pattern)

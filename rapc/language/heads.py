@@ -35,26 +35,23 @@ def _heads(shape: Shape) -> tuple[str, ...]:
 
 
 def rules_by_head(group: str) -> dict[str, str]:
-    """The rules of a group of lists by the words that head them."""
-    return {
-        head: rule
-        for rule in leaves(RULES[group])
-        for head in (heads(rule) if rule[0] != "_" else ())
-    } | {
-        head: rule
-        for inner in leaves(RULES[group])
-        if inner[0] == "_"
-        for head, rule in rules_by_head(inner).items()
-    }
+    """The rules that stand in a rule by the words that head them, groups entered."""
+    found: dict[str, str] = {}
+    for rule in filter(is_rule, leaves(RULES[group])):
+        if rule[0] == "_":
+            found |= rules_by_head(rule)
+        else:
+            found |= dict.fromkeys(heads(rule), rule)
+    return found
 
 
 FORMS = heads("_form")
 """What may stand at the top level."""
 
-RAP_CLAUSES = ("index", *heads("_rap_clause"))
+RAP_CLAUSES = tuple(rules_by_head("define_rap"))
 """The clauses of a `define-rap`."""
 
-METHOD_CLAUSES = (*heads("_once_method_clause"), *heads("_body"))
+METHOD_CLAUSES = tuple(rules_by_head("method"))
 """The clauses of a method."""
 
 TEST_CLAUSES = heads("_test_clause")

@@ -21,8 +21,8 @@ from rapc.base.names import Suggestions
 from rapc.base.source import NOWHERE, Span
 from rapc.base.values import format_list
 from rapc.ir import nodes
-from rapc.library.library import Library
 from rapc.language.heads import CALLS, QUERIES
+from rapc.library.library import Library
 from rapc.world import Offer
 
 Kind = Literal[

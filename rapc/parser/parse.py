@@ -17,14 +17,14 @@ from rapc.errors import TextError
 from rapc.ir import nodes
 from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
-from rapc.parser.special.context import Context, head_of, kind_of
-from rapc.parser.special.formulas import formula
-from rapc.parser.special.table import FORMS
-from rapc.parser.special.terms import goal, proposition
+from rapc.parser.context import ANY_CLAUSE, Context, head_of, kind_of
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
+from rapc.parser.special.formulas import formula
+from rapc.parser.special.table import readers
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
-from rapc.parser.unit import ANY_CLAUSE, Partial, SourceUnit
+from rapc.parser.terms import goal, proposition
+from rapc.parser.unit import Partial, SourceUnit
 
 __all__ = (
     "Comment",
@@ -43,12 +43,13 @@ GOAL_OPTIONS = (":priority", ":deadline", ":at", ":background")
 def parse(source: SourceFile) -> SourceUnit:
     """Read a file and make IR of it; never raises."""
     reading = read(source)
+    known = readers()
     forms: list[nodes.TopForm] = []
     tests: list[DefineTest] = []
     found = list(reading.diagnostics)
     partial: Partial = NodeMap()
     for top in reading.forms:
-        ctx = Context(source, 0 if top.damaged else MAX_FINDINGS - len(found))
+        ctx = Context(source, 0 if top.damaged else MAX_FINDINGS - len(found), known)
         form = _form(ctx, top.datum)
         if isinstance(form, DefineTest):
             tests.append(form)
@@ -56,7 +57,8 @@ def parse(source: SourceFile) -> SourceUnit:
             forms.append(form)
         found.extend(ctx.diagnostics)
         if form is not None and (top.damaged or ctx.lost):
-            partial[form] = frozenset((ANY_CLAUSE,))
+            lost = {ANY_CLAUSE} if top.damaged else ctx.lost
+            partial[form] = frozenset(lost)
     found.sort(key=lambda d: d.span.start)
     if len(found) >= MAX_FINDINGS:
         note = f"this is the last of {MAX_FINDINGS}: further faults are not shown"
@@ -82,11 +84,13 @@ def _form(ctx: Context, datum: Datum) -> nodes.TopForm | DefineTest | None:
             help="a form is a list that begins with a word such as `define-rap`",
         )
         return None
-    if name not in FORMS:
+    forms = ctx.readers.group("_form")
+    meant: str | None = name
+    if name not in forms:
         word = cast(Symbol, datum.items[0])
-        meant = ctx.unknown("unknown-form", "top-level form", word, FORMS)
-        return FORMS[meant](ctx, datum) if meant else None
-    return FORMS[name](ctx, datum)
+        meant = ctx.unknown("unknown-form", "top-level form", word, forms)
+    made = forms[meant](ctx, datum) if meant else None
+    return cast(nodes.TopForm | DefineTest | None, made)
 
 
 def parse_fact(text: str) -> Fact:
@@ -183,7 +187,7 @@ def _small(text: str) -> tuple[Context, tuple[Datum, ...]]:
         raise TextError(f"{found.message}: {text.strip()}")
     if not reading.forms:
         raise TextError("the text is empty")
-    return Context(source, 1), tuple(top.datum for top in reading.forms)
+    return Context(source, 1, readers()), tuple(top.datum for top in reading.forms)
 
 
 def _complain(ctx: Context) -> None:

@@ -14,9 +14,6 @@ from rapc.parser.syntax import Comment, Datum
 Partial = NodeMap[nodes.TopForm | DefineTest, frozenset[str]]
 """Forms with the names of their clauses from which something is missing."""
 
-ANY_CLAUSE = "*"
-"""Stands among the names of clauses for any of them."""
-
 NO_PARTIAL: Partial = NodeMap()
 """For files from whose forms nothing is missing; never added to."""
 
@@ -38,5 +35,5 @@ class SourceUnit(msgspec.Struct, frozen=True):
     diagnostics: tuple[Diagnostic, ...] = ()
     #: The forms and tests from which something had to be left out, each with the names
     #: of the clauses that lack it: what is missing there is not the author's fault.
-    #: `ANY_CLAUSE` is among the names where nobody can say which clause it is.
+    #: `*` (`rapc.parser.context.ANY_CLAUSE`) is among them for any clause.
     partial: Partial = NO_PARTIAL

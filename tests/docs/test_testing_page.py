@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from rapc.language.heads import TEST_CLAUSES
-from rapc.parser.special import expectations, script, tests
+from rapc.parser.special import script, tests
+from rapc.parser.special.expectations import EXPECTATIONS
 from rapc.testing.coverage_table import COLUMNS
 
 from ..cli.command import rapc
@@ -51,7 +52,7 @@ def test_tables_name_everything_and_nothing_else() -> None:
     assert _told("## What is given") == set(TEST_CLAUSES)
     assert _told("### The script") == set(script.OPTIONS)
     assert _told("### At a time") == set(tests.ACTIONS)
-    assert _told("## What is expected") == set(expectations.KINDS)
+    assert _told("## What is expected") == set(EXPECTATIONS)
 
 
 def test_the_columns_of_coverage_are_explained() -> None:

@@ -10,11 +10,12 @@ from rapc.base.source import SourceFile
 from rapc.base.values import Text, number
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal, format_term
-from rapc.parser.special.context import Context
-from rapc.parser.special.formulas import formula
-from rapc.parser.special.terms import goal, term
+from rapc.parser.context import Context
 from rapc.parser.reader import read
+from rapc.parser.special.formulas import formula
+from rapc.parser.special.table import readers
 from rapc.parser.syntax import Datum
+from rapc.parser.terms import goal, term
 from tests.effort import examples
 
 NAMES = st.sampled_from(["p", "arm-at", "#1", "x2", "..."])
@@ -66,7 +67,7 @@ def _datum(text: str) -> tuple[Context, Datum]:
     found = read(source)
     assert found.diagnostics == ()
     (top,) = found.forms
-    return Context(source, 10), top.datum
+    return Context(source, 10, readers()), top.datum
 
 
 @examples(300)

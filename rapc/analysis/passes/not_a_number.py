@@ -12,8 +12,8 @@ from rapc.analysis.index import INDEX, Index
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
-from rapc.library.signatures import Signature, Use
 from rapc.language.heads import CALLS
+from rapc.library.signatures import Signature, Use
 
 NOT_A_NUMBER = Rule(
     code="RAP069",

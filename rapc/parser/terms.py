@@ -8,12 +8,9 @@ from typing import TypeVar
 from rapc.base.source import Span
 from rapc.base.values import Text
 from rapc.ir import nodes
-from rapc.language.heads import CALLS, QUERIES
-from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.language.heads import ARROW, CALLS, QUERIES
+from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
-
-ARROW = "=>"
-"""The symbol between the inputs and the outputs of a goal."""
 
 _ARITY: Mapping[str, tuple[int, int | None, str]] = {
     "+": (2, None, "two or more"),

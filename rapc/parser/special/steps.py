@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Literal, cast
 
 from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.heads import ANNOTATIONS, CALLS, METHOD_CLAUSES
-from rapc.language.slips import SLIPS
-from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.language.slips import GROUPS, SLIPS
+from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.special.formulas import formula
-from rapc.parser.special.terms import goal, signal, term
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
-
-_GROUPS = ("sequence", "parallel")
-"""Words that group steps in other languages."""
+from rapc.parser.terms import goal, signal
 
 _MODES = ("proceed", "succeed", "fail")
 
 
-def task_net(ctx: Context, datum: List) -> nodes.TaskNet:
+def task_net(ctx: Context, datum: Datum) -> nodes.TaskNet:
     """`(task-net step...)`."""
+    assert type(datum) is List
     rows = datum.items[1:]
-    if rows and type(rows[0]) is Symbol and rows[0].name in _GROUPS:
+    if rows and type(rows[0]) is Symbol and rows[0].name in GROUPS:
         _grouped(ctx, rows[0])
         return nodes.TaskNet((), ctx.span(datum))
     steps = tuple(filter(None, [_step(ctx, row) for row in rows]))
@@ -60,7 +58,7 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
         )
         return None
     items = datum.items[1:]
-    if tag in _GROUPS and _holds_steps(items):
+    if tag in GROUPS and _holds_steps(items):
         _grouped(ctx, datum.items[0])
         return None
     priority = 0
@@ -128,9 +126,9 @@ def _annotation(ctx: Context, datum: Datum) -> nodes.Annotation | None:
         message = f"{kind_of(datum)} stands where an annotation is wanted"
         ctx.report("malformed-annotation", message, datum)
         return None
-    name = head_of(datum)
-    if name is not None and name in _READERS:
-        return _READERS[name](ctx, name, datum)
+    read = ctx.readers.group("annotation").get(head_of(datum) or "")
+    if read is not None:
+        return cast(nodes.Annotation | None, read(ctx, datum))
     second = datum.items[1] if len(datum.items) > 1 else None
     if second is not None and _is_for(second):
         return _formula_for(ctx, datum)
@@ -170,7 +168,8 @@ def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
         return None
     if SLIPS.get(first.name) in ANNOTATIONS or nearest(first.name, ANNOTATIONS):
         meant = ctx.unknown("unknown-annotation", "annotation", first, ANNOTATIONS)
-        return _READERS[meant](ctx, meant, datum) if meant else None
+        known = ctx.readers.group("annotation")
+        return known[meant](ctx, datum) if meant else None
     if first.name in METHOD_CLAUSES or isinstance(datum.items[-1], List):
         help = "each step stands in parentheses of its own; is one missing?"
     ctx.report(
@@ -179,50 +178,14 @@ def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
     return None
 
 
-def _tag(ctx: Context, name: str, datum: List) -> str | None:
-    """The one tag an annotation such as `(for tag)` names."""
-    if len(datum.items) == 2 and isinstance(datum.items[1], Symbol):
-        return datum.items[1].name
-    message = f"`{name}` takes the tag of one step"
-    ctx.report("malformed-annotation", message, datum)
-    return None
-
-
-def _for(ctx: Context, name: str, datum: List) -> nodes.For | None:
-    tag = _tag(ctx, name, datum)
-    return nodes.For(None, tag, ctx.span(datum)) if tag else None
-
-
-def _until_start(ctx: Context, name: str, datum: List) -> nodes.UntilStart | None:
-    tag = _tag(ctx, name, datum)
-    return nodes.UntilStart(tag, ctx.span(datum)) if tag else None
-
-
-def _until_end(ctx: Context, name: str, datum: List) -> nodes.UntilEnd | None:
-    tag = _tag(ctx, name, datum)
-    return nodes.UntilEnd(tag, ctx.span(datum)) if tag else None
-
-
-def _window(ctx: Context, name: str, datum: List) -> nodes.Window | None:
-    """`(window tag|now|absolute start stop)`."""
-    operands = datum.items[1:]
-    if len(operands) != 3 or not isinstance(operands[0], Symbol):
-        message = f"`{name}` takes a tag, `now` or `absolute`, and two times"
-        ctx.report("malformed-annotation", message, datum)
-        return None
-    start, stop = term(ctx, operands[1]), term(ctx, operands[2])
-    if start is None or stop is None:
-        return None
-    return nodes.Window(operands[0].name, start, stop, ctx.span(datum))
-
-
 def wait_for(
-    ctx: Context, datum: List, modes: Sequence[str] = _MODES
+    ctx: Context, datum: Datum, modes: Sequence[str] = _MODES
 ) -> nodes.WaitFor | None:
     """`(wait-for (:signal args...) [:proceed|:succeed|:fail])`.
 
     Where `:proceed` is among the modes it is assumed.
     """
+    assert type(datum) is List
     operands = datum.items[1:]
     if not operands:
         message = "`wait-for` does not name a signal"
@@ -245,31 +208,3 @@ def wait_for(
         return None
     chosen = cast(Literal["proceed", "succeed", "fail"], mode)
     return nodes.WaitFor(awaited.name, awaited.args, chosen, ctx.span(datum))
-
-
-def _wait_for(ctx: Context, name: str, datum: List) -> nodes.WaitFor | None:
-    return wait_for(ctx, datum)
-
-
-def _effect(ctx: Context, name: str, datum: List) -> nodes.ResourceChange | None:
-    """`(set-add ?s x)` and the like (T 4.8.1)."""
-    operands = datum.items[1:]
-    if len(operands) != 2:
-        message = f"`{name}` takes a resource and one thing or amount"
-        ctx.report("malformed-annotation", message, datum)
-        return None
-    resource, amount = term(ctx, operands[0]), term(ctx, operands[1])
-    if resource is None or amount is None:
-        return None
-    op = cast(Literal["set-add", "set-sub", "counter-add", "counter-sub"], name)
-    return nodes.ResourceChange(op, resource, amount, ctx.span(datum))
-
-
-_READERS: Mapping[str, Callable[[Context, str, List], nodes.Annotation | None]] = {
-    "for": _for,
-    "until-start": _until_start,
-    "until-end": _until_end,
-    "window": _window,
-    "wait-for": _wait_for,
-    **dict.fromkeys(("set-add", "set-sub", "counter-add", "counter-sub"), _effect),
-}

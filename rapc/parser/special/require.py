@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.ir import nodes
-from rapc.parser.special.context import Context
+from rapc.parser.context import Context
 from rapc.parser.syntax import List, String, Symbol
 
 

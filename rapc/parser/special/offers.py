@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.ir import nodes
-from rapc.parser.special.context import Context
+from rapc.parser.context import Context
 from rapc.parser.special.parts import Parts, parts, required_arguments, symbols
 from rapc.parser.syntax import Datum, List, Symbol
 

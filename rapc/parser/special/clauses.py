@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from typing import cast
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from typing import Any, cast
 
 from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES
-from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, List, Symbol
 
@@ -48,7 +49,7 @@ def clauses(
 def single(
     ctx: Context,
     found: Iterable[tuple[str, List]],
-    many: Sequence[str] = (),
+    many: Collection[str] = (),
 ) -> dict[str, list[List]]:
     """Clauses by name; reports those that stand twice and may not.
 
@@ -71,8 +72,24 @@ def single(
     return kept
 
 
-def lone_formula(ctx: Context, datum: List) -> nodes.Formula | None:
+def read_clauses(
+    ctx: Context, kept: Mapping[str, Sequence[List]], group: str
+) -> defaultdict[str, list[Any]]:
+    """What the readers of a group make of clauses, by name; None for what is lost."""
+    readers = ctx.readers.group(group)
+    read: defaultdict[str, list[Any]] = defaultdict(list)
+    outer = ctx.clause
+    for name, rows in kept.items():
+        reader = readers[name]
+        ctx.clause = name
+        read[name] = [reader(ctx, row) for row in rows]
+    ctx.clause = outer
+    return read
+
+
+def lone_formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
     """The formula of a clause that holds just one."""
+    assert type(datum) is List
     if len(datum.items) == 2:
         return formula(ctx, datum.items[1])
     name, operands = head_of(datum), datum.items[1:]

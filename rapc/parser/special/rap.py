@@ -5,28 +5,31 @@ Methods are read by `rapc.parser.special.method`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Literal, cast
 
 from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES
-from rapc.parser.special.clauses import clauses, lone_formula, single
-from rapc.parser.special.context import Context, head_of
+from rapc.language.grammar import RULES
+from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, words
+from rapc.parser.context import ANY_CLAUSE, Context, head_of
+from rapc.parser.elaborate import made, wrong
+from rapc.parser.special.clauses import clauses, read_clauses, single
 from rapc.parser.special.method import method
 from rapc.parser.special.parts import parameter
-from rapc.parser.special.terms import proposition, split_arrow, term
 from rapc.parser.syntax import Datum, List, Symbol
+from rapc.parser.terms import proposition, split_arrow, term
 
 
-def define_rap(ctx: Context, datum: List) -> nodes.DefineRap | None:
+def define_rap(ctx: Context, datum: Datum) -> nodes.DefineRap | None:
     """`(define-rap (index (name in... => out...)) clause...)`, or without `index`."""
+    assert isinstance(datum, List)
     items = datum.items[1:]
     index: Datum | None = None
     if items and _is_index(items[0]):
         index, items = items[0], items[1:]
     found = single(ctx, clauses(ctx, items, "define-rap", RAP_CLAUSES), ("method",))
-    for clause in found.get("index", ()):
+    for clause in found.pop("index", ()):
         if index is None:
             index = _index(ctx, clause)
         else:
@@ -109,44 +112,35 @@ def _rap(
     datum: List,
     name: Symbol,
     index: Datum,
-    found: Mapping[str, Sequence[List]],
+    found: dict[str, list[List]],
 ) -> nodes.DefineRap:
     whole = index if type(index) is List else List((), name.start, name.end)
     inputs, outputs = _parameters(ctx, *split_arrow(ctx, whole))
-    one = {key: rows[0] for key, rows in found.items()}
-    formulas = {
-        key: lone_formula(ctx, one[key]) for key in _FORMULA_CLAUSES if key in one
-    }
-    rows = found.get("method", ())
+    rows = found.pop("method", ())
+    read = read_clauses(ctx, found, "_rap_clause")
+    one = {name: values[0] for name, values in read.items()}
+    ctx.clause = "method"
     methods = [method(ctx, row, at) for at, row in enumerate(rows, start=1)]
     if len(rows) > 1:
         _check_method_names(ctx, methods, rows)
+    ctx.clause = ANY_CLAUSE
     return nodes.DefineRap(
         name=name.name,
         inputs=inputs,
         outputs=outputs,
-        duration=_duration(ctx, one.get("duration")),
-        monitor_state=formulas.get("monitor-state"),
-        monitor_time=_monitor_time(ctx, one.get("monitor-time")),
-        repeat_while=formulas.get("repeat-while"),
-        succeed=formulas.get("succeed"),
-        preconditions=formulas.get("preconditions"),
-        constraints=formulas.get("constraints"),
-        resources=_resources(ctx, one.get("resources")),
-        effects=_effects(ctx, one.get("effects")),
+        duration=one.get("duration"),
+        monitor_state=one.get("monitor-state"),
+        monitor_time=one.get("monitor-time"),
+        repeat_while=one.get("repeat-while"),
+        succeed=one.get("succeed"),
+        preconditions=one.get("preconditions"),
+        constraints=one.get("constraints"),
+        resources=one.get("resources", ()),
+        effects=one.get("effects", ()),
         methods=tuple(methods),
         name_span=ctx.span(name),
         span=ctx.span(datum),
     )
-
-
-_FORMULA_CLAUSES = (
-    "monitor-state",
-    "repeat-while",
-    "succeed",
-    "preconditions",
-    "constraints",
-)
 
 
 def _parameters(
@@ -158,20 +152,9 @@ def _parameters(
     return tuple(filter(None, inputs)), tuple(filter(None, outputs))
 
 
-def _duration(ctx: Context, clause: List | None) -> nodes.Term | None:
-    if clause is None:
-        return None
-    if len(clause.items) != 2:
-        message = "`duration` takes one number or computed term"
-        ctx.report("malformed-clause", message, clause)
-        return None
-    return term(ctx, clause.items[1])
-
-
-def _monitor_time(ctx: Context, clause: List | None) -> nodes.MonitorTime | None:
-    """`(monitor-time now|absolute start stop)` (T 4.7.1)."""
-    if clause is None:
-        return None
+def monitor_time(ctx: Context, clause: Datum) -> nodes.MonitorTime | None:
+    """`(monitor-time now|absolute start stop)` [T 4.7.1]."""
+    assert isinstance(clause, List)
     operands = clause.items[1:]
     if len(operands) == 1 and isinstance(operands[0], List):
         inner = operands[0]
@@ -184,11 +167,7 @@ def _monitor_time(ctx: Context, clause: List | None) -> nodes.MonitorTime | None
         operands = inner.items
     first = operands[0] if operands else None
     if len(operands) != 3 or not isinstance(first, Symbol) or first.name not in _CLOCKS:
-        ctx.report(
-            "malformed-clause",
-            "`monitor-time` takes `now` or `absolute` and two times",
-            clause,
-        )
+        wrong(ctx, "monitor_time", clause)
         return None
     start, stop = term(ctx, operands[1]), term(ctx, operands[2])
     if start is None or stop is None:
@@ -197,15 +176,14 @@ def _monitor_time(ctx: Context, clause: List | None) -> nodes.MonitorTime | None
     return nodes.MonitorTime(reference, start, stop, ctx.span(clause))
 
 
-_CLOCKS = ("now", "absolute")
+_CLOCKS = words(RULES["monitor_time"])[1:]
 
 
-def _resources(ctx: Context, clause: List | None) -> tuple[nodes.Resource, ...]:
-    if clause is None:
-        return ()
+def resources(ctx: Context, clause: Datum) -> tuple[nodes.Resource, ...]:
+    """`(resources resource...)`, each with a name of its own."""
+    assert isinstance(clause, List)
     seen: dict[str, Datum] = {}
-    made = [_resource(ctx, row, seen) for row in clause.items[1:]]
-    return tuple([row for row in made if row is not None])
+    return made(_resource(ctx, row, seen) for row in clause.items[1:])
 
 
 def _resource(
@@ -234,10 +212,10 @@ def _resource(
     return nodes.Resource(named, variable, initial, ctx.span(datum))
 
 
-def _effects(ctx: Context, clause: List | None) -> tuple[nodes.DeclaredEffect, ...]:
-    if clause is None:
-        return ()
-    made = []
+def effects(ctx: Context, clause: Datum) -> tuple[nodes.DeclaredEffect, ...]:
+    """`(effects fact... (not fact)...)`."""
+    assert isinstance(clause, List)
+    found = []
     for datum in clause.items[1:]:
         negated = head_of(datum) == "not"
         inner: Sequence[Datum] = (datum,)
@@ -249,22 +227,22 @@ def _effects(ctx: Context, clause: List | None) -> tuple[nodes.DeclaredEffect, .
         for one in inner:
             fact = proposition(ctx, one)
             if fact is not None:
-                made.append(nodes.DeclaredEffect(fact, negated, ctx.span(datum)))
-    return tuple(made)
+                found.append(nodes.DeclaredEffect(fact, negated, ctx.span(datum)))
+    return tuple(found)
 
 
 def _check_method_names(
     ctx: Context, methods: Sequence[nodes.Method], data: Sequence[List]
 ) -> None:
     first: dict[str | int, List] = {}
-    for made, datum in zip(methods, data, strict=True):
-        if made.name is None:
+    for one, datum in zip(methods, data, strict=True):
+        if one.name is None:
             continue
-        other = first.setdefault(made.name, datum)
+        other = first.setdefault(one.name, datum)
         if other is not datum:
             ctx.report(
                 "duplicate-method",
-                f"two methods are named `{made.name}`",
+                f"two methods are named `{one.name}`",
                 datum.items[1],
                 labels=[(other.items[1], "the first is here")],
                 help="`method-tried` and `result-with-method` tell methods by name",

@@ -9,10 +9,10 @@ from typing import Literal, cast
 
 from rapc.base.values import Atom, Text
 from rapc.ir import nodes
-from rapc.parser.special.context import Context, head_of
+from rapc.parser.context import Context, head_of
 from rapc.parser.special.parts import Option, Parts, arguments, parts, symbol, symbols
-from rapc.parser.special.terms import proposition as read_proposition
 from rapc.parser.syntax import Keyword, List, Numeral, String, Symbol, Variable
+from rapc.parser.terms import proposition as read_proposition
 
 
 def proposition(ctx: Context, form: List) -> nodes.DeclareProposition | None:

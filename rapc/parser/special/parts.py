@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from rapc.ir import nodes
-from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
 
 

@@ -1,19 +1,19 @@
-"""Data to formulas: everything that can be asked of memory (semantics 2, T 4.1).
+"""Formulas that need a hand: everything that can be asked of memory [T 4.1].
 
-One function per special form; any other list is a proposition, whose name the
-checker knows or does not.
+A list whose first word is none of the language is a proposition; the checker knows
+whether it is declared.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Literal, cast
+from typing import cast
 
 from rapc.ir import nodes
 from rapc.language.heads import CALLS, TRUTHS
-from rapc.parser.special.context import Context, head_of, kind_of
-from rapc.parser.special.terms import proposition, term, terms
+from rapc.parser.context import Context, head_of, kind_of
+from rapc.parser.elaborate import wrong
 from rapc.parser.syntax import Datum, List, Symbol
+from rapc.parser.terms import proposition, term, terms
 
 MAX_LEAVES = 200
 """How many propositions and tests a formula may have: queries become nested code."""
@@ -46,11 +46,11 @@ def _leaves(datum: Datum) -> int:
 def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
     if type(datum) is List:
         name = head_of(datum)
-        if name is not None:
-            special = _SPECIAL.get(name)
-            if special:
-                return special(ctx, datum)
-            if name not in CALLS and name not in TRUTHS:
+        if name is not None and name not in TRUTHS:
+            read = ctx.formulas.get(name)
+            if read is not None:
+                return cast(nodes.Formula | None, read(ctx, datum))
+            if name not in CALLS:
                 return proposition(ctx, datum)
     elif type(datum) is Symbol and datum.name in TRUTHS:
         return nodes.Truth(TRUTHS[datum.name], ctx.span(datum))
@@ -80,22 +80,28 @@ def _no_formula(ctx: Context, datum: Datum) -> None:
     ctx.report("malformed-formula", message, datum, help=help, fix=fix)
 
 
-def _parts(ctx: Context, datum: List) -> tuple[nodes.Formula, ...]:
+def _parts(ctx: Context, datum: Datum) -> tuple[nodes.Formula, ...]:
+    assert type(datum) is List
     return tuple(filter(None, [_formula(ctx, part) for part in datum.items[1:]]))
 
 
-def _and(ctx: Context, datum: List) -> nodes.Formula | None:
+def conjunction(ctx: Context, datum: Datum) -> nodes.Formula:
+    """`(and formula...)`; what could not be read is left out."""
     return nodes.And(_parts(ctx, datum), ctx.span(datum))
 
 
-def _or(ctx: Context, datum: List) -> nodes.Formula | None:
+def disjunction(ctx: Context, datum: Datum) -> nodes.Formula | None:
+    """`(or formula...)`; nothing if a branch could not be read."""
+    assert type(datum) is List
     parts = _parts(ctx, datum)
     if len(parts) < len(datum.items) - 1:
         return None
     return nodes.Or(parts, ctx.span(datum))
 
 
-def _not(ctx: Context, datum: List) -> nodes.Formula | None:
+def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
+    """`(not formula)`; with several it denies them together."""
+    assert type(datum) is List
     if len(datum.items) == 1:
         ctx.report("malformed-formula", "`not` has nothing to deny", datum)
         return None
@@ -115,16 +121,9 @@ def _not(ctx: Context, datum: List) -> nodes.Formula | None:
     return nodes.Not(parts[0], ctx.span(datum))
 
 
-_Comparison = Literal["=", "n=", "<", ">", "<=", ">="]
-
-
-def _compare(ctx: Context, datum: List) -> nodes.Formula | None:
-    op = cast(_Comparison, head_of(datum))
-    args = _exactly(ctx, datum, 2, 2, "two terms")
-    return nodes.Compare(op, args[0], args[1], ctx.span(datum)) if args else None
-
-
-def _believe(ctx: Context, datum: List) -> nodes.Formula | None:
+def believe(ctx: Context, datum: Datum) -> nodes.Formula | None:
+    """`(believe proposition age)`."""
+    assert type(datum) is List
     args = datum.items[1:]
     if len(args) == 1 and isinstance(args[0], List):
         ctx.report(
@@ -137,9 +136,7 @@ def _believe(ctx: Context, datum: List) -> nodes.Formula | None:
         )
         return None
     if len(args) != 2:
-        ctx.report(
-            "malformed-formula", "`believe` takes a proposition and an age", datum
-        )
+        wrong(ctx, "believe", datum)
         return None
     inner = proposition(ctx, args[0])
     age = term(ctx, args[1])
@@ -148,75 +145,20 @@ def _believe(ctx: Context, datum: List) -> nodes.Formula | None:
     return nodes.Believe(inner, age, ctx.span(datum))
 
 
-def _member(ctx: Context, datum: List) -> nodes.Formula | None:
-    args = _exactly(ctx, datum, 2, 2, "a set and a thing")
-    return nodes.SetTest("member", args, ctx.span(datum)) if args else None
-
-
-def _empty(ctx: Context, datum: List) -> nodes.Formula | None:
-    args = _exactly(ctx, datum, 1, 1, "a set")
-    return nodes.SetTest("empty", args, ctx.span(datum)) if args else None
-
-
-def _method_tried(ctx: Context, datum: List) -> nodes.Formula | None:
-    args = _exactly(ctx, datum, 1, 1, "the name of a method")
-    return nodes.HistoryTest("method-tried", args, ctx.span(datum)) if args else None
-
-
-def _last_result(ctx: Context, datum: List) -> nodes.Formula | None:
-    args = _exactly(ctx, datum, 1, 1, "a result")
-    return nodes.HistoryTest("last-result", args, ctx.span(datum)) if args else None
-
-
-def _result_with_method(ctx: Context, datum: List) -> nodes.Formula | None:
-    args = _exactly(ctx, datum, 2, 2, "the name of a method and a result")
-    return (
-        nodes.HistoryTest("result-with-method", args, ctx.span(datum)) if args else None
-    )
-
-
-def _know_sensor_name(ctx: Context, datum: List) -> nodes.Formula | None:
-    args = _exactly(ctx, datum, 1, 2, "an item and, if wanted, `true` or `false`")
-    if args is None:
+def know_sensor_name(ctx: Context, datum: Datum) -> nodes.Formula | None:
+    """`(know-sensor-name item [true|false])`."""
+    assert type(datum) is List
+    operands = datum.items[1:]
+    if not 1 <= len(operands) <= 2:
+        wrong(ctx, "know_sensor_name", datum)
+        return None
+    args = terms(ctx, operands)
+    if len(args) < len(operands):
         return None
     span = ctx.span(datum)
     value = args[1] if len(args) == 2 else nodes.Const("true", span)
     if isinstance(value, nodes.Const) and value.value not in ("true", "false"):
         message = "`know-sensor-name` is `true` or `false` of an item"
-        ctx.report("malformed-formula", message, datum.items[2])
+        ctx.report("malformed-formula", message, operands[1])
         return None
     return nodes.SensorName(args[0], value, span)
-
-
-def _count(ctx: Context, datum: List) -> nodes.Formula | None:
-    args = _exactly(ctx, datum, 3, 3, "a class, a place and a number")
-    return nodes.Count(args[0], args[1], args[2], ctx.span(datum)) if args else None
-
-
-def _exactly(
-    ctx: Context, datum: List, least: int, most: int, words: str
-) -> tuple[nodes.Term, ...] | None:
-    count = len(datum.items) - 1
-    if not least <= count <= most:
-        message = f"`{head_of(datum)}` takes {words}"
-        ctx.report("malformed-formula", message, datum)
-        return None
-    args = terms(ctx, datum.items[1:])
-    return args if len(args) == count else None
-
-
-_SPECIAL: Mapping[str, Callable[[Context, List], nodes.Formula | None]] = {
-    "and": _and,
-    "or": _or,
-    "not": _not,
-    **dict.fromkeys(("=", "n=", "<", ">", "<=", ">="), _compare),
-    "believe": _believe,
-    "member": _member,
-    "empty": _empty,
-    "method-tried": _method_tried,
-    "last-result": _last_result,
-    "result-with-method": _result_with_method,
-    "know-sensor-name": _know_sensor_name,
-    "count": _count,
-}
-"""The special forms of formulas, by their first word."""

@@ -7,10 +7,10 @@ from typing import Literal, cast
 
 from rapc.ir import nodes
 from rapc.language.heads import TRUTHS
-from rapc.parser.special.context import Context, head_of, kind_of
+from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.special.formulas import formula
-from rapc.parser.special.terms import goal, proposition, signal, terms
 from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
+from rapc.parser.terms import goal, proposition, signal, terms
 
 _ACTIONS = ("mem-add", "mem-del")
 

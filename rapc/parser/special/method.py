@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES
-from rapc.parser.special.clauses import clauses, lone_formula, single
-from rapc.parser.special.context import Context, head_of, kind_of
-from rapc.parser.special.steps import task_net, wait_for
-from rapc.parser.special.terms import colon, pattern, propositions
+from rapc.parser.context import Context, head_of, kind_of
+from rapc.parser.special.clauses import clauses, read_clauses, single
+from rapc.parser.special.steps import wait_for
 from rapc.parser.syntax import Datum, List, Numeral, Symbol
+from rapc.parser.terms import colon, pattern
 
 
 def method(ctx: Context, datum: List, position: int) -> nodes.Method:
@@ -24,15 +24,13 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
     if items and type(items[0]) is not List:
         name, items = _name(ctx, items[0]), items[1:]
     found = single(ctx, clauses(ctx, items, "method", METHOD_CLAUSES))
-    one = {key: rows[0] for key, rows in found.items()}
-    context = one.get("context")
-    notations = one.get("notations")
+    read = read_clauses(ctx, found, "method")
     return nodes.Method(
         name=name,
         position=position,
-        context=lone_formula(ctx, context) if context else None,
-        notations=propositions(ctx, notations.items[1:]) if notations else (),
-        body=_body(ctx, datum, one),
+        context=next(iter(read["context"]), None),
+        notations=next(iter(read["notations"]), ()),
+        body=_body(ctx, datum, found, read),
         span=ctx.span(datum),
     )
 
@@ -50,29 +48,34 @@ def _name(ctx: Context, datum: Datum) -> str | int | None:
     return None
 
 
-def _body(ctx: Context, datum: List, one: Mapping[str, List]) -> nodes.Body:
-    net, request = one.get("task-net"), one.get("primitive")
+def _body(
+    ctx: Context,
+    datum: List,
+    found: Mapping[str, Sequence[List]],
+    read: Mapping[str, Sequence[nodes.Body | None]],
+) -> nodes.Body:
+    net, request = found.get("task-net"), found.get("primitive")
     if net and request:
         ctx.report(
             "malformed-clause",
             "a method has a `task-net` or a `primitive`, not both",
-            request.items[0],
-            labels=[(net.items[0], "the task-net is here")],
+            request[0].items[0],
+            labels=[(net[0].items[0], "the task-net is here")],
         )
-    if net:
-        return task_net(ctx, net)
-    made = _primitive(ctx, request) if request else None
-    if request is None:
+    if not net and not request:
         ctx.report(
             "method-without-body",
             "this method does not say what to do",
             datum.items[0],
             help="give it a `task-net` or a `primitive`; `(task-net)` does nothing",
         )
-    return made or nodes.TaskNet((), ctx.span(datum))
+    bodies = read["task-net"] if net else read.get("primitive", ())
+    return next(iter(bodies), None) or nodes.TaskNet((), ctx.span(datum))
 
 
-def _primitive(ctx: Context, clause: List) -> nodes.Primitive | nodes.Skills | None:
+def primitive(ctx: Context, clause: Datum) -> nodes.Primitive | nodes.Skills | None:
+    """`(primitive (request...))`, or what is done to skills."""
+    assert type(clause) is List
     operands = clause.items[1:]
     if any(head_of(d) in _SKILL_PARTS for d in operands):
         return _skills(ctx, clause, operands)

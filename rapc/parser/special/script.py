@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.parser.special.context import Context, head_of, kind_of
-from rapc.parser.special.terms import colon, goal, pattern
+from rapc.language.grammar import RULES
+from rapc.language.heads import rules_by_head
+from rapc.language.shapes import is_word
+from rapc.parser.context import Context, head_of, kind_of
+from rapc.parser.elaborate import made
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
+from rapc.parser.terms import colon, goal, pattern
 
-OPTIONS = {
-    ":times": 1,
-    ":takes": 1,
-    ":after": 1,
-    ":asserts": 1,
-    ":erases": 1,
-    ":data": 1,
-    ":signals": 1,
-    ":refused": 0,
-}
-"""The options of a row, with the number of their values."""
-
-T = TypeVar("T")
 D = TypeVar("D", nodes.Proposition, nodes.Datum)
 
 
-def made(found: Iterable[T | None]) -> tuple[T, ...]:
-    """What could be made, without what could not."""
-    return tuple([one for one in found if one is not None])
+def option_counts(group: str) -> dict[str, int]:
+    """The options in a group of the grammar, with the number of their values."""
+    return {
+        word: 0 if is_word(RULES[rule]) else len(RULES[rule]) - 2
+        for word, rule in rules_by_head(group).items()
+    }
+
+
+OPTIONS = option_counts("_once_row_option")
+"""The options of a row, with the number of their values."""
 
 
 def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
@@ -110,27 +108,24 @@ def asked_goal(
     return _ground(ctx, found) if ground else _plain(ctx, found)
 
 
-def requests(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Request, ...]:
-    """Such requests in a row."""
-    return made(request(ctx, datum) for datum in data)
-
-
 def told(ctx: Context, data: Sequence[Datum], kind: type[D]) -> tuple[D, ...]:
     """What is told in a script: propositions or data of constants and variables."""
     return made(_plain(ctx, pattern(ctx, datum, kind)) for datum in data)
 
 
-def facts(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Proposition, ...]:
-    """Propositions without variables."""
-    return made(_ground(ctx, pattern(ctx, one, nodes.Proposition)) for one in data)
+def fact(ctx: Context, datum: Datum) -> nodes.Proposition | None:
+    """A proposition without variables."""
+    return _ground(ctx, pattern(ctx, datum, nodes.Proposition))
 
 
-def signals(
-    ctx: Context, data: Sequence[Datum], *, ground: bool = False
-) -> tuple[nodes.Signal, ...]:
-    """Signals, where need be without variables."""
-    check = _ground if ground else _plain
-    return made(check(ctx, colon(ctx, datum, nodes.Signal)) for datum in data)
+def arriving(ctx: Context, datum: Datum) -> nodes.Signal | None:
+    """A signal without variables."""
+    return _ground(ctx, colon(ctx, datum, nodes.Signal))
+
+
+def signals(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Signal, ...]:
+    """Signals of constants and variables in a row."""
+    return made(_plain(ctx, colon(ctx, datum, nodes.Signal)) for datum in data)
 
 
 P = TypeVar("P", bound=nodes.Pattern | nodes.Goal)

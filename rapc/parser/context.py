@@ -1,18 +1,22 @@
-"""What every form function works with: places, findings, the shape of data.
+"""What every reader of data works with: places, findings, the other readers.
 
-A form function takes a `Context` and a datum, reports what is wrong with it in the
-author's words, and returns the node, or None if nothing could be made of it.
+A reader takes a `Context` and a datum, reports what is wrong with it in the author's
+words, and returns the node, or None if nothing could be made of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import Any, Protocol
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
 from rapc.language.slips import SLIPS
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
+
+Read = Callable[["Context", Any], Any]
+"""Makes something of a datum, or of a list alone; None if it had to be left out."""
 
 _KINDS = {
     Symbol: "a symbol",
@@ -24,19 +28,44 @@ _KINDS = {
 }
 
 
+ANY_CLAUSE = "*"
+"""Stands among the names of clauses for any of them."""
+
+
+class Readers(Protocol):
+    """Readers by the name of their rule in the grammar, and by the words of a group."""
+
+    def __getitem__(self, rule: str, /) -> Read:
+        """Return the reader of a rule."""
+
+    def group(self, rule: str) -> dict[str, Read]:
+        """Return the readers of the lists in a group by the words that head them."""
+
+
 class Context:
-    """The form in hand, its file, and what has been said about it.
+    """The form in hand, its file, and what has been said about it."""
 
-    `lost` tells whether something of the form had to be left out, so that what others
-    miss in it may not be the author's fault. `room` is how many findings are kept.
-    """
+    #: The name of the file, as spans carry it.
+    file: str
+    #: How many findings are kept.
+    room: int
+    #: What has been found in the form.
+    diagnostics: list[Diagnostic]
+    #: The names of the clauses from which something had to be left out, so that what
+    #: others miss there may not be the author's fault; `ANY_CLAUSE` for all of them.
+    lost: set[str]
+    #: The name of the clause that is being read.
+    clause: str
 
-    def __init__(self, source: SourceFile, room: int) -> None:
+    def __init__(self, source: SourceFile, room: int, readers: Readers) -> None:
         self.source = source
         self.file = source.name
         self.room = room
-        self.diagnostics: list[Diagnostic] = []
-        self.lost = False
+        self.readers = readers
+        self.formulas = readers.group("formula")
+        self.diagnostics = []
+        self.lost = set()
+        self.clause = ANY_CLAUSE
 
     def span(self, datum: Datum) -> Span:
         """The place of a datum."""
@@ -57,7 +86,7 @@ class Context:
         fix: Fix | None = None,
     ) -> None:
         """Report a fault for which something of the form is left out."""
-        self.lost = True
+        self.lost.add(self.clause)
         self.slip(rule, message, at, labels=labels, help=help, fix=fix)
 
     def slip(
@@ -116,7 +145,7 @@ class Context:
             )
             return printed
         if len(self.diagnostics) >= self.room:
-            self.lost = True
+            self.lost.add(self.clause)
             return None
         slips = {slip: right for slip, right in SLIPS.items() if right in options}
         meant = nearest(word.name, (*options, *slips))

@@ -1,0 +1,190 @@
+"""What is said of each rule of the grammar: in findings, on the pages, while writing.
+
+Only rules that a reader of a page or of a finding meets have a row. A test holds the
+rows against the grammar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from rapc.language.grammar import RULES
+from rapc.language.shapes import Shape, is_rule, is_word
+
+
+class Words(NamedTuple):
+    """A row: the words for one rule of the grammar."""
+
+    #: What a list of this kind is for, as a phrase without a full stop.
+    says: str
+    #: The operands, as a finding names them: "`believe` takes ...".
+    takes: str = ""
+    #: Where it comes from.
+    source: str = ""
+
+
+WORDS: Mapping[str, Words] = {
+    # RAPs
+    "define_rap": Words("a way to bring something about", "", "[T 4]"),
+    "index_clause": Words("name, inputs and outputs", "one list", "[T 4.2]"),
+    "succeed": Words(
+        "when a task is done, and what it hands out", "one formula", "[T 4.4.1]"
+    ),
+    "preconditions": Words(
+        "what must hold whenever it is selected", "one formula", "[T 4.4.2]"
+    ),
+    "constraints": Words(
+        "what must hold for it and for all below it", "one formula", "[T 4.4.3]"
+    ),
+    "repeat_while": Words(
+        "how long it goes on choosing methods", "one formula", "[T 4.6]"
+    ),
+    "monitor_state": Words("what it waits for", "one formula", "[T 4.7.1]"),
+    "monitor_time": Words(
+        "until when it waits", "`now` or `absolute` and two times", "[T 4.7.1]"
+    ),
+    "duration": Words(
+        "how long it takes, about", "one number or computed term", "[T 4.3]"
+    ),
+    "resources": Words("what it remembers for itself", "", "[T 4.8.1]"),
+    "resource": Words(
+        "a set or a counter",
+        "a variable and at most one first value",
+        "[T 4.8.1]",
+    ),
+    "effects": Words("which facts it brings about", "", ""),
+    "method": Words("a way to do it", "", "[T 4.5]"),
+    "context": Words("when a method may be chosen", "one formula", "[T 4.5.1]"),
+    "notations": Words("facts that hold while it runs", "", "[T 4.9.1]"),
+    "task_net": Words("steps, in an order as loose as wanted", "", "[T 4.5.2]"),
+    "primitive": Words("a request to the world, or skills", "one request", "[T 4.5.3]"),
+    "enable": Words("skills to be switched on", "", "[S 3.2]"),
+    "disable": Words("skills to be switched off", "", "[S 3.2]"),
+    # Annotations
+    "order": Words("a step that comes behind this one", "the tag of one step"),
+    "protect": Words("what must hold until another step begins", "the tag of one step"),
+    "until_start": Words("whose start ends this step", "the tag of one step"),
+    "until_end": Words("whose end ends this step", "the tag of one step"),
+    "window": Words(
+        "from when, and by when", "a tag, `now` or `absolute`, and two times"
+    ),
+    "wait_for": Words("which signal it waits for, and what that does to it"),
+    "set_add": Words("puts something into a set", "a resource and one thing or amount"),
+    "set_sub": Words("takes it out of a set", "a resource and one thing or amount"),
+    "counter_add": Words("counts up", "a resource and one thing or amount"),
+    "counter_sub": Words("counts down", "a resource and one thing or amount"),
+    # Formulas
+    "and": Words("all of them hold", "", "[T 4.1.3]"),
+    "or": Words("one of them holds", "", "[T 4.1.3]"),
+    "not": Words("it cannot be shown", "one formula", "[T 4.1.3]"),
+    "compare": Words("two values compared", "two terms", ""),
+    "believe": Words("how fresh a belief is", "a proposition and an age", "[T 4.1.1]"),
+    "member": Words("a set has it", "a set and a thing", ""),
+    "empty": Words("a set has nothing", "a set", ""),
+    "method_tried": Words(
+        "a method has been tried", "the name of a method", "[T 4.1.2]"
+    ),
+    "last_result": Words("how the last method ended", "a result", "[T 4.1.2]"),
+    "result_with_method": Words(
+        "how a method ended", "the name of a method and a result", "[T 4.1.2]"
+    ),
+    "know_sensor_name": Words(
+        "an item is in sight", "an item and, if wanted, `true` or `false`", "[T A.4]"
+    ),
+    "count": Words("how many there are", "a class, a place and a number", ""),
+    # Terms
+    "sum": Words("adds", "two or more arguments"),
+    "product": Words("multiplies", "two or more arguments"),
+    "quotient": Words("divides", "two or more arguments"),
+    "difference": Words("subtracts, or changes the sign", "one or more arguments"),
+    "size_of": Words("how many are in a set", "one argument"),
+    "value_of": Words("the value of a counter", "one argument"),
+    # Rules over memory
+    "action": Words(
+        "puts a fact into memory or takes it out", "one proposition", "[S 4.2]"
+    ),
+    # Tests
+    "world": Words("the world the test runs in", "the name of a world"),
+    "facts": Words("what memory holds at first"),
+    "script": Words("what the world answers"),
+    "script_row": Words("a request and its answer"),
+    "at": Words("what happens at a time"),
+    "task": Words("what is asked for", "a goal and options"),
+    "until": Words("when the test ends", "a time or `(cycles n)`"),
+    "cycles": Words("after how many cycles it ends", "a number of cycles, a whole one"),
+    "asserts": Words("facts that come"),
+    "erases": Words("facts that go"),
+    "signals": Words("signals that come"),
+    "cancel": Words("a task is given up", "one goal"),
+    "expect": Words("what is to be found afterwards"),
+    "succeeds": Words("a task succeeds, with these outputs"),
+    "fails": Words("a task fails, for this reason"),
+    "active": Words("a task is still at work"),
+    "primitives": Words("all requests, in order"),
+    "primitives_include": Words("requests in order, others between"),
+    "never": Words("a request that is never made"),
+    "memory": Words("what memory holds", "one formula"),
+    "method_chosen": Words("which method was chosen, how often"),
+    "selected_before": Words("one task before another"),
+    "ends_by": Words("a task has ended by a time"),
+    "trace": Words("events in order, others between"),
+    # Declarations
+    "require": Words("a file that this one needs", "the name of one file"),
+    "declare_memory_proposition": Words("facts that are there or not", "", "[T A.1]"),
+    "declare_memory_property": Words("facts with one value each", "", "[T A.1]"),
+    "declare_memory_function": Words("what the world computes", "", "[T A.1]"),
+    "declare_indistinct_class": Words("things that look alike", "", "[T A.5]"),
+    "declare_class_comparator": Words("how things are told apart", "", "[T A.5]"),
+    "declare_primitive": Words("what can be asked of the world", "", ""),
+    "declare_sensor_datum": Words("what the world tells of itself", "", ""),
+    "declare_skill": Words("what can be switched on and off", "", "[S 2]"),
+    "declare_event": Words("what a skill may signal", "", "[S 2]"),
+    "define_memory_rule": Words("what a task's end does to memory", "", "[S 4.2]"),
+    "define_event_rule": Words("what a signal does to memory", "", "[S 4.3]"),
+    "define_test": Words("what a library is to do, tried", "", "docs/testing.md"),
+}
+"""What is said of each rule, group by group in the order of the grammar."""
+
+OPERANDS: Mapping[str, str] = {
+    "asked": "(goal)",
+    "given": "(goal)",
+    "required": "(request)",
+    "plain": "value",
+    "proposition": "(fact)",
+    "told": "(fact)",
+    "fact": "(fact)",
+    "signal": "(:signal argument...)",
+    "skill": "(:skill argument...)",
+    "event_pattern": "(event :key value...)",
+    "step": "(tag (goal) annotation...)",
+    "cycles": "(cycles n)",
+    "index": "(name ?input... => ?output...)",
+}
+"""How operands are written in short; others by the name of their rule or terminal."""
+
+
+def spelling(rule: str) -> str:
+    """Return how a list is written, as in `(believe (fact) term)`."""
+    return _spelt(RULES[rule])
+
+
+def _spelt(shape: Shape) -> str:
+    if isinstance(shape, tuple):
+        texts = [_spelt(part) for part in shape[1:]]
+        return _JOINED[shape[0]].format("|".join(texts), " ".join(texts))
+    if is_word(shape):
+        return shape[1:-1]
+    name = shape.replace("_", "-").lower()
+    return OPERANDS.get(shape, name) if is_rule(shape) else name
+
+
+_JOINED: Mapping[Shape, str] = {
+    "list": "({1})",
+    "seq": "{1}",
+    "or": "{0}",
+    "?": "[{0}]",
+    "*": "{0}...",
+    "+": "{0}...",
+}
+"""How parts are written together: as alternatives, or one behind the other."""

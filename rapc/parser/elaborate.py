@@ -1,0 +1,356 @@
+"""Data to nodes by the grammar: readers of lists, made of its rules when first needed.
+
+A reader takes a datum, reports what is wrong with it in the author's words, and returns
+the node, or None if something had to be left out. For most rules the shape in
+`rapc.language.grammar` says all there is to know: which words head the list, how many
+operands of which kinds follow. What a shape leaves open is said in three tables:
+`MAKERS` (which node comes of the operands, where it is not the one of the same name),
+`FINDINGS` (the rule that a fault breaks) and `rapc.language.words` (what a finding
+calls the operands). Rules that need a hand have readers of their own in
+`rapc.parser.special` and its neighbours; those are asked first.
+
+A list whose operands do not fit its shape is reported once, as a whole; operands that
+are lists themselves report what is wrong in them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.language.grammar import RULES, TERMINALS
+from rapc.language.heads import ARROW, heads, rules_by_head
+from rapc.language.shapes import Shape, is_rule, is_terminal, is_word, leaves
+from rapc.language.words import WORDS, spelling
+from rapc.parser.context import Context, Read, head_of, kind_of
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
+from rapc.parser.terms import term
+
+Fits = Callable[[Datum], bool]
+"""Whether a datum is of the kind wanted, by its type and first word alone."""
+
+
+class Part(NamedTuple):
+    """What a single operand must be."""
+
+    fits: Fits
+    read: Read
+    #: Whether `read` is for data that fit only; lists tell by themselves what is wrong.
+    strict: bool
+
+
+class Operand(NamedTuple):
+    """Operands of one kind in a row; `most` is None for any number."""
+
+    least: int
+    most: int | None
+    part: Part
+
+
+Maker = Callable[[Any, Sequence[Any], Span], Any]
+"""Makes the node of a list: of its head, its operands and its place."""
+
+
+class Readers(dict[str, Read]):
+    """Readers by the name of their rule; most are made of the grammar when needed.
+
+    Args:
+        special: the readers that are written by hand.
+        makers: what makes a node of the operands of a rule; without one it is the node
+            of the same name, its fields filled with the operands in order.
+    """
+
+    def __init__(self, special: Mapping[str, Read], makers: Mapping[str, Maker]):
+        super().__init__(special)
+        self.makers = makers
+        self._groups: dict[str, dict[str, Read]] = {}
+
+    def __missing__(self, rule: str) -> Read:
+        """Make the reader of a rule."""
+        shape = RULES[rule]
+        self[rule] = made = (
+            self._list(rule, shape) if shape[0] == "list" else self._choice(rule)
+        )
+        return made
+
+    def group(self, rule: str) -> dict[str, Read]:
+        """Return the readers of the lists in a group by the words that head them."""
+        found = self._groups.get(rule)
+        if found is None:
+            found = {head: self[one] for head, one in rules_by_head(rule).items()}
+            self._groups[rule] = found
+        return found
+
+    def part(self, shape: Shape) -> Part:
+        """Return what reads a single operand of a shape."""
+        if isinstance(shape, str):
+            if is_word(shape):
+                word = shape[1:-1]
+                return Part(_is_word(word), lambda _, d: word.removeprefix(":"), True)
+            if shape in _PLAIN:
+                return self.part(RULES[shape])
+            if is_rule(shape):
+                return self._rule_part(shape)
+            return _terminal(shape)
+        if shape[0] == "list":
+            return Part(lambda d: type(d) is List, self._inner(shape), False)
+        if shape[0] != "or":
+            raise TypeError(f"no single operand has the shape {shape}")
+        parts = [self.part(one) for one in shape[1:]]
+
+        def read(ctx: Context, datum: Datum) -> Any:
+            fitting = next((one for one in parts if one.fits(datum)), parts[-1])
+            return fitting.read(ctx, datum)
+
+        return Part(lambda d: any(one.fits(d) for one in parts), read, True)
+
+    def _rule_part(self, rule: str) -> Part:
+        words = frozenset(heads(rule))
+
+        def read(ctx: Context, datum: Datum) -> Any:
+            return self[rule](ctx, datum)
+
+        if words and RULES[rule][0] == "list":
+            return Part(lambda d: head_of(d) in words, read, True)
+        return Part(lambda d: type(d) is List, read, False)
+
+    def _inner(self, shape: Shape) -> Read:
+        """The reader of a list without a head that holds any number of one kind."""
+        part = self.part(shape[1][1])
+
+        def read(ctx: Context, datum: Datum) -> Any:
+            items = datum.items if isinstance(datum, List) else ()
+            return made(part.read(ctx, item) for item in items)
+
+        return read
+
+    def _choice(self, rule: str) -> Read:
+        """The reader of a group of lists, told apart by their heads."""
+        readers = self.group(rule)
+        what = WANTED[rule]
+
+        def read(ctx: Context, datum: Datum) -> Any:
+            name = head_of(datum)
+            if name is None or not isinstance(datum, List):
+                message = f"{what} is wanted here, not {kind_of(datum)}"
+                plural = what.split(" ", 1)[1] + "s"
+                help = f"{plural} begin with " + ", ".join(f"`{n}`" for n in readers)
+                ctx.report(FINDINGS[rule], message, datum, help=help)
+                return None
+            if name in readers:
+                return readers[name](ctx, datum)
+            word = datum.items[0]
+            assert isinstance(word, Symbol)
+            ctx.unknown("unknown-clause", what.split(" ", 1)[1], word, readers)
+            return None
+
+        return read
+
+    def _list(self, rule: str, shape: Shape) -> Read:
+        """The reader of a list with a head, or with several to choose from."""
+        operands = [self._operand(one) for one in shape[2:]]
+        make = self.makers.get(rule) or _named_like(rule)
+        if all(one.least == one.most == 1 for one in operands):
+            return _fixed(rule, [one.part for one in operands], make)
+        return _varied(rule, operands, make)
+
+    def _operand(self, shape: Shape) -> Operand:
+        if isinstance(shape, tuple) and shape[0] in _COUNTS:
+            least, most = _COUNTS[shape[0]]
+            return Operand(least, most, self.part(shape[1]))
+        return Operand(1, 1, self.part(shape))
+
+
+_PLAIN = [rule for rule in RULES if all(map(is_terminal, leaves(RULES[rule])))]
+"""Rules of terminals alone, which may stand for one."""
+
+_COUNTS = {"?": (0, 1), "*": (0, None), "+": (1, None)}
+
+WANTED: Mapping[str, str] = {
+    "expectation": "an expectation",
+    "resource": "a resource",
+    "TIME": "a time",
+    "COUNT": "a number, a whole one,",
+    "POSITIVE": "a number, a whole one,",
+    "INTEGER": "a whole number",
+}
+"""What is wanted where something else stands, by rule or terminal."""
+
+FINDINGS: Mapping[str, str] = {
+    **dict.fromkeys(leaves(RULES["formula"]), "malformed-formula"),
+    **dict.fromkeys(leaves(RULES["annotation"]), "malformed-annotation"),
+    **dict.fromkeys(leaves(RULES["_form"]), "malformed-form"),
+    **dict.fromkeys(leaves(RULES["_rap_clause"]), "malformed-clause"),
+    **dict.fromkeys(("case", "rule", "alternative", "action"), "malformed-rule"),
+    **dict.fromkeys(leaves(RULES["expectation"]), "malformed-clause"),
+    "expectation": "malformed-clause",
+}
+"""Which rule of the checker a fault breaks; in clauses it is `malformed-clause`."""
+
+
+def _named_like(rule: str) -> Maker:
+    """What makes the node of the same name, operands in the order of its fields."""
+    kind = getattr(nodes, "".join(map(str.capitalize, rule.split("_"))))
+    return lambda head, values, span: kind(*values, span)
+
+
+def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:
+    """The reader of a list with a fixed number of operands."""
+    count = len(parts) + 1
+
+    def read(ctx: Context, datum: Datum) -> Any:
+        assert type(datum) is List
+        items = datum.items
+        if len(items) != count:
+            wrong(ctx, rule, datum)
+            return None
+        values = []
+        for part, item in zip(parts, items[1:], strict=True):
+            if part.strict and not part.fits(item):
+                wrong(ctx, rule, datum)
+                return None
+            values.append(part.read(ctx, item))
+        if None in values:
+            return None
+        head = head_of(datum) or ""
+        return make(head, values, Span(ctx.file, datum.start, datum.end))
+
+    return read
+
+
+def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
+    """The reader of a list with operands that may be left out or repeated."""
+
+    def read(ctx: Context, datum: Datum) -> Any:
+        assert type(datum) is List
+        rows = _shared_out(datum.items[1:], operands)
+        if rows is None:
+            wrong(ctx, rule, datum)
+            return None
+        values: list[Any] = []
+        for one, row in zip(operands, rows, strict=True):
+            found = [one.part.read(ctx, item) for item in row]
+            if one.most is None:
+                values.append(made(found))
+            elif None in found:
+                return None
+            else:
+                values.append(found[0] if found else None)
+        return make(head_of(datum) or "", values, ctx.span(datum))
+
+    return read
+
+
+def _shared_out(
+    items: Sequence[Datum], operands: Sequence[Operand]
+) -> list[Sequence[Datum]] | None:
+    """The items of a list for each of its operands; None if they do not fit.
+
+    Each operand takes as many as fit it, but leaves as many as the rest needs.
+    """
+    rows: list[Sequence[Datum]] = []
+    at, needed = 0, sum(one.least for one in operands)
+    for one in operands:
+        needed -= one.least
+        begun, end = at, len(items) - needed
+        while at < end and (one.most is None or at - begun < one.most):
+            if one.part.strict and not one.part.fits(items[at]):
+                break
+            at += 1
+        if at - begun < one.least:
+            return None
+        rows.append(items[begun:at])
+    return rows if at == len(items) else None
+
+
+def wrong(ctx: Context, rule: str, datum: Datum) -> None:
+    """Report a list whose operands are too few, too many or of the wrong kinds."""
+    row = WORDS.get(rule)
+    name = head_of(datum)
+    message = f"`{name}` is written `{spelling(rule)}`"
+    if row is not None and row.takes:
+        message = f"`{name}` takes {row.takes}"
+    finding = FINDINGS.get(rule, "malformed-clause")
+    ctx.report(finding, message, datum)
+
+
+def made(found: Iterable[Any]) -> tuple[Any, ...]:
+    """Return what could be read, without what could not."""
+    return tuple([one for one in found if one is not None])
+
+
+# --- terminals ---------------------------------------------------------------------
+
+
+def _is_word(word: str) -> Fits:
+    def fits(datum: Datum) -> bool:
+        return isinstance(datum, Symbol | Keyword) and datum.name == word
+
+    return fits
+
+
+def _is_name(datum: Datum) -> bool:
+    return type(datum) is Symbol and datum.name != ARROW
+
+
+def _is_parameter(datum: Datum) -> bool:
+    return type(datum) is Variable and datum.name != "?"
+
+
+def _terminal(name: str) -> Part:
+    """What reads a terminal: constants and variables to nodes, names to strings."""
+    if name in _NODES:
+        return Part(_NODES[name], term, True)
+    if name in _NUMBERS:
+        return Part(_is_numeral, _number(name), False)
+    if name == "STRING":
+        return Part(lambda datum: type(datum) is String, _text, True)
+    if TERMINALS[name] == TERMINALS["SYMBOL"]:
+        return Part(_is_name, _named, True)
+    raise TypeError(f"no operand is a {name} alone")
+
+
+def _named(ctx: Context, datum: Datum) -> str:
+    assert isinstance(datum, Symbol)
+    return datum.name
+
+
+def _text(ctx: Context, datum: Datum) -> str:
+    assert isinstance(datum, String)
+    return datum.value
+
+
+def _is_numeral(datum: Datum) -> bool:
+    return type(datum) is Numeral
+
+
+_NODES: Mapping[str, Fits] = {
+    "SYMBOL": _is_name,
+    "VARIABLE": lambda datum: type(datum) is Variable,
+    "NUMBER": _is_numeral,
+    "KEYWORD": lambda datum: type(datum) is Keyword,
+}
+_NUMBERS: Mapping[str, tuple[bool, int | None]] = {
+    "INTEGER": (True, None),
+    "COUNT": (True, 0),
+    "POSITIVE": (True, 1),
+    "TIME": (False, 0),
+}
+"""For each terminal of numbers whether they are whole, and the least."""
+
+
+def _number(name: str) -> Read:
+    whole, least = _NUMBERS[name]
+
+    def read(ctx: Context, datum: Datum) -> Any:
+        value = datum.value if isinstance(datum, Numeral) else None
+        small = value is not None and least is not None and value < least
+        if value is None or small or (whole and not isinstance(value, int)):
+            message = f"{WANTED[name]} is wanted here"
+            ctx.report("malformed-clause", message.replace(",", ""), datum)
+            return None
+        return value
+
+    return read

@@ -1,0 +1,87 @@
+"""The expectations of a test that need a hand, and event patterns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import cast
+
+from rapc.ir import nodes
+from rapc.language.heads import rules_by_head
+from rapc.parser.context import Context, head_of, kind_of
+from rapc.parser.elaborate import wrong
+from rapc.parser.special.clauses import lone_formula
+from rapc.parser.special.script import options, whole
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
+from rapc.parser.terms import term
+
+EXPECTATIONS = tuple(rules_by_head("expectation"))
+"""The words that expectations begin with."""
+
+
+def memory(ctx: Context, datum: Datum) -> nodes.MemoryHolds | None:
+    """`(memory formula)`."""
+    asked = lone_formula(ctx, datum)
+    return nodes.MemoryHolds(asked, ctx.span(datum)) if asked else None
+
+
+def method_chosen(ctx: Context, datum: Datum) -> nodes.MethodChosen | None:
+    """`(method rap name)`, `(method rap name n)` or `(method rap name n times)`."""
+    assert isinstance(datum, List)
+    operands = list(datum.items[1:])
+    last = operands[-1] if len(operands) == 4 else None
+    if isinstance(last, Symbol) and last.name in ("times", "time"):
+        del operands[-1]
+    rap, name = operands[:2] if len(operands) in (2, 3) else (datum, datum)
+    if not isinstance(rap, Symbol) or not isinstance(name, Symbol | Numeral):
+        wrong(ctx, "method_chosen", datum)
+        return None
+    times = whole(ctx, operands[2], "a number", least=0) if operands[2:] else None
+    word = name.name if isinstance(name, Symbol) else str(name.value)
+    return nodes.MethodChosen(rap.name, word, times, ctx.span(datum))
+
+
+# --- event patterns -------------------------------------------------------------------
+
+
+def event_pattern(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
+    """`(event-name :key value...)`."""
+    name = head_of(datum)
+    if name is None or not isinstance(datum, List):
+        message = f"an event pattern is wanted here, not {kind_of(datum)}"
+        help = "write `(task-failed :reason no-method)`"
+        ctx.report("malformed-clause", message, datum, help=help)
+        return None
+    rest = _joined(ctx, datum.items[1:])
+    words = {word.name: 1 for word in rest if isinstance(word, Keyword)}
+    given = options(ctx, rest, f"`{name}`", words)
+    keys = tuple((key[1:], _value(ctx, value)) for key, value in given.items())
+    return nodes.EventPattern(name, keys, ctx.span(datum))
+
+
+def _value(ctx: Context, datum: Datum) -> nodes.TracePattern:
+    """A term of the trace, as it is written there."""
+    if isinstance(datum, List):
+        items = [_value(ctx, item) for item in _joined(ctx, datum.items)]
+        return nodes.ListPattern(tuple(items), ctx.span(datum))
+    if isinstance(datum, Symbol):
+        return nodes.Const(datum.name, ctx.span(datum))
+    return cast(nodes.Const | nodes.Var, term(ctx, datum))
+
+
+def _joined(ctx: Context, data: Sequence[Datum]) -> list[Datum]:
+    """Data in a row; `#counter(3)`, which the reader takes for two, is one symbol."""
+    found: list[Datum] = []
+    for datum in data:
+        last = found[-1] if found else None
+        if (
+            isinstance(datum, List)
+            and isinstance(last, Symbol)
+            and last.name in ("#counter", "#set")
+            and last.end == datum.start
+        ):
+            words = [ctx.text(item).lower() for item in datum.items]
+            name = f"{last.name}({' '.join(words)})"
+            found[-1] = Symbol(name, last.start, datum.end)
+        else:
+            found.append(datum)
+    return found

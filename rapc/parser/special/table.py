@@ -1,0 +1,128 @@
+"""The readers written by hand, and what makes nodes that are called otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+
+from rapc.ir import nodes
+from rapc.parser import terms
+from rapc.parser.context import Context, Read
+from rapc.parser.elaborate import Maker, Readers
+from rapc.parser.special import (
+    clauses,
+    declarations,
+    expectations,
+    formulas,
+    memory_rules,
+    method,
+    offers,
+    rap,
+    script,
+    steps,
+    tests,
+)
+from rapc.parser.special.require import require
+from rapc.parser.syntax import Datum
+
+
+def _skill(ctx: Context, datum: Datum) -> nodes.Skill | None:
+    return terms.colon(ctx, datum, nodes.Skill)
+
+
+SPECIAL: Mapping[str, Read] = {
+    # forms
+    "define_rap": rap.define_rap,
+    "declare_memory_proposition": declarations.proposition,
+    "declare_memory_property": declarations.property_,
+    "declare_memory_function": declarations.function,
+    "declare_indistinct_class": declarations.indistinct_class,
+    "declare_class_comparator": declarations.comparator,
+    "declare_primitive": offers.primitive,
+    "declare_sensor_datum": offers.datum,
+    "declare_skill": offers.skill,
+    "declare_event": offers.event,
+    "define_memory_rule": memory_rules.memory_rule,
+    "define_event_rule": memory_rules.event_rule,
+    "define_test": tests.define_test,
+    "require": require,
+    # clauses
+    **dict.fromkeys(
+        (
+            *("succeed", "preconditions", "constraints", "repeat_while"),
+            *("monitor_state", "context"),
+        ),
+        clauses.lone_formula,
+    ),
+    "monitor_time": rap.monitor_time,
+    "resources": rap.resources,
+    "effects": rap.effects,
+    "task_net": steps.task_net,
+    "primitive": method.primitive,
+    "wait_for": steps.wait_for,
+    # formulas, terms and lists with arguments
+    "formula": formulas.formula,
+    "and": formulas.conjunction,
+    "or": formulas.disjunction,
+    "not": formulas.negation,
+    "believe": formulas.believe,
+    "know_sensor_name": formulas.know_sensor_name,
+    "truth": formulas.formula,
+    "term": terms.term,
+    "proposition": terms.proposition,
+    "goal": terms.goal,
+    "signal": terms.signal,
+    "skill": _skill,
+    # tests
+    "task": tests.task,
+    "at": tests.at,
+    "script_row": script.row,
+    "memory": expectations.memory,
+    "method_chosen": expectations.method_chosen,
+    "event_pattern": expectations.event_pattern,
+    "asked": script.asked_goal,
+    "required": script.request,
+    "fact": script.fact,
+    "arriving": script.arriving,
+}
+"""Readers by rule; all other rules are read as the grammar has them."""
+
+MAKERS: Mapping[str, Maker] = {
+    "duration": lambda head, values, span: values[0],
+    "notations": lambda head, values, span: values[0],
+    "order": lambda head, values, span: nodes.For(None, values[0], span),
+    **dict.fromkeys(
+        ("set_add", "set_sub", "counter_add", "counter_sub"),
+        lambda head, values, span: nodes.ResourceChange(
+            head, values[0], values[1], span
+        ),
+    ),
+    "compare": lambda head, values, span: nodes.Compare(
+        head, values[0], values[1], span
+    ),
+    **dict.fromkeys(
+        ("member", "empty"),
+        lambda head, values, span: nodes.SetTest(head, tuple(values), span),
+    ),
+    **dict.fromkeys(
+        ("method_tried", "last_result", "result_with_method"),
+        lambda head, values, span: nodes.HistoryTest(head, tuple(values), span),
+    ),
+    "world": lambda head, values, span: values[0],
+    "facts": lambda head, values, span: values[0],
+    "script": lambda head, values, span: values[0],
+    "cycles": lambda head, values, span: nodes.Until(None, values[0], span),
+    "until": lambda head, values, span: (
+        values[0]
+        if isinstance(values[0], nodes.Until)
+        else nodes.Until(values[0], None, span)
+    ),
+    "trace": lambda head, values, span: nodes.TraceHas(values[0], span),
+}
+"""What makes the nodes of rules whose nodes are called otherwise, or are none."""
+
+
+@cache
+def readers() -> Readers:
+    """Return the readers of all rules."""
+    return Readers(SPECIAL, MAKERS)
