@@ -109,9 +109,10 @@ class Readers(dict[str, Read]):
     def _rule_part(self, rule: str) -> Part:
         words = frozenset(heads(rule))
 
-        def read(ctx: Context, datum: Datum) -> Any:
-            return self[rule](ctx, datum)
+        def late(ctx: Context, datum: Datum) -> Any:
+            return self[rule](ctx, datum)  # made when needed: rules hold each other
 
+        read = self.get(rule, late)
         if words and RULES[rule][0] == "list":
             return Part(lambda d: head_of(d) in words, read, True)
         return Part(lambda d: type(d) is List, read, False)
@@ -199,22 +200,22 @@ def _named_like(rule: str) -> Maker:
 def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:
     """The reader of a list with a fixed number of operands."""
     count = len(parts) + 1
+    reads = [part.read for part in parts]
+    strict = [(at, part.fits) for at, part in enumerate(parts, 1) if part.strict]
 
-    def read(ctx: Context, datum: Datum) -> Any:
-        assert type(datum) is List
+    def read(ctx: Context, datum: List) -> Any:
         items = datum.items
-        if len(items) != count:
+        fitting = len(items) == count
+        for at, fits in strict:
+            fitting = fitting and fits(items[at])
+        if not fitting:
             wrong(ctx, rule, datum)
             return None
-        values = []
-        for part, item in zip(parts, items[1:], strict=True):
-            if part.strict and not part.fits(item):
-                wrong(ctx, rule, datum)
+        values = [one(ctx, item) for one, item in zip(reads, items[1:], strict=True)]
+        for value in values:
+            if value is None:
                 return None
-            values.append(part.read(ctx, item))
-        if None in values:
-            return None
-        head = head_of(datum) or ""
+        head = items[0].name  # type: ignore[union-attr]  # it has been looked at
         return make(head, values, Span(ctx.file, datum.start, datum.end))
 
     return read
@@ -223,8 +224,7 @@ def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:
 def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
     """The reader of a list with operands that may be left out or repeated."""
 
-    def read(ctx: Context, datum: Datum) -> Any:
-        assert type(datum) is List
+    def read(ctx: Context, datum: List) -> Any:
         rows = _shared_out(datum.items[1:], operands)
         if rows is None:
             wrong(ctx, rule, datum)
@@ -234,7 +234,7 @@ def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
             found = [one.part.read(ctx, item) for item in row]
             if one.most is None:
                 values.append(made(found))
-            elif None in found:
+            elif any(value is None for value in found):
                 return None
             else:
                 values.append(found[0] if found else None)

@@ -89,8 +89,10 @@ def _form(ctx: Context, datum: Datum) -> nodes.TopForm | DefineTest | None:
     if name not in forms:
         word = cast(Symbol, datum.items[0])
         meant = ctx.unknown("unknown-form", "top-level form", word, forms)
-    made = forms[meant](ctx, datum) if meant else None
-    return cast(nodes.TopForm | DefineTest | None, made)
+    made: nodes.TopForm | DefineTest | None = None
+    if meant is not None:
+        made = forms[meant](ctx, datum)
+    return made
 
 
 def parse_fact(text: str) -> Fact:

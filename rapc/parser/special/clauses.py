@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, cast
 
@@ -74,10 +73,10 @@ def single(
 
 def read_clauses(
     ctx: Context, kept: Mapping[str, Sequence[List]], group: str
-) -> defaultdict[str, list[Any]]:
+) -> dict[str, list[Any]]:
     """What the readers of a group make of clauses, by name; None for what is lost."""
     readers = ctx.readers.group(group)
-    read: defaultdict[str, list[Any]] = defaultdict(list)
+    read: dict[str, list[Any]] = {}
     outer = ctx.clause
     for name, rows in kept.items():
         reader = readers[name]

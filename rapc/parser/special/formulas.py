@@ -6,8 +6,6 @@ whether it is declared.
 
 from __future__ import annotations
 
-from typing import cast
-
 from rapc.ir import nodes
 from rapc.language.heads import CALLS, TRUTHS
 from rapc.parser.context import Context, head_of, kind_of
@@ -49,7 +47,8 @@ def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
         if name is not None and name not in TRUTHS:
             read = ctx.formulas.get(name)
             if read is not None:
-                return cast(nodes.Formula | None, read(ctx, datum))
+                made: nodes.Formula | None = read(ctx, datum)
+                return made
             if name not in CALLS:
                 return proposition(ctx, datum)
     elif type(datum) is Symbol and datum.name in TRUTHS:

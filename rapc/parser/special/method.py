@@ -28,8 +28,8 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
     return nodes.Method(
         name=name,
         position=position,
-        context=next(iter(read["context"]), None),
-        notations=next(iter(read["notations"]), ()),
+        context=read["context"][0] if "context" in read else None,
+        notations=read["notations"][0] if "notations" in read else (),
         body=_body(ctx, datum, found, read),
         span=ctx.span(datum),
     )

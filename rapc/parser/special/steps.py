@@ -128,7 +128,8 @@ def _annotation(ctx: Context, datum: Datum) -> nodes.Annotation | None:
         return None
     read = ctx.readers.group("annotation").get(head_of(datum) or "")
     if read is not None:
-        return cast(nodes.Annotation | None, read(ctx, datum))
+        made: nodes.Annotation | None = read(ctx, datum)
+        return made
     second = datum.items[1] if len(datum.items) > 1 else None
     if second is not None and _is_for(second):
         return _formula_for(ctx, datum)

@@ -43,7 +43,7 @@ def define_test(ctx: Context, datum: Datum) -> nodes.DefineTest | None:
         doc, items = first.value, items[1:]
     found = clauses(ctx, items[1:], "define-test", TEST_CLAUSES)
     kept = single(ctx, found, set(TEST_CLAUSES) - set(_ONCE))
-    read = read_clauses(ctx, kept, "_test_clause")
+    read = dict.fromkeys(TEST_CLAUSES, ()) | read_clauses(ctx, kept, "_test_clause")
     return nodes.DefineTest(
         name=name.name,
         doc=doc,
