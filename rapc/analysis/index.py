@@ -75,6 +75,7 @@ class Index:
             kind: [] for kind in CHILDREN
         }
         self._forms: dict[str, list[Form]] = {}
+        self._uses: tuple[NameUse, ...] | None = None
         self._by_name: dict[tuple[Use, str], list[NameUse]] | None = None
         for form in (*library.forms, *library.tests):
             self._forms.setdefault(form.span.file, []).append(form)
@@ -106,8 +107,13 @@ class Index:
                 self._by_name.setdefault((one.use, one.name), []).append(one)
         return self._by_name.get((use, name), ())
 
-    def uses(self) -> Iterator[NameUse]:
-        """Yield each place where a declared name is used."""
+    def uses(self) -> Sequence[NameUse]:
+        """Return each place where a declared name is used; gathered once."""
+        if self._uses is None:
+            self._uses = tuple(self._gathered())
+        return self._uses
+
+    def _gathered(self) -> Iterator[NameUse]:
         for proposition in self.of(nodes.Proposition):
             use = _use(proposition.node, proposition.parent)
             if use is not None:

@@ -285,12 +285,17 @@ class _Raps(Mapping[str, Signature]):
 
     def __init__(self, raps: Mapping[str, nodes.DefineRap]) -> None:
         self._raps = raps
+        self._made: dict[str, Signature] = {}
 
     def __getitem__(self, name: str) -> Signature:
-        rap = self._raps[name]
-        args = tuple([nodes.Argument(v, None, v.span) for v in rap.inputs])
-        count, outputs = len(args), len(rap.outputs)
-        return Signature("RAP", name, count, count, args, rap.name_span, outputs)
+        made = self._made.get(name)
+        if made is None:
+            rap = self._raps[name]
+            args = tuple([nodes.Argument(v, None, v.span) for v in rap.inputs])
+            count, outputs = len(args), len(rap.outputs)
+            made = Signature("RAP", name, count, count, args, rap.name_span, outputs)
+            self._made[name] = made
+        return made
 
     def __contains__(self, name: object) -> bool:
         return name in self._raps

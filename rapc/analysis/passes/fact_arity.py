@@ -67,12 +67,17 @@ _FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
 
 def _run(run: Pass) -> None:
     report_arguments(run, ARITY, _FACTS)
-    relations = run.signatures.relations
+    properties = {
+        name: signature
+        for name, signature in run.signatures.relations.items()
+        if signature.is_property and signature.most is not None
+    }
     for used in run.result(INDEX).uses():
+        declared = properties.get(used.name)
+        if declared is None or used.count + 1 != declared.most or not used.count:
+            continue
         if used.use in _FACTS and used.use != "erased":
-            declared = relations.get(used.name)
-            if declared is not None and declared.leaves_value_out(used.count):
-                run.report(_implied(run, used, declared))
+            run.report(_implied(run, used, declared))
 
 
 ANALYZER = Analyzer(

@@ -133,7 +133,9 @@ def _declared(run: Pass, index: Index) -> Found:
     """Arguments that were declared to be numbers."""
     tables = {use: _with_numbers(run.signatures.table(use)) for use in _STORED}
     for used in index.uses() if any(tables.values()) else ():
-        wanted = tables.get(used.use, {}).get(used.name, ())
+        wanted = tables[used.use].get(used.name) if used.use in tables else None
+        if wanted is None:
+            continue
         for term, arg in zip(used.node.args, wanted, strict=False):
             if arg.kind == "number" and _is_other(term) and not _unknown(term):
                 yield term, f"is no number, which `{arg.variable.name}` was declared"
