@@ -10,7 +10,7 @@ from rapc.compiler.compiler import Compiler, RequestPlan, variables_of
 from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, users_of
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
-from rapc.compiler.watches import Watch, watches
+from rapc.compiler.watches import ANYTHING, Watch, watches
 from rapc.ir import nodes
 from rapc.ir.walk import subformulas
 
@@ -114,6 +114,7 @@ class RapPlan:
         "recursive",
         "repeat_while",
         "resources",
+        "steady",
         "succeed",
         "waits",
         "watches",
@@ -137,6 +138,8 @@ class RapPlan:
             asked = subformulas(node.monitor_state)
             self.ages = any(isinstance(part, nodes.Believe) for part in asked)
             self.watches = watches(node.monitor_state, compiler.signatures)
+        #: Whether constraints depend on memory, resources and the clock alone.
+        self.steady = _steady(compiler, node.constraints)
         self.monitor_time: WindowPlan | None = None
         if node.monitor_time is not None:
             time = node.monitor_time
@@ -164,6 +167,16 @@ class RapPlan:
         )
         single = len(self.methods) == 1 and node.repeat_while is None
         self.only = self.methods[0] if single else None
+
+
+def _steady(compiler: Compiler, constraints: nodes.Formula | None) -> bool:
+    """Whether a formula can change its answer only by a change that is told of."""
+    if constraints is None:
+        return True
+    asked = watches(constraints, compiler.signatures)
+    return all(watch.key != ANYTHING for watch in asked) and not any(
+        isinstance(part, nodes.HistoryTest) for part in subformulas(constraints)
+    )
 
 
 def _used(node: nodes.DefineRap) -> frozenset[str]:

@@ -368,6 +368,9 @@ class Interpreter:
         for action in machine.at_end:
             action()
         results = self.results()
+        because = machine.world.ended() if reason == "world" else None
+        if reason == "runaway" and machine.recorder.on:
+            because = snapshot.looping(machine) or None
         waiting = () if reason == "done" else self.waiting()
         for given in machine.state.top_level:
             if given.task.live:
@@ -376,7 +379,7 @@ class Interpreter:
             machine.recorder.emit(
                 RunEnded,
                 reason=reason,
-                because=machine.world.ended() if reason == "world" else None,
+                because=because,
                 results=results,
                 waiting=waiting,
             )

@@ -114,6 +114,7 @@ class Machine:
                 f"the clock of the world `{self.world.name}` goes back, "
                 f"from {format_atom(before)} to {format_atom(now)}"
             )
+        self.monitors.changes += 1
         self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)
 

@@ -35,11 +35,14 @@ class QueryContext:
         self.view = MemoryView(memory, recorder)
         self.task: Task | None = None
         self.horizon: list[Time] | None = None
+        #: How many faults there have been.
+        self.faults = 0
         self._memory = memory
         self._recorder = recorder
 
     def fault(self, where: str, what: str) -> None:
         """Trace that a clause met an unbound variable or an ill-typed value."""
+        self.faults += 1
         if self._recorder.on:
             number = self.task.number if self.task is not None else None
             self._recorder.emit(QueryFaulted, task=number, what=f"{where}: {what}")

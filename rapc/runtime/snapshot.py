@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -159,3 +160,27 @@ def _request(machine: Machine, task: Task) -> Fact | None:
 def _awaited(machine: Machine, task: Task) -> str:
     obstacle = _obstacle(machine, task)
     return f"waits for {obstacle}" if obstacle else "could go on"
+
+
+_FEW = 10
+"""Below this a count says nothing of why a run does not end."""
+
+
+def looping(machine: Machine) -> str:
+    """Return what has kept a run going without the clock moving, as far as is seen.
+
+    A task that chooses again and again, tasks of one RAP that stand below each other
+    without end, or else the family whose tasks try and fail.
+    """
+    tasks = machine.state.live_tasks()
+    chosen = [(task.choices, -task.number, task) for task in tasks]
+    most, _, chooser = max(chosen, default=(0, 0, None))
+    below = Counter(task.plan.name for task in tasks if task.run is not None)
+    name, deep = max(below.items(), key=lambda pair: pair[1], default=("", 0))
+    if chooser is not None and most >= max(deep, _FEW):
+        return f"{chooser.goal()} [{chooser.number}] has chosen a method {most} times"
+    if deep >= _FEW:
+        return f"{deep} tasks of `{name}` are under way at once"
+    family = machine.agenda.last_family
+    top = next((task for task in tasks if task.number == family), None)
+    return "" if top is None else f"all for {top.goal()} [{top.number}]"

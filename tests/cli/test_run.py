@@ -97,7 +97,7 @@ def test_slips_are_refused_in_one_line(
 def test_a_run_that_was_called_off_has_not_succeeded(bed: Path) -> None:
     done = _run(bed, "-q", "--set", "rapc.idle-cycles=50")
     assert done.returncode == 1
-    assert done.stdout.startswith("Run over (runaway)")
+    assert done.stdout.startswith("Run over (runaway: ")
     assert "(spin) unfinished" in done.stdout
 
 

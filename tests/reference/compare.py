@@ -25,12 +25,15 @@ def rows(trace: Sequence[events.Event]) -> list[Row]:
     """A trace as it is compared: without serials, which say nothing of their own.
 
     Faults of monitors are left out: how often a monitor is tested is not laid down.
+    So is what a person is told of a runaway, and of tasks that are left over.
     """
     found = []
     for event in trace:
         row = msgspec.to_builtins(event)
         del row["n"]
         row.pop("waiting", None)
+        if row.get("reason") == "runaway":
+            del row["because"]
         monitor = str(row.get("what")).startswith("monitor-state")
         if row["event"] != "query-faulted" or not monitor:
             found.append(row)

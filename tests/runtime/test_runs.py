@@ -288,3 +288,73 @@ def test_who_asks_for_some_kinds_of_event_gets_those_and_all_alike() -> None:
 def test_numbers_of_tasks_follow_the_order_of_creation() -> None:
     ran = play(USE + TWO, "(top a)", "(top b)")
     assert [e.task for e in ran.of(events.TaskCreated)] == list(range(1, 7))
+
+
+def _why(text: str, *tasks: str, idle: int = 500) -> str | None:
+    ran = play(text, *tasks, settings=Settings(idle_cycles=idle))
+    (end,) = ran.of(events.RunEnded)
+    assert end.reason == "runaway"
+    because: str | None = end.because
+    return because
+
+
+def test_a_task_that_chooses_without_end_is_named() -> None:
+    text = """
+    (define-rap (top) (resources (counter ?c)) (succeed nil)
+      (method (task-net (t1 (rest) (counter-add ?c 1)))))
+    (define-rap (rest) (method (task-net)))
+    """
+    assert _why(text, "(top)") == "(top) [1] has chosen a method 167 times"
+
+
+def test_a_descent_without_end_is_named() -> None:
+    text = "(define-rap (down ?n) (method (task-net (t1 (down (+ ?n 1))))))"
+    assert _why(text, "(down 0)") == "501 tasks of `down` are under way at once"
+
+
+def test_the_family_of_tasks_that_try_and_fail_is_named() -> None:
+    raps = [
+        f"(define-rap (try-{n}) (method (task-net (t1 (try-{n + 1}))))"
+        f" (method (task-net (t1 (try-{n + 1})))))"
+        for n in range(12)
+    ]
+    text = "\n".join(
+        [*raps, "(define-rap (try-12) (method (context (p a)) (task-net)))"]
+    )
+    assert _why(text, "(try-0)", idle=2000) == "all for (try-0) [1]"
+
+
+def test_constraints_above_are_asked_anew_only_after_a_change() -> None:
+    """An endless descent does not look at all that is above at each of its steps."""
+    text = """
+    (declare-memory-function free (?n) :reads (p))
+    (define-rap (down ?n) (constraints (and (not (p a)) (free ?n)))
+      (method (context (< ?n 40)) (task-net (t1 (down (+ ?n 1)))))
+      (method (context (= ?n 40)) (primitive (act a))))
+    """
+    asked: list[int] = []
+
+    def free(_: object, n: int) -> bool:
+        asked.append(n)
+        return True
+
+    changed = [row("(act a)", asserts=["(q a b)"])]
+    ran = play(text, "(down 0)", rows=changed, functions={"free": free})
+    assert ran.interpreter.reason == "done"
+    # once in the descent; then after the change by the chain that comes up again
+    assert asked[:41] == list(range(41))
+    assert len(asked) < 41 * 4
+
+
+def test_constraints_that_ask_of_methods_are_asked_each_time() -> None:
+    """Nothing in memory has changed when the method has failed; its task fails too."""
+    text = """
+    (define-rap (top) (constraints (not (last-result dropped)))
+      (method (task-net (t1 (one)))))
+    (define-rap (one) (method (primitive (act a))))
+    """
+    ran = play(text, "(top)", rows=[row("(act a)", "dropped")])
+    assert ran.told("failed") == [
+        "failed (one) futile-loop dropped",
+        "failed (top) interference dropped",
+    ]

@@ -58,6 +58,8 @@ class Monitors:
         self.next_look: float = _NEVER
         #: The tasks whose monitors ask how old a belief is, by number.
         self.aging: dict[int, Task] = {}
+        #: How often memory, a resource or the clock has changed in this process.
+        self.changes = 0
         #: When changed monitors were last tested.
         self.tested_at: Time = -1
 
@@ -87,14 +89,17 @@ class Monitors:
 
     def fact_changed(self, fact: Fact, how: str) -> None:
         """Mark the tasks that listen to a fact of memory to be tested."""
+        self.changes += 1
         self._listeners.of_fact(fact, self.to_test)
 
     def other_changed(self, word: str) -> None:
         """Mark the tasks that listen to a change that is no fact's to be tested."""
+        self.changes += 1
         self._listeners.of_word(word, self.to_test)
 
     def resource_changed(self, resource: Resource) -> None:
         """A set or counter has changed: who asks about it is tested again."""
+        self.changes += 1
         self._listeners.of(resource, self.to_test)
 
     def _listen(self, task: Task, wait: WaitState) -> None:

@@ -145,6 +145,7 @@ class Task:
         "env",
         "family",
         "goal_args",
+        "held_at",
         "history",
         "identity",
         "last_result",
@@ -193,6 +194,8 @@ class Task:
         self.choice: tuple[object, ...] | None = None
         self.last_result: str | None = None
         self.text: str | None = None
+        #: `Monitors.changes` when its constraints, and those above, last held.
+        self.held_at = -1
 
     @property
     def parent(self) -> Task | None:
@@ -272,6 +275,13 @@ class Task:
         if self.history is not None and self.history.choices:
             return self.history.choices.get(key, 0)
         return 1 if self.choice == key else 0
+
+    @property
+    def choices(self) -> int:
+        """How often a method was chosen since the detector started afresh."""
+        if self.history is not None and self.history.choices:
+            return sum(self.history.choices.values())
+        return 0 if self.choice is None else 1
 
     def note_choice(self, key: tuple[object, ...]) -> None:
         """A choice is made; only from the second on they need a table."""

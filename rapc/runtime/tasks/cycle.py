@@ -151,13 +151,26 @@ def _conditions_hold(machine: Machine, task: Task) -> bool:
     own = task.plan.preconditions
     if own is not None and not own.holds(context, task.env):
         return False
-    stated: Task | None = (
-        task if task.plan.constraints is not None else task.constrained
-    )
-    while stated is not None:
-        context.task = stated
-        constraints = stated.plan.constraints
-        if constraints is not None and not constraints.holds(context, stated.env):
-            return False
+    stated = task if task.plan.constraints is not None else task.constrained
+    return stated is None or _constraints_hold(machine, stated)
+
+
+def _constraints_hold(machine: Machine, nearest: Task) -> bool:
+    """Whether the constraints of `nearest` and of all above it hold now.
+
+    Where nothing has changed since they were all found to hold, they still do: so an
+    endless descent looks at each of its tasks but once.
+    """
+    context, changes = machine.context, machine.monitors.changes
+    faults, steady = context.faults, True
+    stated: Task | None = nearest
+    while stated is not None and stated.held_at != changes:
+        plan, context.task = stated.plan, stated
+        if plan.constraints is not None:
+            if not plan.constraints.holds(context, stated.env):
+                return False
+            steady = steady and plan.steady
         stated = stated.constrained
+    if steady and context.faults == faults:
+        nearest.held_at = changes
     return True
