@@ -14,7 +14,7 @@ UNDECLARED = Rule(
     code="RAP020",
     name="undeclared-primitive",
     severity=Severity.ERROR,
-    summary="a method requests a primitive that is not declared",
+    summary="a method or a test names a primitive that is not declared",
     why="""A primitive is a request to the world. What the world offers is declared, so
 that a library can be checked without the world; what is not declared nobody answers. A
 step of a task-net is no primitive: it names a RAP.""",

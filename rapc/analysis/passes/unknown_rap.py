@@ -17,7 +17,7 @@ UNKNOWN = Rule(
     code="RAP013",
     name="unknown-rap",
     severity=Severity.ERROR,
-    summary="a step or a memory rule names a RAP that the library does not define",
+    summary="a step, a rule or a test names a RAP that the library does not define",
     why="""A step asks for a RAP by its name. If no file that was read defines one of
 that name, the method fails whenever it is chosen.""",
     example="""\
@@ -36,7 +36,7 @@ ARITY = Rule(
     code="RAP014",
     name="wrong-step-arity",
     severity=Severity.ERROR,
-    summary="a step gives a RAP another number of inputs or outputs than its index has",
+    summary="a RAP is given another number of inputs or outputs than its index has",
     why="""A step has to match the index of the RAP it asks for: as many inputs, and
 after `=>` as many outputs. An output that is not needed is written `?`.""",
     example="""\

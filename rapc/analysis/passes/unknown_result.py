@@ -21,10 +21,11 @@ UNKNOWN = Rule(
     code="RAP022",
     name="unknown-result",
     severity=Severity.ERROR,
-    summary="a result is asked for that nothing in the library can return",
+    summary="a result is asked for, or given in a script, that nothing can return",
     why="""Results come from primitives, which declare theirs, from events that fail a
 step, and from the interpreter: `okay`, `no-method`, `interference`, `futile-loop` and
-`signal`. A test for any other symbol never holds.""",
+`signal`. A test for any other symbol never holds. In the script of a test a row answers
+a request with one of the results of its primitive.""",
     example="""\
 (declare-primitive arm-grasp (?thing) (okay arm-dropped))
 (define-rap (grasp ?thing)
