@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from rapc.experiments.batch import Done, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.definition import ExperimentError
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.session import Session
-from rapc.experiments.store import Store, StoreError
+from rapc.experiments.store import Store, StoreError, sole_user
 from rapc.experiments.summary import Summary
 from rapc.experiments.tables import show
 
@@ -99,7 +99,7 @@ def experiment(
     session = _session(name, parts, seeds)
     folder = _folder(out or f"{session.made.name}-results")
     try:
-        with Store(folder / output.RESULTS) as store:
+        with sole_user(folder), Store(folder / output.RESULTS) as store:
             faults = _run_missing(session, store, cluster, processes)
             summaries = list(session.summaries(store))
     except StoreError as error:
@@ -135,29 +135,24 @@ def _folder(name: str) -> Path:
 def _run_missing(
     session: Session, store: Store, cluster: str | None, processes: int | None
 ) -> list[str]:
-    """Have the runs done that are missing; what is to be said of those that failed."""
+    """Have the missing runs done; return what is to be said of those that fail.
+
+    What has come in is kept, though the rest be interrupted or the workers lost.
+    """
     missing = session.missing(store)
     total = sum(len(seeds) for _, seeds in missing)
-    say(f"{total} runs are missing")
     if not total:
+        say("0 runs are missing")
         return []
-    with _workers(session, total, cluster, processes) as workers:
-        work = run_batch(workers, jobs(missing, workers.chunk))
-        return _take_in(session, store, work, total)
-
-
-def _take_in(
-    session: Session, store: Store, work: Iterator[Done], total: int
-) -> list[str]:
-    """Keep what comes in; an end before its time leaves what has come."""
     faults: list[str] = []
     came = 0
-    given = settings()
-    shown = sys.stderr.isatty() and not given.quiet and not given.verbose
-    name, color = session.made.name, given.colored()
     try:
-        with bar(name, total, sys.stderr, shown=shown, color=color) as advance:
-            for done in work:
+        say(f"{total} runs are missing")
+        with (
+            _workers(session, total, cluster, processes) as workers,
+            _bar(session, total) as advance,
+        ):
+            for done in run_batch(workers, jobs(missing, workers.chunk)):
                 store.add(done.config, done.results)
                 came += sum(result.measures is not None for result in done.results)
                 advance(len(done.results))
@@ -169,6 +164,16 @@ def _take_in(
         interrupted = isinstance(error, KeyboardInterrupt)
         raise SystemExit(INTERRUPTED if interrupted else 1) from None
     return faults
+
+
+def _bar(
+    session: Session, total: int
+) -> AbstractContextManager[Callable[[int], object]]:
+    """A bar that shows how many runs have come in, where somebody would see it."""
+    given = settings()
+    shown = sys.stderr.isatty() and not given.quiet and not given.verbose
+    color = given.colored()
+    return bar(session.made.name, total, sys.stderr, shown=shown, color=color)
 
 
 @contextmanager

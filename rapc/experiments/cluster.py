@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import socket
+import sys
 from concurrent.futures import Future
 from types import TracebackType
 
@@ -15,6 +16,12 @@ from rapc.experiments.run import Job, Result, run_job
 
 _RUNS = 8
 """How many runs make a job, at most: giving one out takes Dask some milliseconds."""
+
+_LENGTH = 8
+"""How many bytes a length has on the wire."""
+
+_MOST_TO_GREET = 1_000_000
+"""How many bytes of greeting are believed."""
 
 _PATIENCE = 10
 """How many seconds a scheduler has to answer."""
@@ -92,9 +99,18 @@ class ClusterWorkers:
 def _knock(host: str, port: int, *, speaks: bool) -> None:
     """See that a scheduler is there, which speaks first where nothing is encrypted.
 
-    A client that cannot connect is noisy about it, and one that has got hold of another
-    server, such as the dashboard, would wait for ever. Raises OSError.
+    It begins with the length of what follows. A client that cannot connect is noisy
+    about it; one that has got hold of another server would wait for ever, or take the
+    first words of a mail server for a length. Raises OSError.
     """
     with socket.create_connection((host, port), timeout=_PATIENCE) as line:
-        if speaks and not line.recv(1):
-            raise ConnectionError("it has hung up")
+        if not speaks:
+            return
+        length = b""
+        while len(length) < _LENGTH:
+            more = line.recv(_LENGTH - len(length))
+            if not more:
+                raise ConnectionError("it has hung up")
+            length += more
+        if int.from_bytes(length, sys.byteorder) > _MOST_TO_GREET:
+            raise ConnectionError("it speaks another language")

@@ -1,22 +1,29 @@
-"""Workers on this machine: processes, any of which may be lost."""
+"""Workers on this machine: processes, any of which may be lost.
+
+Ctrl-C goes to all processes of a terminal. Here it reaches the one that waits for
+results and no other: Pebble is asked for things with interrupts held back, so that no
+pool is left half started or half stopped, and what is started meanwhile sees none.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
 from concurrent.futures import Future
+from multiprocessing import resource_tracker
 from threading import Thread
 from types import TracebackType
 
 from pebble import ProcessPool
 
+from rapc.base.interrupts import interrupts_held
 from rapc.experiments.run import Job, Result, run_job
 
 _Results = tuple[Result, ...]
 
 
 def cores() -> int:
-    """How many processes this machine runs at a time for us."""
+    """Return how many processes this machine can run at a time for us."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -41,11 +48,18 @@ class _Slot:
 
     def submit(self, job: Job) -> Future[_Results]:
         if self._last is not None and self._last.exception() is not None:
-            self._pool.stop()
-            Thread(target=self._pool.join, daemon=True).start()
-            self._pool = _pool()
-        self._last = self._pool.schedule(run_job, args=[job], timeout=self._limit)
+            self._renew()
+        try:
+            self._last = self._pool.schedule(run_job, args=[job], timeout=self._limit)
+        except (RuntimeError, OSError, EOFError) as error:
+            self._last = Future()  # as if the process had been lost with the job
+            self._last.set_exception(error)
         return self._last
+
+    def _renew(self) -> None:
+        self._pool.stop()
+        Thread(target=self._pool.join, daemon=True).start()
+        self._pool = _pool()
 
     def stop(self) -> None:
         self._pool.stop()
@@ -76,6 +90,7 @@ class LocalWorkers:
         self.room = jobs
 
     def __enter__(self) -> LocalWorkers:
+        resource_tracker.ensure_running()  # its start lets interrupts in
         return self
 
     def __exit__(
@@ -84,11 +99,18 @@ class LocalWorkers:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        for slot in self._slots:
-            slot.stop()
-        for slot in self._slots:
-            slot.join()
+        with interrupts_held():
+            for slot in self._slots:
+                slot.stop()
+            for process in multiprocessing.active_children():
+                process.kill()  # one that still starts would lament what is taken down
+            for slot in self._slots:
+                slot.join()
 
     def submit(self, job: Job) -> Future[_Results]:
-        """Have a job done by a process that is free, of which there must be one."""
-        return next(slot for slot in self._slots if slot.free).submit(job)
+        """Have `job` done by a process that is free, of which there must be one.
+
+        A process that cannot be started is one that was lost: the future says so.
+        """
+        with interrupts_held():
+            return next(slot for slot in self._slots if slot.free).submit(job)

@@ -6,6 +6,8 @@ process that gives out the work is the only one that writes.
 
 from __future__ import annotations
 
+import errno
+import os
 import sqlite3
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -18,6 +20,11 @@ from rapc.errors import Error
 from rapc.experiments.config import Config
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import Result
+
+try:
+    import fcntl
+except ModuleNotFoundError:  # not a POSIX system
+    fcntl = None  # type: ignore[assignment]
 
 FORMAT = 1
 """The version of the tables; other ones are refused."""
@@ -33,6 +40,9 @@ create table result (
     primary key (config, seed)
 ) without rowid;
 """
+
+_NO_LOCKS = (errno.EBADF, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)
+"""What file systems say that cannot lock a folder."""
 
 _KEEP = "insert or ignore into result values (?,?,?,?,?,?,?,?,?,?,?,?,?)"
 
@@ -50,7 +60,37 @@ from result where config = ? and seed >= ? and seed < ? order by seed
 
 
 class StoreError(Error):
-    """A file that results cannot be kept in."""
+    """A file that results cannot be kept in, or a folder that is in use."""
+
+
+@contextmanager
+def sole_user(folder: Path) -> Iterator[None]:
+    """Keep others out of a folder of results while the block runs.
+
+    Two at work in one folder would each do all the runs. A file system that knows no
+    such locks lets them: what they keep agrees.
+
+    Raises:
+        StoreError: if another process is in such a block for the folder.
+    """
+    if fcntl is None:
+        yield
+        return
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise StoreError(
+                f"`{folder}` is in use by another `rapc experiment`: try again when it "
+                "has ended, or give another folder with --out"
+            ) from None
+        except OSError as error:
+            if error.errno not in _NO_LOCKS:
+                raise
+        yield
+    finally:
+        os.close(held)
 
 
 class Store:
@@ -68,15 +108,18 @@ class Store:
             self._prepare()
 
     def _prepare(self) -> None:
+        self._base.execute("begin immediate")
         [(format_,)] = self._base.execute("pragma user_version")
         [(tables,)] = self._base.execute("select count(*) from sqlite_schema")
         if tables and format_ != FORMAT:
             raise StoreError(f"`{self._file}` was not written by this version of rapc")
+        if not tables:
+            for statement in _SCHEMA.split(";"):
+                self._base.execute(statement)
+            self._base.execute(f"pragma user_version = {FORMAT}")
+        self._base.execute("commit")
         self._base.execute("pragma journal_mode = wal")
         self._base.execute("pragma synchronous = normal")
-        if not tables:
-            script = f"begin; {_SCHEMA} pragma user_version = {FORMAT}; commit;"
-            self._base.executescript(script)
 
     @contextmanager
     def _blamed(self) -> Iterator[None]:

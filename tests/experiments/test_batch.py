@@ -6,7 +6,11 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Iterable
+from multiprocessing import forkserver
 from operator import attrgetter
+from typing import Any
+
+import pytest
 
 from rapc.experiments.batch import Done, jobs, run_batch
 from rapc.experiments.local import LocalWorkers
@@ -35,6 +39,26 @@ def test_a_worker_killed_in_the_middle_changes_nothing() -> None:
     assert [r.seed for r in results] == list(SEEDS)
     assert [r.measures for r in results] == [r.measures for r in undisturbed]
     assert all(result.measures is not None for result in results)
+
+
+def test_a_process_that_cannot_be_started_costs_a_try(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The server that makes processes is lost, as it is being asked for the first."""
+    connect = forkserver.connect_to_new_process
+    tries = []
+
+    def lost_at_first(*args: Any) -> Any:
+        tries.append(args)
+        if len(tries) == 1:
+            raise ConnectionRefusedError("nobody is there")
+        return connect(*args)
+
+    monkeypatch.setattr(forkserver, "connect_to_new_process", lost_at_first)
+    with LocalWorkers(1, 60) as workers:
+        results = drain(run_batch(workers, jobs([(config(), range(2))], workers.chunk)))
+    assert [result.fault for result in results] == ["", ""]
+    assert len(tries) > 1
 
 
 def test_jobs_take_turns() -> None:

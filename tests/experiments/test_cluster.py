@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Thread
 
 import pytest
 
@@ -82,6 +83,24 @@ def test_a_server_of_another_kind_is_told(monkeypatch: pytest.MonkeyPatch) -> No
             WorkersLost, match=f"^no Dask scheduler answers at `{place}`"
         ):
             ClusterWorkers(place, 1)
+
+
+def test_a_server_that_greets_in_another_language_is_told() -> None:
+    """What it says would make a length of some exabytes."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        place = f"127.0.0.1:{server.getsockname()[1]}"
+
+        def greet() -> None:
+            line, _ = server.accept()
+            line.sendall(b"220 mail.example.org ESMTP\r\n")
+            line.close()
+
+        thread = Thread(target=greet)
+        thread.start()
+        said = f"^no Dask scheduler answers at `{place}`"
+        with pytest.raises(WorkersLost, match=said):
+            ClusterWorkers(place, 1)
+        thread.join()
 
 
 def test_a_scheduler_without_workers_is_told(tmp_path: Path) -> None:

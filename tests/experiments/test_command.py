@@ -14,7 +14,9 @@ from pathlib import Path
 
 import pytest
 
+from rapc.experiments.store import sole_user
 from tests.cli.command import rapc
+from tests.effort import first
 
 from .small_experiment import TRUCK, on_a_terminal, rows, session, wait_for, watched
 
@@ -199,6 +201,60 @@ def test_ctrl_c_keeps_what_there_is(truck: Path) -> None:
     )
     assert told
     assert len(rows(truck / "out")) == int(told[1])
+
+
+@pytest.mark.parametrize("jobs", first(1, ["1", "2", "3", "4", "5", "6"]))
+def test_ctrl_c_while_processes_are_started(truck: Path, jobs: str) -> None:
+    """It reaches all processes: one says so, in a line."""
+    args = ("-v", "experiment", "truck.toml", "--out", "out", "--jobs", jobs)
+    with watched(*args, cwd=truck) as process:
+        wait_for(process, "runs are missing")
+        os.killpg(process.pid, signal.SIGINT)
+        _, told = process.communicate()
+    assert process.returncode == 130
+    assert re.fullmatch(
+        r"error: interrupted: \d+ of 20 runs are done, the same command does the "
+        r"others\n",
+        told,
+    )
+
+
+def test_a_folder_in_use_is_left_alone(truck: Path) -> None:
+    args = ("experiment", "truck.toml", "--out", "out", "--jobs", "1")
+    (truck / "out").mkdir()
+    with sole_user(truck / "out"):
+        done = rapc(*args, cwd=truck)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "error: `out` is in use by another `rapc experiment`: try again when it has "
+        "ended, or give another folder with --out\n"
+    )
+    assert list((truck / "out").iterdir()) == []
+
+
+def test_two_can_make_a_file_of_results_at_once(tmp_path: Path) -> None:
+    """As they may where a folder cannot be locked."""
+    file = str(tmp_path / "results.sqlite")
+    code = (
+        "import sys, threading; from pathlib import Path\n"
+        "from rapc.experiments.store import Store\n"
+        "sys.stdin.readline()\n"
+        f"for _ in range(20): Store(Path({file!r})).__exit__(None, None, None)\n"
+    )
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-c", code],
+            stdin=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for _ in range(4)
+    ]
+    for process in processes:
+        assert process.stdin is not None
+        process.stdin.write("go\n")
+        process.stdin.flush()
+    assert [process.communicate()[1] for process in processes] == [""] * 4
 
 
 @pytest.fixture
