@@ -13,7 +13,7 @@ from bench.common import Figure, seconds
 from bench.parse import library
 from rapc import host
 from rapc.base.gc_paused import gc_paused
-from rapc.compiler.artifact import encode
+from rapc.library.saved import encode
 
 TRUCK = Path(__file__).parents[1] / "stdlib" / "truck"
 
@@ -30,7 +30,7 @@ def figures(quick: bool = False) -> Iterator[Figure]:
 
 def _both(sources: Path, size: str, folder: str) -> Iterator[Figure]:
     file = Path(folder, "compiled")
-    file.write_bytes(encode(host.load(sources).program))
+    file.write_bytes(encode(host.load(sources).program.library, str(sources)))
     works: tuple[tuple[str, Callable[[], object]], ...] = (
         ("read and check sources", lambda: host.load(sources).program),
         ("read a compiled library", lambda: host.load(file).program),

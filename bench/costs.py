@@ -18,7 +18,7 @@ from pathlib import Path
 from bench import chapter6, compiled
 from bench.child import take
 from rapc import host
-from rapc.compiler.artifact import encode
+from rapc.library.saved import encode
 
 RAPC = (sys.executable, "-c", "from rapc.cli.main import main; main()")
 STDLIB = Path(__file__).parents[1] / "stdlib"
@@ -56,7 +56,9 @@ def _installed(folder: str) -> dict[str, str]:
 
 def _commands(folder: Path) -> Mapping[str, Sequence[str]]:
     compiled_truck = folder / "truck"
-    compiled_truck.write_bytes(encode(host.load(STDLIB / "truck").program))
+    compiled_truck.write_bytes(
+        encode(host.load(STDLIB / "truck").program.library, "truck")
+    )
     return {
         "help": ("--help",),
         "check": ("check", str(STDLIB)),

@@ -20,12 +20,12 @@ from rapc.base.diagnostics import Severity
 from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
-from rapc.compiler.artifact import Artifact
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, Error, TextError
 from rapc.ir.nodes import DefineRap, Method
 from rapc.library import loader
 from rapc.library.loader import Loaded
+from rapc.library.saved import SavedLibrary
 from rapc.parser.parse import parse, parse_fact
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
@@ -190,7 +190,8 @@ def load(*paths: Path | Iterable[Path]) -> CheckedLibrary:
     names = _paths(paths)
     data = files.read_compiled(names[0]) if len(names) == 1 else None
     if data is not None:
-        return CheckedLibrary(Artifact(data, names[0]).library)
+        saved = SavedLibrary(data, names[0])
+        return CheckedLibrary(Program(saved.library, saved.name))
     return checked(loader.load(names), ", ".join(names))
 
 

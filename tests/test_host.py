@@ -63,10 +63,10 @@ def test_a_run_is_stepped_and_given_tasks_as_text(lamps: rapc.CheckedLibrary) ->
 def test_a_saved_library_is_loaded_like_its_sources(
     lamps: rapc.CheckedLibrary, tmp_path: Path
 ) -> None:
-    from rapc.compiler.artifact import encode  # noqa: PLC0415  # nowhere else here
+    from rapc.library.saved import encode  # noqa: PLC0415  # nowhere else here
 
     file = tmp_path / "lamps.rapc"
-    file.write_bytes(encode(lamps.program))
+    file.write_bytes(encode(lamps.program.library, lamps.name))
     assert rapc.load(file).raps == lamps.raps
 
 

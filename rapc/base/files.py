@@ -20,7 +20,7 @@ SUFFIX = ".rap"
 TEST_SUFFIX = ".test.rap"
 
 COMPILED = b"rapc-library "
-"""How a file begins that holds a compiled library (`rapc.compiler.artifact`)."""
+"""How a file begins that holds a compiled library (`rapc.library.saved`)."""
 
 LARGEST = 200_000_000
 """How many bytes a file may have; the largest library known has a thousandth of it."""

@@ -9,6 +9,7 @@ be tried. Findings and results go to standard output, everything else to standar
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from collections.abc import Iterable
@@ -26,6 +27,7 @@ __all__ = (
     "fail",
     "print_findings",
     "read_paths",
+    "same_file",
     "say",
     "settings",
 )
@@ -43,6 +45,14 @@ def read_paths(paths: Iterable[str]) -> Loaded:
     for name in loaded.files:
         say(f"read {name}")
     return loaded
+
+
+def same_file(one: str, other: str) -> bool:
+    """Whether two names are those of one file; one that cannot be seen is none."""
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):
+        return False
 
 
 def print_findings(report: Report, output_format: str) -> None:

@@ -18,12 +18,13 @@ from rapc.cli.common import (
     common_options,
     fail,
     print_findings,
+    same_file,
     say,
 )
-from rapc.compiler.artifact import Suite, encode
 from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program
 from rapc.errors import LoadError, SavedError
+from rapc.library.saved import Suite, encode
 from rapc.testing import discover
 
 EXAMPLES = """\b
@@ -86,10 +87,10 @@ def _encoded(library: Program, path: str, output: str) -> bytes:
     try:
         with gc_paused():
             suites = list(_suites(path))
-            for used in (library, *(used for _, used in suites)):
-                if any(_same_file(output, name) for name in used.library.files):
+            for used in (library.library, *[suite.library for suite in suites]):
+                if any(same_file(output, name) for name in used.files):
                     fail(f"-o: `{output}` is a file of the library")
-            return encode(library, suites)
+            return encode(library.library, library.name, suites)
     except (SavedError, LoadError) as error:
         fail(str(error))
 
@@ -109,14 +110,16 @@ def _suites(path: str) -> Iterator[Suite]:
         raise SystemExit(USAGE)
     for _, cases in groupby(found.cases, lambda case: id(case.library)):
         together = list(cases)
-        yield [case.test for case in together], together[0].library
+        program = together[0].library
+        tests = [case.test for case in together]
+        yield Suite(tests, program.library, program.name)
 
 
 def _write(file: str, data: bytes) -> None:
     """Write a file whole or not at all; what is no plain file is written to."""
-    target = os.path.realpath(file)
-    part = f"{target}.{os.getpid()}.part"
     try:
+        target = os.path.realpath(file)
+        part = f"{target}.{os.getpid()}.part"
         if os.path.exists(file) and not os.path.isfile(file):
             Path(file).write_bytes(data)
             return
@@ -128,8 +131,3 @@ def _write(file: str, data: bytes) -> None:
             Path(part).unlink(missing_ok=True)
     except OSError as error:
         fail(f"cannot write `{file}`: {(error.strerror or str(error)).lower()}")
-
-
-def _same_file(one: str, other: str) -> bool:
-    there = Path(one).exists() and Path(other).exists()
-    return there and Path(one).samefile(other)

@@ -13,7 +13,7 @@ import click
 
 from rapc.base.values import Fact, number
 from rapc.cli.checked import load_checked
-from rapc.cli.common import common_options, fail, settings
+from rapc.cli.common import common_options, fail, same_file, settings
 from rapc.compiler.program import Program
 from rapc.errors import (
     FactError,
@@ -238,7 +238,7 @@ def _listeners(
     trace_format: str,
 ) -> Report:
     if trace is not None:
-        if any(_same_file(trace, name) for name in files):
+        if any(same_file(trace, name) for name in files):
             fail(f"--trace: `{trace}` is a file of the library")
         try:
             opened = Path(trace).open("w", encoding="utf-8")  # noqa: SIM115  # see stack
@@ -276,11 +276,6 @@ def _show(stack: ExitStack, interpreter: Interpreter, world: Drawable) -> None:
         color=settings().colored(),
     )
     interpreter.listen(stack.enter_context(view))
-
-
-def _same_file(one: str, other: str) -> bool:
-    there = Path(one).exists() and Path(other).exists()
-    return there and Path(one).samefile(other)
 
 
 def _refuse(

@@ -16,10 +16,10 @@ from rapc.analysis.driver import Finding, Report, check_library, check_tests
 from rapc.base import files
 from rapc.base.diagnostics import Severity
 from rapc.base.source import SourceFile, Span
-from rapc.compiler.artifact import Artifact
 from rapc.compiler.program import Program
 from rapc.ir.nodes import DefineTest
 from rapc.library import loader
+from rapc.library.saved import SavedLibrary
 from rapc.testing.run import Case
 
 
@@ -47,8 +47,9 @@ def find(paths: Iterable[str | Path]) -> Found:
         if data is None:
             sources.append(path)
         else:
-            for tests, library in Artifact(data, path).suites():
-                faults = _by_test(check_tests(library.library, tests), tests)
+            for tests, linked, name in SavedLibrary(data, path).suites():
+                library = Program(linked, name)
+                faults = _by_test(check_tests(linked, tests), tests)
                 cases += [Case(t, library, tuple(faults[t.span])) for t in tests]
     for source in loader.read_tests(sources):
         there = _find_in(source)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rapc.errors import LoadError
+from rapc.errors import Error
 from rapc.testing import discover, explain
 from rapc.testing.run import Case, Outcome, Status, run_case
 
@@ -25,7 +25,7 @@ class RapFile(pytest.File):
         """
         try:
             found = discover.find([os.path.relpath(self.path)])
-        except LoadError as error:
+        except Error as error:
             raise self.CollectError(str(error)) from None
         if found.reports:
             lines = [line for r in found.reports for line in explain.findings(r)]

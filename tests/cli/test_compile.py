@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from rapc.compiler.artifact import FORMAT
+from rapc.library.saved import FORMAT
 from tests.cli.command import rapc
 
 CHECKOUT = Path(__file__).parents[2]
-KITCHEN = CHECKOUT / "tests" / "compiler" / "kitchen.rap"
+KITCHEN = CHECKOUT / "tests" / "library" / "kitchen.rap"
 PAGE = (CHECKOUT / "docs" / "compile.md").read_text(encoding="utf-8")
 FAULTY = """\
 (declare-primitive push (?thing) (okay))

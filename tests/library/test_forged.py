@@ -10,15 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rapc.compiler.artifact import Artifact, seal
+from rapc.compiler.program import Program
 from rapc.errors import RefusedError, SavedError
+from rapc.library.saved import SavedLibrary, seal
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
 from rapc.testing import run as testing
 from rapc.testing.run import Case, run_case
 from tests.effort import examples
 
-from .compiled import KITCHEN, YesWorld, compiled
+from .saved_libraries import KITCHEN, YesWorld, compiled, program
 
 PAYLOAD = compiled(KITCHEN).split(b"\n", 1)[1]
 TREE = json.loads(PAYLOAD)
@@ -48,14 +49,14 @@ def _use(payload: bytes) -> bool:
     """Do with a payload what commands do with a file; whether it was not refused."""
     refused = ""
     try:
-        artifact = Artifact(seal(payload), "forged")
-        run = Interpreter(artifact.library, YesWorld(artifact.library))
+        library = program(seal(payload), "forged")
+        run = Interpreter(library, YesWorld(library))
         for goal in ("(push-all ball cube)", "(push-one ball) :priority 1"):
             run.submit(read_task_request(goal))
         run.run(until=500, cycles=CYCLES)
-        for tests, library in artifact.suites():
+        for tests, linked, name in SavedLibrary(seal(payload), "forged").suites():
             for test in tests:
-                run_case(Case(test, library))
+                run_case(Case(test, Program(linked, name)))
     except (SavedError, RefusedError) as error:
         refused = str(error)
     assert refused.count("\n") == 0
@@ -87,7 +88,7 @@ def _nested(depth: int) -> bytes:
 @pytest.mark.parametrize("depth", [150, 900, 100_000])
 def test_what_is_nested_too_deeply_is_refused(depth: int) -> None:
     with pytest.raises(SavedError, match=r"nested too deeply|recursion depth"):
-        Artifact(seal(_nested(depth)), "forged").look_at_all()
+        SavedLibrary(seal(_nested(depth)), "forged").look_at_all()
 
 
 def test_what_is_not_nested_too_deeply_runs() -> None:

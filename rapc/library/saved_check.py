@@ -15,9 +15,9 @@ from typing import Any
 
 from rapc.base.names import counted
 from rapc.base.source import Span
-from rapc.compiler.query.builtin import FUNCTIONS
 from rapc.ir import nodes, walk
 from rapc.library.signatures import Fault, Signatures, Use
+from rapc.parser.names import CALLS
 
 MAX_DEPTH = 150
 """How deep nodes may lie in each other; lists in a text lie 100 deep at most."""
@@ -145,7 +145,7 @@ class Verifier:
         _raise(self._signatures.fault(use, pattern.name, len(pattern.args)))
 
     def _call(self, call: nodes.Call) -> None:
-        if call.function not in FUNCTIONS:
+        if call.function not in CALLS:
             _raise(self._signatures.fault("computed", call.function, len(call.args)))
         elif not call.args:
             raise UnsoundError(f"`{call.function}` computes something from nothing")

@@ -10,9 +10,9 @@ import msgspec
 
 from rapc import host
 from rapc.base.values import Fact
-from rapc.compiler.artifact import Suite, encode
 from rapc.compiler.program import Program
 from rapc.library.library import Library
+from rapc.library.saved import SavedLibrary, Suite, encode
 from rapc.runtime.events.events import Event
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
@@ -36,12 +36,30 @@ def suites(path: Path) -> list[Suite]:
     assert found.reports == ()
     groups = groupby(found.cases, lambda case: id(case.library))
     together = [list(cases) for _, cases in groups]
-    return [([case.test for case in cases], cases[0].library) for cases in together]
+    return [
+        Suite(
+            [case.test for case in cases],
+            cases[0].library.library,
+            cases[0].library.name,
+        )
+        for cases in together
+    ]
 
 
 def compiled(path: Path) -> bytes:
     """A library with its tests as bytes."""
-    return encode(host.load(path).program, suites(path))
+    return saved(host.load(path), suites(path))
+
+
+def saved(library: host.CheckedLibrary, tests: Sequence[Suite] = ()) -> bytes:
+    """A library as bytes, with some tests."""
+    return encode(library.program.library, library.name, tests)
+
+
+def program(data: bytes, file: str = "file") -> Program:
+    """A library from bytes, ready to be run."""
+    library = SavedLibrary(data, file)
+    return Program(library.library, library.name)
 
 
 def fields(library: Library) -> Mapping[str, object]:

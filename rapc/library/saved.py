@@ -1,4 +1,4 @@
-"""Compiled libraries as bytes: one versioned file in place of many sources.
+"""Saved libraries as bytes: one versioned file in place of many sources.
 
 A line of text says what the file is: `rapc-library`, then format, version of rapc and
 checksum. The rest is JSON: for each source its name, its text and the IR of its forms,
@@ -18,19 +18,18 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 
 from rapc.base.files import COMPILED
 from rapc.base.source import SourceFile
 from rapc.base.version import VERSION
-from rapc.compiler.program import Program
-from rapc.compiler.verify import UnsoundError, Verifier
 from rapc.errors import SavedError
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library, link
+from rapc.library.saved_check import UnsoundError, Verifier
 from rapc.library.signatures import Signature, Signatures
 from rapc.parser.unit import SourceUnit
 
@@ -80,38 +79,48 @@ class _Body(msgspec.Struct, frozen=True, array_like=True):
     suites: tuple[_Suite, ...]
 
 
-Suite = tuple[Sequence[DefineTest], Program]
-"""Tests that run one library."""
+class Suite(NamedTuple):
+    """Tests that run one library."""
+
+    tests: Sequence[DefineTest]
+    library: Library
+    #: What traces call the library.
+    name: str
 
 
 # --- to bytes -------------------------------------------------------------------------
 
 
-def encode(library: Program, suites: Iterable[Suite] = ()) -> bytes:
-    """A checked library with the tests that came with it; the same for the same.
+def encode(library: Library, name: str, suites: Iterable[Suite] = ()) -> bytes:
+    """Return a checked library with its tests as bytes; the same for the same.
+
+    Args:
+        library: the library, linked from sources and free of errors.
+        name: what traces call it.
+        suites: the tests that came with it.
 
     Raises:
         SavedError: for a library that could not be read back: one in which errors
             were silenced that keep it from being run, one with a file whose name
             cannot be printed, or one that was read from a compiled library.
     """
-    if len(library.library.raps) > len(library.library.forms):
-        raise SavedError(f"`{library.name}` is a compiled library already")
+    if len(library.raps) > len(library.forms):
+        raise SavedError(f"`{name}` is a compiled library already")
     units: dict[str, _Unit] = {}
-    listed = _units(library.library, units)
+    listed = _units(library, units)
     tests = tuple(
         _Suite(
-            tested.name,
-            _units(tested.library, units),
-            tuple(msgspec.Raw(msgspec.json.encode(test)) for test in of),
+            suite.name,
+            _units(suite.library, units),
+            tuple(msgspec.Raw(msgspec.json.encode(test)) for test in suite.tests),
         )
-        for of, tested in suites
+        for suite in suites
     )
-    body = _Body(library.name, listed, tuple(units.values()), tests)
-    with _blaming(library.name):
+    body = _Body(name, listed, tuple(units.values()), tests)
+    with _errors_name(name):
         _look_at_names(body)
     sealed = seal(msgspec.json.encode(body))
-    Artifact(sealed, library.name).look_at_all()
+    SavedLibrary(sealed, name).look_at_all()
     return sealed
 
 
@@ -147,8 +156,10 @@ def _unit(source: SourceFile, forms: Sequence[nodes.TopForm]) -> _Unit:
 # --- from bytes -----------------------------------------------------------------------
 
 
-class Artifact:
-    """A compiled library that was read from bytes: `library` is ready to be run.
+class SavedLibrary:
+    """A checked library that was read from bytes.
+
+    `library` is what linking its sources made, `name` what traces call it.
 
     Args:
         data: all that the file holds.
@@ -162,31 +173,43 @@ class Artifact:
 
     def __init__(self, data: bytes, file: str) -> None:
         self._file = file
-        with _blaming(file):
+        with _errors_name(file):
             self._body = _decode(_payload(data), _Body)
             _look_at_names(self._body)
-            self.library, _ = self._compiled(self._body.name, self._body.library)
+            self.name = self._body.name
+            self._read: dict[tuple[int, ...], tuple[Library, Verifier]] = {}
+            self.library, _ = self._linked(self._body.library)
 
     def suites(self) -> Iterator[Suite]:
-        """The tests with the libraries that they run, all of it looked at."""
+        """Yield the tests with the libraries that they run, all of it looked at."""
         for suite in self._body.suites:
-            with _blaming(self._file):
-                library, verifier = self._compiled(suite.name, suite.units)
+            with _errors_name(self._file):
+                library, verifier = self._linked(suite.units)
                 tests = tuple(_decode(raw, DefineTest) for raw in suite.tests)
                 for test in tests:
                     verifier.node(test)
             _look_at_all(library)
-            yield tests, library
+            yield Suite(tests, library, suite.name)
 
     def look_at_all(self) -> None:
         """Look at everything now, not when it is asked for."""
         _look_at_all(self.library)
         deque(self.suites(), 0)
 
-    def _compiled(self, name: str, places: Sequence[int]) -> tuple[Program, Verifier]:
-        """The library of some of the sources, its RAPs not yet decoded."""
+    def _linked(self, places: tuple[int, ...]) -> tuple[Library, Verifier]:
+        """Return the library of some of the sources, its RAPs not yet decoded.
+
+        The same sources give the same library, however many suites name them.
+        """
+        if places not in self._read:
+            self._read[places] = self._link(places)
+        return self._read[places]
+
+    def _link(self, places: tuple[int, ...]) -> tuple[Library, Verifier]:
         if not all(0 <= at < len(self._body.units) for at in places):
             raise _WrongError("lacks a source")
+        if len(set(places)) < len(places):
+            raise _WrongError("names a source twice")
         units = [self._body.units[at] for at in places]
         linked, found = link([_parsed(unit, _declarations(unit)) for unit in units])
         rows = {row.name: (row, unit) for unit in units for row in unit.raps}
@@ -200,7 +223,7 @@ class Artifact:
             verifier.declaration(form)
         raps = _Raps(self._file, rows, verifier)
         linked = msgspec.structs.replace(linked, raps=raps, forms=())
-        return Program(linked, name), verifier
+        return linked, verifier
 
 
 def _signature(row: _Rap) -> Signature:
@@ -225,7 +248,7 @@ class _Raps(Mapping[str, nodes.DefineRap]):
         made = self._made.get(name)
         if made is None:
             row, unit = self._rows[name]
-            with _blaming(self._file):
+            with _errors_name(self._file):
                 made = self._made[name] = self._read(row, unit)
         return made
 
@@ -256,13 +279,13 @@ def _look_at_names(body: _Body) -> None:
             raise _WrongError(f"has a file whose name cannot be printed: {name!a}")
 
 
-def _look_at_all(library: Program) -> None:
+def _look_at_all(library: Library) -> None:
     """Read every RAP once. Raises SavedError."""
-    deque(library.library.raps.values(), 0)
+    deque(library.raps.values(), 0)
 
 
 @contextmanager
-def _blaming(file: str) -> Iterator[None]:
+def _errors_name(file: str) -> Iterator[None]:
     """Say of a file what turns out to be wrong with its content."""
     try:
         yield

@@ -12,15 +12,24 @@ import pytest
 import rapc
 from rapc import host
 from rapc.base.version import VERSION
-from rapc.compiler import artifact
-from rapc.compiler.artifact import Artifact, encode, seal
 from rapc.compiler.program import Program
 from rapc.errors import LoadError, SavedError
 from rapc.ir.nodes import Node
+from rapc.library import saved as saved_module
 from rapc.library.loader import load_text
+from rapc.library.saved import SavedLibrary, Suite, encode, seal
 from rapc.testing.run import Case, Outcome, run_case
 
-from .compiled import KITCHEN, Recorded, YesWorld, compiled, fields, suites
+from .saved_libraries import (
+    KITCHEN,
+    Recorded,
+    YesWorld,
+    compiled,
+    fields,
+    program,
+    saved,
+    suites,
+)
 
 CHECKOUT = Path(__file__).parents[2]
 EXAMPLES = sorted((CHECKOUT / "examples").glob("*.rap"))
@@ -29,15 +38,13 @@ FOLDERS = [CHECKOUT / "stdlib" / "truck", CHECKOUT / "tests" / "rap"]
 
 @pytest.mark.parametrize("path", [KITCHEN, *EXAMPLES, *FOLDERS], ids=lambda p: p.name)
 def test_what_goes_in_comes_out_again(path: Path) -> None:
-    source = host.load(path).program
-    data = encode(source)
-    again = Artifact(data, "file")
+    source = host.load(path)
+    data = saved(source)
+    again = SavedLibrary(data, "file")
     empty = {"tests": b"[]", "forms": b"[]"}
-    assert fields(again.library.library) == {**fields(source.library), **empty}
-    without = {**fields(source.library), "forms": b"[]", "tests": b"[]"}
-    assert fields(again.library.library) == without
-    assert again.library.name == source.name
-    assert encode(host.load(path).program) == data
+    assert fields(again.library) == {**fields(source.program.library), **empty}
+    assert again.name == source.name
+    assert saved(host.load(path)) == data
 
 
 def _outcome(case: Case) -> tuple[Outcome, list[bytes]]:
@@ -48,11 +55,13 @@ def _outcome(case: Case) -> tuple[Outcome, list[bytes]]:
 @pytest.mark.parametrize("path", [KITCHEN, *FOLDERS], ids=lambda p: p.name)
 def test_tests_run_as_they_do_from_sources(path: Path) -> None:
     together = suites(path)
-    data = encode(host.load(path).program, together)
+    data = saved(host.load(path), together)
     ran = 0
-    pairs = zip(together, Artifact(data, "file").suites(), strict=True)
-    for (tests, library), (same_tests, same_library) in pairs:
-        for test, same in zip(tests, same_tests, strict=True):
+    pairs = zip(together, SavedLibrary(data, "file").suites(), strict=True)
+    for one, other in pairs:
+        library = Program(one.library, one.name)
+        same_library = Program(other.library, other.name)
+        for test, same in zip(one.tests, other.tests, strict=True):
             outcome, trace = _outcome(Case(test, library))
             again, same_trace = _outcome(Case(same, same_library))
             assert trace == same_trace
@@ -80,7 +89,7 @@ def test_a_run_in_a_world_has_the_same_trace(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_another_process_and_hash_seed_make_the_same_bytes() -> None:
     code = (
-        "import sys; from tests.compiler.compiled import *; "
+        "import sys; from tests.library.saved_libraries import *; "
         "sys.stdout.buffer.write(compiled(KITCHEN))"
     )
     made = [
@@ -94,7 +103,7 @@ def test_another_process_and_hash_seed_make_the_same_bytes() -> None:
         for seed in ("1", "2")
     ]
     assert made[0] == made[1]
-    assert made[0].startswith(f"rapc-library {artifact.FORMAT} {VERSION} ".encode())
+    assert made[0].startswith(f"rapc-library {saved_module.FORMAT} {VERSION} ".encode())
 
 
 def test_a_plan_can_be_added_to_a_compiled_library(tmp_path: Path) -> None:
@@ -106,15 +115,15 @@ def test_a_plan_can_be_added_to_a_compiled_library(tmp_path: Path) -> None:
 
 
 def test_only_what_is_asked_for_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    library = Artifact(compiled(KITCHEN), "file").library.library
+    library = SavedLibrary(compiled(KITCHEN), "file").library
     read: list[str] = []
-    decode = artifact._decode
+    decode = saved_module._decode
 
     def noted(data: memoryview, kind: object) -> object:
         read.append(decode(data, kind).name)
         return decode(data, kind)
 
-    monkeypatch.setattr(artifact, "_decode", noted)
+    monkeypatch.setattr(saved_module, "_decode", noted)
     assert list(library.raps) == ["push-all", "push-one"]
     assert "push-one" in library.raps
     assert read == []
@@ -149,12 +158,12 @@ HEAD, PAYLOAD = GOOD.split(b"\n", 1)
             "'push all' is no word of the language",
         ),
         (seal(PAYLOAD.replace(b",[0],", b",[1],", 1)), "lacks a source"),
-        (seal(PAYLOAD.replace(b",[0],", b",[0,0],", 1)), "defines a name twice"),
+        (seal(PAYLOAD.replace(b",[0],", b",[0,0],", 1)), "names a source twice"),
     ],
 )
 def test_what_is_no_library_of_this_rapc_is_refused(data: bytes, said: str) -> None:
     with pytest.raises(SavedError) as caught:
-        Artifact(data, "odd.rapc").look_at_all()
+        SavedLibrary(data, "odd.rapc").look_at_all()
     assert str(caught.value).startswith("`odd.rapc` ")
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
@@ -162,7 +171,7 @@ def test_what_is_no_library_of_this_rapc_is_refused(data: bytes, said: str) -> N
 
 def test_a_rap_that_cannot_be_run_is_refused_before_the_first_cycle() -> None:
     data = seal(PAYLOAD.replace(b'["Goal","push-one"', b'["Goal","push-none"'))
-    library = Artifact(data, "odd.rapc").library
+    library = program(data, "odd.rapc")
     run = rapc.Interpreter(library, YesWorld(library))
     said = "in `push-all` no RAP is called `push-none`"
     with pytest.raises(SavedError, match=said):
@@ -173,21 +182,21 @@ def test_what_was_silenced_and_cannot_be_run_is_not_compiled() -> None:
     text = """(define-rap (go) ; rapc: ignore[undeclared-predicate] it may come yet
       (succeed (nowhere declared)))"""
     with pytest.raises(SavedError, match="in `go` `nowhere` is not declared"):
-        encode(host.checked(load_text(text), "go").program)
+        saved(host.checked(load_text(text), "go"))
 
 
 def test_a_name_that_cannot_be_printed_is_refused() -> None:
     loaded = load_text("(define-rap (go) (method (task-net)))", "a\x1b[2Jb.rap")
     with pytest.raises(SavedError, match="a file whose name cannot be printed"):
-        encode(host.checked(loaded, "go").program)
+        saved(host.checked(loaded, "go"))
     odd = seal(PAYLOAD.replace(b'kitchen.rap"', b'kitchen\\u001b.rap"'))
     with pytest.raises(SavedError, match="a file whose name cannot be printed"):
-        Artifact(odd, "odd.rapc")
+        SavedLibrary(odd, "odd.rapc")
 
 
 def test_a_compiled_library_is_not_compiled_again() -> None:
     with pytest.raises(SavedError, match="is a compiled library already"):
-        encode(Artifact(GOOD, "file").library)
+        encode(SavedLibrary(GOOD, "file").library, "kitchen")
 
 
 def test_sources_are_wanted_where_something_is_to_be_checked(tmp_path: Path) -> None:
@@ -200,13 +209,30 @@ def test_sources_are_wanted_where_something_is_to_be_checked(tmp_path: Path) -> 
         rapc.load(file, KITCHEN)
 
 
+def test_suites_of_one_library_read_it_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    linked: list[tuple[int, ...]] = []
+    link = SavedLibrary._link
+
+    def noted(self: SavedLibrary, places: tuple[int, ...]) -> object:
+        linked.append(places)
+        return link(self, places)
+
+    monkeypatch.setattr(SavedLibrary, "_link", noted)
+    library = host.load(KITCHEN)
+    suite = Suite((), library.program.library, "again")
+    data = saved(library, [suite] * 2000)
+    linked.clear()
+    assert len(list(SavedLibrary(data, "file").suites())) == 2000
+    assert len(linked) == 1
+
+
 SHAPE = "74305698ab3c1b3a"
 """The checksum of all kinds of nodes in format 2: another one, another format."""
 
 
 def test_another_shape_of_nodes_is_another_format() -> None:
     shape = hashlib.sha256(_shape().encode()).hexdigest()[:16]
-    assert (artifact.FORMAT, shape) == (2, SHAPE)
+    assert (saved_module.FORMAT, shape) == (2, SHAPE)
 
 
 def _shape() -> str:

@@ -1,0 +1,1 @@
+"""Tests of compiled queries and of what monitors listen to."""
