@@ -77,3 +77,11 @@ def test_loading_it_imports_nothing_else() -> None:
     plugin = ["rapc.testing", "rapc.testing.pytest_plugin"]
     assert sorted(loaded) == ["rapc", "rapc.base", "rapc.base.version", *plugin]
     assert "pytest" not in done.stdout.split()
+
+
+def test_a_damaged_library_is_told_of_in_a_line(pytester: pytest.Pytester) -> None:
+    (pytester.path / "odd.test.rap").write_bytes(b"rapc-library what\n")
+    result = _run(pytester)
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*`odd.test.rap` is damaged: its first line is not*"])
+    assert "Traceback" not in result.stdout.str()

@@ -1,0 +1,106 @@
+"""Paths that cannot be read, searched or written end a command in one line."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from rapc.host import load
+from rapc.library.saved import encode, seal
+from tests.cli.command import rapc
+
+LIBRARY = """
+(declare-primitive nap () (okay))
+(define-rap (spin) (succeed (last-result okay)) (method (primitive (nap))))
+(define-rap (nobody-asks) (succeed (last-result okay)) (method (primitive (nap))))
+"""
+WORLD = """
+from rapc.world import Kit, Offer, Reply, World
+class Bed(World):
+    "A bed."
+    name = "bed"
+    kit = Kit(Offer({"nap": (0, ("okay",))}))
+    def __init__(self, rng, options): pass
+    def now(self): return 0
+    def perform(self, ticket, request): return Reply("okay")
+    def next_time(self): return None
+    def advance(self, to): pass
+    def messages(self): return []
+"""
+RUN = ("--world", "bed:Bed", "--task", "(spin)")
+
+needs_permissions = pytest.mark.skipif(
+    os.geteuid() == 0, reason="nothing is forbidden to root"
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "doze.rap").write_text(LIBRARY)
+    (tmp_path / "bed.py").write_text(WORLD)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("compile", "doze.rap", "-o", "x" * 300),
+        ("run", "doze.rap", *RUN, "--trace", "x" * 300),
+        ("compile", "doze.rap", "-o", "doze.rap/below"),
+        ("run", "doze.rap", *RUN, "--trace", "doze.rap/below"),
+        ("compile", "x" * 300, "-o", "y"),
+        ("check", "x" * 300),
+        ("run", "x" * 300, *RUN),
+        ("test", "x" * 300),
+    ],
+)
+def test_odd_paths_end_in_one_line(command: tuple[str, ...], folder: Path) -> None:
+    done = rapc(*command, cwd=folder)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.count("\n") == 1
+    assert "rapc itself" not in done.stderr
+
+
+@needs_permissions
+@pytest.mark.parametrize("kind", ["file", "folder"])
+def test_what_may_not_be_read_ends_in_one_line(kind: str, folder: Path) -> None:
+    shut = folder / "shut"
+    shut.mkdir()
+    (shut / "a.rap").write_text(LIBRARY)
+    (shut / "a.rap" if kind == "file" else shut).chmod(0)
+    for command in (
+        ("compile", "shut/a.rap", "-o", "x"),
+        ("check", "shut/a.rap"),
+        ("compile", "doze.rap", "-o", "shut/x"),
+    ):
+        done = rapc(*command, cwd=folder)
+        assert "rapc itself" not in done.stderr
+    shut.chmod(0o700)
+
+
+def _damaged(folder: Path, name: str) -> None:
+    """Save the library with a RAP that nobody asks for damaged."""
+    library = load(folder / "doze.rap")
+    data = encode(library.program.library, library.name).split(b"\n", 1)[1]
+    at = data.rindex(b'["Primitive",["Request"') if b'["Request"' in data else -1
+    at = data.rindex(b'"nobody-asks"') if at < 0 else at
+    damaged = data[:at] + data[at:].replace(b'"nap"', b'"map"', 1)
+    assert damaged != data
+    (folder / name).write_bytes(seal(damaged))
+
+
+def test_a_damaged_rap_that_nobody_reaches_does_no_harm(folder: Path) -> None:
+    _damaged(folder, "doze.rapc")
+    done = rapc("run", "doze.rapc", *RUN, "-q", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    trace = ("--trace", "trace.jsonl")
+    reached = rapc(
+        *("run", "doze.rapc", "--world", "bed:Bed", "--task", "(nobody-asks)", *trace),
+        cwd=folder,
+    )
+    assert (reached.returncode, reached.stdout) == (2, "")
+    assert "`doze.rapc` holds what cannot be run" in reached.stderr
+    assert not (folder / "trace.jsonl").exists()
