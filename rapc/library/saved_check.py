@@ -16,8 +16,8 @@ from typing import Any
 from rapc.base.names import counted
 from rapc.base.source import Span
 from rapc.ir import nodes, walk
+from rapc.language.heads import CALLS
 from rapc.library.signatures import Fault, Signatures, Use
-from rapc.parser.names import CALLS
 
 MAX_DEPTH = 150
 """How deep nodes may lie in each other; lists in a text lie 100 deep at most."""
