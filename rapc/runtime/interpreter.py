@@ -53,6 +53,7 @@ class Interpreter:
             and returns methods (T 7.4.1).
         comparators: comparators of descriptions by registered name (T A.5), besides
             those of the world: see `World.comparators`.
+        fast: see `Machine`; for tests.
 
     Raises:
         RefusedError: if the library cannot run in this world, before anything happens.
@@ -67,6 +68,7 @@ class Interpreter:
         functions: Mapping[str, Callable[..., Any]] | None = None,
         solvers: Mapping[str, Callable[..., Any]] | None = None,
         comparators: Mapping[str, Callable[..., Any]] | None = None,
+        fast: bool = True,
     ) -> None:
         self.seed = seed
         self._registered = (functions, solvers, comparators)
@@ -142,7 +144,7 @@ class Interpreter:
     def watch_contexts(self, listener: ContextListener) -> None:
         """Tell `listener` whenever the context of a method is asked, and the answer."""
         self._machine.context_asked = listener
-        self._machine.is_plain = False
+        self._machine.may_choose_sole = False
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact on behalf of the user.
@@ -352,6 +354,7 @@ class Interpreter:
             functions,
             solvers,
             comparators,
+            machine.fast,
         )
         other.restore(saved)
         return other

@@ -41,6 +41,9 @@ class Machine:
         functions: the registered functions, by name.
         solvers: the problem solvers, by RAP.
         comparators: the registered comparators, by name.
+        fast: whether rules of the language that stand a second time, for speed, are
+            used where they hold; else only the full ones. It makes no difference but
+            to time: tests compare the two.
     """
 
     def __init__(
@@ -52,7 +55,9 @@ class Machine:
         functions: Mapping[str, Callable[..., Any]],
         solvers: Mapping[str, Callable[..., Any]],
         comparators: Mapping[str, Callable[..., Any]],
+        fast: bool = True,
     ) -> None:
+        self.fast = fast
         self.library = library
         self.world = world
         self.settings = settings
@@ -75,7 +80,7 @@ class Machine:
         self.access = parts.access
         self.recognizer = parts.recognizer
         self.context = QueryContext(self.memory, self.recorder, functions)
-        self.agenda = Agenda(rng)
+        self.agenda = Agenda(rng, fast)
         self.monitors = Monitors(self.context, self.recorder, self.agenda)
         self.memory.observe(self.monitors)
         #: What the host wants done at a time: a heap by time, then by order.
@@ -89,7 +94,7 @@ class Machine:
         self.context_asked: ContextListener | None = None
         #: Whether a sole method may be chosen without further ado: no solver may help,
         #: and nobody is to be told of contexts.
-        self.is_plain = not solvers
+        self.may_choose_sole = fast and not solvers
         self.handlers = world.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)

@@ -170,7 +170,7 @@ def _world(case: Case, library: Library) -> ScriptedWorld:
     )
 
 
-def interpreter_of(case: Case) -> Interpreter:
+def interpreter_of(case: Case, fast: bool = True) -> Interpreter:
     """Return rapc's interpreter for a case, nothing begun."""
     library = read_library(case.text)
     return Interpreter(
@@ -180,6 +180,7 @@ def interpreter_of(case: Case) -> Interpreter:
         case.settings,
         functions=FUNCTIONS,
         solvers=_solvers(case),
+        fast=fast,
     )
 
 
@@ -194,9 +195,9 @@ def begin(case: Case, interpreter: Interpreter) -> None:
         interpreter.submit(read_task_request(task))
 
 
-def run_rapc(case: Case) -> Sequence[events.Event]:
+def run_rapc(case: Case, fast: bool = True) -> Sequence[events.Event]:
     """The trace of rapc's interpreter, without `run-started`."""
-    interpreter = interpreter_of(case)
+    interpreter = interpreter_of(case, fast)
     found: list[events.Event] = []
     interpreter.listen(found.append)
     begin(case, interpreter)

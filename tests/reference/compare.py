@@ -1,11 +1,13 @@
 """Run random programs through both interpreters and compare the traces.
 
-By hand: `python -m tests.reference.compare --seeds 100000`; `--seed N` shows one.
+By hand: `python -m tests.reference.compare --seeds 100000`; `--seed N` shows one,
+`--full` does without the fast twins of the language's rules.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import time
 from collections import Counter
 from collections.abc import Sequence
@@ -57,10 +59,14 @@ class Outcome(msgspec.Struct, frozen=True):
         )
 
 
-def compare(case: Case) -> Outcome:
-    """Run a case through both. What either raises is a verdict of its own."""
+def compare(case: Case, fast: bool = True) -> Outcome:
+    """Run a case through both. What either raises is a verdict of its own.
+
+    Without `fast`, rapc's interpreter does without its fast twins.
+    """
     traces: list[list[Row]] = []
-    for name, run in (("reference", run_reference), ("rapc", run_rapc)):
+    rapc = functools.partial(run_rapc, fast=fast)
+    for name, run in (("reference", run_reference), ("rapc", rapc)):
         try:
             traces.append(rows(run(case)))
         except Exception as error:  # any fault of either is what is looked for
@@ -100,6 +106,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=1000)
     parser.add_argument("--from", type=int, default=0, dest="start")
     parser.add_argument("--seed", type=int)
+    parser.add_argument("--full", action="store_true", help="without fast twins")
     parser.add_argument("--stop-after", type=int, default=5)
     options = parser.parse_args()
     seeds = range(options.start, options.start + options.seeds)
@@ -111,14 +118,14 @@ def main() -> None:
     begun = time.monotonic()
     for seed in seeds:
         case = generate(seed)
-        outcome = compare(case)
+        outcome = compare(case, not options.full)
         here = Counter(kind_of(row) for row in outcome.reference)
         kinds.update(here)
         runs.update(dict.fromkeys(here, 1))
         if outcome.verdict != "agree":
             failed.append(seed)
-            small = shrink(case, lambda other: compare(other).verdict)
-            print(report(small, compare(small)), flush=True)
+            small = shrink(case, lambda c: compare(c, not options.full).verdict)
+            print(report(small, compare(small, not options.full)), flush=True)
             if len(failed) >= options.stop_after:
                 break
     spent = time.monotonic() - begun

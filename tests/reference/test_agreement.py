@@ -11,6 +11,7 @@ from collections import Counter
 import pytest
 
 from tests.effort import first
+from tests.reference.case import Case, begin, interpreter_of, run_rapc
 from tests.reference.compare import compare, kind_of, report
 from tests.reference.generate import generate
 
@@ -75,3 +76,22 @@ def test_the_runs_compared_are_eventful() -> None:
 def test_a_seed_makes_one_case_only() -> None:
     assert generate(7) == generate(7)
     assert generate(7) != generate(8)
+
+
+def _quiet(case: Case, fast: bool) -> object:
+    """How a run stands after some cycles in which nobody listens."""
+    run = interpreter_of(case, fast)
+    begin(case, run)
+    for _ in range(60):
+        run.step()
+    asked = [run.memory.query(name, None, None) for name in "pq"]
+    return run.agenda(), run.results(), run.now, run.reason, run.succeeded, asked
+
+
+@pytest.mark.parametrize("chunk", first(1, range(CHUNKS)))
+def test_fast_twins_do_what_the_full_rules_do(chunk: int) -> None:
+    """With listeners and without: in a quiet run other shortcuts are taken."""
+    for seed in range(chunk * CHUNK, (chunk + 1) * CHUNK):
+        case = generate(seed)
+        assert run_rapc(case, fast=False) == run_rapc(case), f"seed {seed}"
+        assert _quiet(case, False) == _quiet(case, True), f"seed {seed}"

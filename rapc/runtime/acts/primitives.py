@@ -68,8 +68,10 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> str | None:
     now = world.now()
     if now != machine.recorder.time or machine.state.until is not None:
         machine.set_clock(now)
-    if reply is None or machine.state.past_until:
+    if reply is None:
         machine.state.pending[ticket] = (task if task.run is run else None, asked)
+        return None
+    if machine.state.past_until:  # it ends when the run is over: nobody will know
         return None
     if machine.host_timers:
         machine.run_host_timers()

@@ -43,9 +43,11 @@ class Agenda:
     Args:
         rng: the interpreter's random stream; drawn from once whenever more than one
             candidate is left.
+        fast: whether a task that is alone may be left unsorted.
     """
 
-    def __init__(self, rng: random.Random) -> None:
+    def __init__(self, rng: random.Random, fast: bool = True) -> None:
+        self._fast = fast
         self.stack: list[tuple[int, int]] = []
         self.last_family: int | None = None
         self._rng = rng
@@ -66,7 +68,8 @@ class Agenda:
         if only is not None:
             self._only = None
             self._insert(only)
-        elif not self._tasks:
+        elif not self._tasks and self._fast:
+            # fast twin of sorting it in: holds while it is alone
             self._only = task
             return
         self._insert(task)

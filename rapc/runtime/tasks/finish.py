@@ -41,14 +41,16 @@ from rapc.world import OKAY
 
 
 def succeed(machine: Machine, task: Task, found: Env) -> None:
-    """A task's `succeed` holds: hand its outputs up and end it, or fail it.
+    """End `task`, whose `succeed` holds, and hand its outputs up; or fail it.
 
     It stands on the agenda no longer.
     """
     step, run = task.step, task.within
-    if step is None or run is None or step.brings or task.plan.outputs:
+    special = step is None or run is None or step.brings or task.plan.outputs
+    if special or not machine.fast or step is None or run is None:
         _succeed_with(machine, task, _outputs(task, found))
         return
+    # fast twin of `_succeed_with`: holds when a step has neither outputs nor effects
     if task.wait is None:
         task.state = ENDED
     else:
@@ -133,8 +135,10 @@ def finish_step(
     `bound` are the variables of its method that its outputs have bound.
     """
     run.steps_left -= 1
-    if run.ends is not None or bound:
+    if run.ends is not None or bound or not machine.fast:
         _finish_step_with(machine, run, step, bound)
+    # fast twin of `_finish_step_with`: holds when nothing asks how steps have ended,
+    # and nothing was bound
     elif run.steps_left == 0:
         end_method(machine, run, OKAY)
     elif step.next is not None:

@@ -148,16 +148,17 @@ def release(machine: Machine, task: Task) -> None:
     before it goes on is held until then.
     """
     wait, step = task.wait, task.step
-    if wait is None:
+    if wait is None and machine.fast:
+        # fast twin of the rest: holds when order alone decides when a task may run
         if step is not None and step.computes:
             read_inputs(machine, task)
         task.state = ELIGIBLE
         machine.agenda.add(task)
         return
-    if step is not None:
+    if step is not None and wait is not None:
         read_windows(machine, task, last=True)
         _listen(machine, task, wait, step)
-    if not wait.awaits_signal:
+    if wait is None or not wait.awaits_signal:
         release_at_start_time(machine, task)
 
 

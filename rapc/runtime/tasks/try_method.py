@@ -12,8 +12,8 @@ from rapc.runtime.acts.primitives import ground, request
 from rapc.runtime.events.events import MethodChosen
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
-from rapc.runtime.state.task import Env, MethodRun, Task, in_words
-from rapc.runtime.tasks.choose import Key, choose, key_of
+from rapc.runtime.state.task import MethodRun, Task, in_words
+from rapc.runtime.tasks.choose import choose, choose_sole
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.start import (
     create,
@@ -27,7 +27,8 @@ from rapc.world import OKAY
 
 def try_method(machine: Machine, task: Task) -> None:
     """Steps 5 to 9: choose a method and start it, or fail."""
-    choice = _only(machine, task) if machine.is_plain else choose(machine, task)
+    sole = machine.may_choose_sole
+    choice = choose_sole(machine, task) if sole else choose(machine, task)
     if choice is None:
         fail(machine, task, NO_METHOD)
         return
@@ -49,21 +50,6 @@ def try_method(machine: Machine, task: Task) -> None:
         fail(machine, task, FUTILE_LOOP)
         return
     start_method(machine, run)
-
-
-def _only(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
-    """What `choose` says, sooner where there is but one method to choose."""
-    method, env = task.plan.only, task.env
-    if method is None:
-        return choose(machine, task)
-    if method.choice is None:
-        return method, {}, key_of(method, env, {}) if env else method.key
-    context = machine.context
-    context.task = task
-    found = context.bound[method.choice].first(env)
-    if found is None:
-        return None
-    return method, found, key_of(method, env, found) if env or found else method.key
 
 
 def _spawn(machine: Machine, run: MethodRun) -> bool:
@@ -118,11 +104,13 @@ def start_method(machine: Machine, run: MethodRun) -> None:
 def _release_steps(machine: Machine, run: MethodRun) -> None:
     """The steps' tasks join the run; those that wait for none may go on."""
     steps = run.steps
-    special = machine.recorder.on or run.plan.computes
+    special = machine.recorder.on or run.plan.computes or not machine.fast
     for task in steps:
         if special or task.wait is not None:
             create(machine, task)
         else:
+            # fast twin of `create`: holds when nothing is made of the task's inputs,
+            # and nobody is told of it
             machine.state.numbers += 1
             task.number = machine.state.numbers
     for task in steps:
