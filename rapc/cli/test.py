@@ -65,6 +65,13 @@ _MOST_SEEDS = 100_000
     help="Let requests fail so; may be given several times.",
 )
 @click.option(
+    "--world-module",
+    "modules",
+    multiple=True,
+    metavar="MODULE",
+    help="Let tests name worlds of a module, which is then imported.",
+)
+@click.option(
     "--junit",
     type=click.Path(dir_okay=False),
     metavar="FILE",
@@ -83,6 +90,7 @@ def test(
     seed: int,
     seeds: int,
     faults: Sequence[str],
+    modules: Sequence[str],
     junit: str | None,
     coverage: str | None,
 ) -> None:
@@ -95,7 +103,9 @@ def test(
     if not paths:
         raise click.UsageError("a file or folder with tests is missing")
     gathered = None if coverage is None else Coverage()
-    running = Session(range(seed, seed + seeds), _faults(faults), gathered)
+    running = Session(
+        range(seed, seed + seeds), _faults(faults), gathered, tuple(modules)
+    )
     cases = _find(paths)
     useless = list(running.useless(cases))
     if useless:

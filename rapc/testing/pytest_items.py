@@ -51,7 +51,8 @@ class RapTest(pytest.Item):
 
     def runtest(self) -> None:
         """Run it. Raises RapTestFailure if it does not pass."""
-        outcome = run_case(self.case)
+        modules: list[str] = self.config.getini("rap_world_modules")
+        outcome = run_case(self.case, modules=modules)
         if outcome.status is not Status.PASSED:
             raise RapTestFailure(outcome)
 

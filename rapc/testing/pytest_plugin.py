@@ -16,6 +16,12 @@ if TYPE_CHECKING:
 SUFFIX = ".test.rap"
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the setting that permits tests to name worlds of some modules."""
+    told = "modules of which tests in RAP may name worlds, as `module:Class`"
+    parser.addini("rap_world_modules", told, type="linelist", default=[])
+
+
 def pytest_collect_file(
     file_path: Path, parent: pytest.Collector
 ) -> pytest.Collector | None:

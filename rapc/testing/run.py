@@ -7,7 +7,7 @@ Nothing is read from disk here and nothing is printed: cases come from
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import msgspec
 
@@ -15,7 +15,7 @@ from rapc.analysis.driver import Finding
 from rapc.base.source import Span
 from rapc.base.values import format_atom, format_list
 from rapc.compiler.program import Program
-from rapc.errors import FactError, RefusedError, WorldError
+from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
@@ -82,6 +82,7 @@ def run_case(
     wrap: Wrap | None = None,
     coverage: Coverage | None = None,
     listener: Listener | None = None,
+    modules: Collection[str] = (),
 ) -> Outcome:
     """Run a test once.
 
@@ -91,12 +92,13 @@ def run_case(
         wrap: what to put around the world: faults.
         coverage: is told what the run exercises.
         listener: is told every event of the run, as a trace is.
+        modules: the modules of which the test may name worlds, as `module:Class`.
     """
     place = case.test.name_span
     if case.faults:
         return _error(case, seed, [_problem(f) for f in case.faults])
     try:
-        helper = _helper(case.test, seed)
+        helper = _helper(case.test, seed, modules)
         found = problems(
             case.test,
             case.library.library,
@@ -107,7 +109,10 @@ def run_case(
             return _error(case, seed, found)
         running = _Run(case, seed, helper, wrap)
     except WorldError as error:
-        return _error(case, seed, [Problem(place, str(error))])
+        said = f"{error.message}; {error.help}" if error.help else error.message
+        return _error(case, seed, [Problem(place, said)])
+    except PortError as error:
+        return _error(case, seed, [Problem(place, error.message)])
     except RefusedError as error:
         return _error(case, seed, [Problem(place, line) for line in error.reasons])
     if coverage is not None:
@@ -133,11 +138,14 @@ def _problem(finding: Finding) -> Problem:
     return Problem(found.span, message)
 
 
-def _helper(test: nodes.DefineTest, seed: int) -> World | None:
-    """The world whose handlers and functions a test uses, if it names one."""
+def _helper(
+    test: nodes.DefineTest, seed: int, modules: Collection[str]
+) -> World | None:
+    """Return the world whose handlers and functions a test uses, if it names one."""
     if test.world is None:
         return None
-    return registry.build_world(registry.find_world(test.world), seed, {})
+    found = registry.find_permitted(test.world, modules)
+    return registry.build_world(found, seed, {})
 
 
 class _Run:
@@ -194,7 +202,7 @@ class _Run:
         except UnansweredRequest as error:
             self._fail(test.name_span, str(error))
             return
-        except FactError as error:
+        except (FactError, PortError) as error:
             self._broken = True
             self._fail(test.name_span, str(error))
             return

@@ -20,6 +20,8 @@ class Session(msgspec.Struct, frozen=True):
     seeds: range = range(1)
     faults: tuple[Fault, ...] = ()
     coverage: Coverage | None = None
+    #: The modules of which tests may name worlds, as `module:Class`.
+    modules: tuple[str, ...] = ()
 
     def run(self, cases: Iterable[Case]) -> Iterator[Outcome]:
         """The outcome of each test: of its last seed, or the first that failed."""
@@ -34,7 +36,7 @@ class Session(msgspec.Struct, frozen=True):
             return FaultyWorld(world, faults, seed) if faults else world
 
         for seed in self.seeds:
-            outcome = run_case(case, seed, wrap, self.coverage)
+            outcome = run_case(case, seed, wrap, self.coverage, modules=self.modules)
             if outcome.status is not Status.PASSED:
                 break
         return outcome

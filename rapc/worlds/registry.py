@@ -11,7 +11,7 @@ import importlib
 import random
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -35,8 +35,27 @@ def available() -> tuple[str, ...]:
     return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
 
 
+def find_permitted(name: str, modules: Collection[str]) -> type[World]:
+    """Return the world that a file names, which may have come from anywhere.
+
+    A file may name any installed world, for the user has installed it, but
+    `module:Class` only of `modules`: to import a module is to run what it says.
+
+    Raises:
+        WorldError: as `find_world`, and for a module that is not permitted.
+    """
+    module = name.partition(":")[0]
+    if ":" in name and module not in modules:
+        raise WorldError(
+            f"the module `{module}` may not be imported for a test",
+            f"permit it by `--world-module {module}`, or under pytest in "
+            "`rap_world_modules`",
+        )
+    return find_world(name)
+
+
 def find_world(name: str) -> type[World]:
-    """The world of an installed name, or of `module:Class`.
+    """Return the world of an installed name, or of `module:Class`.
 
     A module is looked for in the working directory too.
 

@@ -47,9 +47,12 @@ def test_what_goes_in_comes_out_again(path: Path) -> None:
     assert saved(host.load(path)) == data
 
 
+LANGUAGE = "tests.rap.language_world"
+
+
 def _outcome(case: Case) -> tuple[Outcome, list[bytes]]:
     recorded = Recorded()
-    return run_case(case, 3, coverage=recorded), recorded.trace
+    return run_case(case, 3, coverage=recorded, modules=[LANGUAGE]), recorded.trace
 
 
 @pytest.mark.parametrize("path", [KITCHEN, *FOLDERS], ids=lambda p: p.name)

@@ -191,3 +191,37 @@ def test_no_seed_is_told_of_a_test_that_holds_under_all(tmp_path: Path) -> None:
     (tmp_path / "still.test.rap").write_text("(define-test still (expect (memory t)))")
     done = rapc("test", ".", "--seeds", "3", cwd=tmp_path)
     assert "  passed  still\n" in done.stdout
+
+
+EVIL = """
+(define-rap (idle) (succeed t))
+(define-test it (world "evil:Evil") (task (idle)) (expect (succeeds (idle))))
+"""
+EVIL_PY = """
+from pathlib import Path
+from rapc.worlds.scripted import ScriptedWorld
+from rapc.world import Kit
+Path("imported").touch()
+class Evil(ScriptedWorld):
+    name = "evil"
+    kit = Kit()
+    def __init__(self, rng, options):
+        super().__init__(())
+"""
+
+
+@pytest.mark.parametrize("name", ["evil.test.rap", "evil.rapc"])
+def test_a_test_imports_no_module_that_nobody_has_permitted(
+    name: str, tmp_path: Path
+) -> None:
+    (tmp_path / "evil.test.rap").write_text(EVIL)
+    (tmp_path / "evil.py").write_text(EVIL_PY)
+    rapc("compile", "evil.test.rap", "-o", "evil.rapc", cwd=tmp_path)
+    done = rapc("test", name, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "the module `evil` may not be imported for a test" in done.stdout
+    assert "permit it by `--world-module evil`" in done.stdout
+    assert not (tmp_path / "imported").exists()
+    done = rapc("test", name, "--world-module", "evil", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert (tmp_path / "imported").exists()

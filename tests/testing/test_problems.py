@@ -63,7 +63,7 @@ PROBLEMS = [
         "(expect (trace (task-failed :gaol ?)))",
         "`task-failed` has no key `gaol`; did you mean `goal`?",
     ),
-    ("(world trukc)", "unknown world `trukc`"),
+    ("(world trukc)", "unknown world `trukc`; did you mean `truck`?"),
 ]
 
 

@@ -85,3 +85,17 @@ def test_a_damaged_library_is_told_of_in_a_line(pytester: pytest.Pytester) -> No
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines(["*`odd.test.rap` is damaged: its first line is not*"])
     assert "Traceback" not in result.stdout.str()
+
+
+@pytest.mark.parametrize("permitted", [False, True])
+def test_worlds_of_modules_are_permitted_by_a_setting(
+    permitted: bool, pytester: pytest.Pytester
+) -> None:
+    world = "tests.rap.language_world"
+    (pytester.path / "it.test.rap").write_text(
+        f'(define-rap (idle) (succeed t)) (define-test it (world "{world}:'
+        'LanguageWorld") (task (idle)) (expect (succeeds (idle))))'
+    )
+    setting = ("-o", f"rap_world_modules={world}") if permitted else ()
+    result = _run(pytester, *setting)
+    result.assert_outcomes(passed=permitted, failed=not permitted)
