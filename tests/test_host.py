@@ -30,7 +30,7 @@ def test_tasks_may_be_text_requests_or_several(lamps: rapc.CheckedLibrary) -> No
     for tasks in ("(light room-1)", request, ["(light room-1)"], [request]):
         result = DOOR.run(lamps, WORLD, tasks, seed=3)
         assert result.succeeded
-        assert [task.goal for task in result.tasks] == ["(light room-1)"]
+        assert [str(task.goal) for task in result.tasks] == ["(light room-1)"]
 
 
 def test_a_world_may_be_a_name_a_class_or_an_object(lamps: rapc.CheckedLibrary) -> None:

@@ -72,7 +72,7 @@ class Tally:
     def __call__(self, event: events.Event) -> None:
         """Take one event into account."""
         if isinstance(event, events.PrimitiveEnded):
-            name = _name(event.request)
+            name = str(event.request[0])
             if name in self._sensors:
                 self.sensor += 1
             else:
@@ -82,7 +82,7 @@ class Tally:
             elif name in self._successes:
                 self._successes[name] += 1
         elif isinstance(event, events.TaskSucceeded):
-            name = _name(event.goal)
+            name = event.goal.name
             if name in self._successes:
                 self._successes[name] += 1
 
@@ -103,7 +103,7 @@ def outcomes(
     counted = [
         result.outcome
         for result in results
-        if _name(result.goal) in given and not result.background
+        if result.goal.name in given and not result.background
     ]
     completed, given_up = counted.count("succeeded"), counted.count("failed")
     return completed, given_up, len(given) - completed - given_up
@@ -133,7 +133,3 @@ def with_time_each(numbers: Mapping[str, float]) -> dict[str, float]:
     if "time-each" in numbers or not numbers.get("completed") or "time" not in numbers:
         return dict(numbers)
     return {**numbers, "time-each": numbers["time"] / numbers["completed"]}
-
-
-def _name(goal: str) -> str:
-    return goal.strip("()").partition(" ")[0]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.base.values import format_list
 from rapc.errors import PortError
 from rapc.runtime.acts.primitives import handle, take_reply
 from rapc.runtime.authors import is_fact, wrong
@@ -39,7 +38,7 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
                 named = handle(machine, message.content)
             named = machine.memory.canonical(named)
             if machine.recorder.on:
-                machine.recorder.emit(DataReceived, data=format_list(named))
+                machine.recorder.emit(DataReceived, data=named)
         elif isinstance(message, Signal) and is_fact(message.content):
             signal(machine, message.content)
         else:

@@ -21,7 +21,7 @@ from rapc.parser.parse import parse_formula
 from rapc.runtime import snapshot
 from rapc.runtime.admission import misfitting, refusals, refuse_extension, refuse_tasks
 from rapc.runtime.authors import blame, is_time, wrong
-from rapc.runtime.events.events import Event, RunEnded, TaskResult
+from rapc.runtime.events.events import Event, Goal, RunEnded, TaskResult
 from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.loop import Loop
@@ -395,7 +395,7 @@ class Interpreter:
         """All live tasks as they stand now, by number, each with its slack."""
         return snapshot.agenda(self._machine)
 
-    def goals(self) -> dict[int, str]:
+    def goals(self) -> dict[int, Goal]:
         """The goals of all live tasks by number, with the inputs that are known."""
         return snapshot.goals(self._machine)
 

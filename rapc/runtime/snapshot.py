@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.values import Fact, format_list, number
-from rapc.runtime.events.events import RunStarted, TaskResult
+from rapc.runtime.events.events import Goal, RunStarted, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import Task, TopLevelTask
@@ -31,7 +31,7 @@ class AgendaEntry(msgspec.Struct, frozen=True):
     """
 
     task: int
-    goal: str
+    goal: Goal
     state: str
     priority: int
     family: int
@@ -126,7 +126,7 @@ def _result(given: TopLevelTask) -> TaskResult:
     )
 
 
-def goals(machine: Machine) -> dict[int, str]:
+def goals(machine: Machine) -> dict[int, Goal]:
     """The goals of all live tasks by number, with the inputs that are known."""
     return {task.number: task.goal() for task in machine.state.live_tasks()}
 

@@ -16,7 +16,6 @@ from rapc.base.files import TEST_SUFFIX
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.runtime.events import events
-from rapc.testing.patterns import read_value, split_goal
 from rapc.world import OKAY
 
 
@@ -89,8 +88,7 @@ class Coverage:
         """Take one event into account."""
         match event:
             case events.TaskCreated():
-                inputs, _ = split_goal(read_value(event.goal))
-                self._tasks[event.task] = str(inputs[0])
+                self._tasks[event.task] = event.goal.name
             case events.MethodChosen():
                 self._count("chosen", event.rap, event.method)
             case events.MethodEnded() if event.result != OKAY:

@@ -14,6 +14,7 @@ import msgspec
 from rapc.base.values import Fact, format_atom, format_list, match
 from rapc.ir import nodes, walk
 from rapc.runtime.events import events
+from rapc.runtime.events.trace import record
 from rapc.testing.patterns import atom, event_matches, flat
 from rapc.testing.record import Record, TaskRecord
 
@@ -172,8 +173,8 @@ def _never(node: nodes.Never, scene: Scene) -> Happened | None:
         if match(flat(node.request), request) is not None:
             task = scene.record.tasks[event.task]
             return (
-                f"{event.request} was requested at time {format_atom(event.time)} "
-                f"by {task.text} [{task.number}]",
+                f"{format_list(event.request)} was requested at time "
+                f"{format_atom(event.time)} by {task.text} [{task.number}]",
             )
     return None
 
@@ -222,11 +223,11 @@ def _trace(node: nodes.TraceHas, scene: Scene) -> Happened | None:
     reached = -1
     for at, pattern in enumerate(node.events):
         same = scene.record.of_kind(pattern.event)
-        found = (n for n, keys in same if n > reached and event_matches(pattern, keys))
+        found = (e.n for e in same if e.n > reached and event_matches(pattern, e))
         serial = next(found, None)
         if serial is None:
             after = f" after the first {at}" if at else ""
-            told = _some([_told(keys) for _, keys in same])
+            told = _some([_told(event) for event in same])
             return (
                 f"no event fits pattern {at + 1}{after}",
                 *(told or (f"there was no event `{pattern.event}`",)),
@@ -235,8 +236,9 @@ def _trace(node: nodes.TraceHas, scene: Scene) -> Happened | None:
     return None
 
 
-def _told(keys: Mapping[str, Any]) -> str:
+def _told(event: events.Event) -> str:
     """An event written like a pattern."""
+    keys = record(event)
     hidden = ("event", "n", "cycle", "time")
     told = [f":{k} {_shown(v)}" for k, v in keys.items() if k not in hidden]
     words = " ".join((keys["event"], *told))

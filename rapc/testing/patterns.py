@@ -1,4 +1,7 @@
-"""Terms as traces print them, read back, and how patterns of a test match them.
+"""How patterns of a test match events.
+
+Events hold values, but for what is words to people: a monitor's formula (`on`), tasks
+and faults as they were given. Patterns match those as terms, too, so words are read.
 
 What an event means to an expectation is for `rapc.testing.judge`.
 """
@@ -6,11 +9,16 @@ What an event means to an expectation is for `rapc.testing.judge`.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-from rapc.base.values import Atom, Fact, Text, match, number
+import msgspec
+
+from rapc.base import values
+from rapc.base.values import Atom, Fact, Text, number
 from rapc.ir import nodes
+from rapc.runtime.events import events
+from rapc.runtime.events.trace import record
 
 Value = Atom | tuple[Any, ...]
 """A term of a trace: an atom, or a list as a tuple; `#counter(3)` is one symbol."""
@@ -57,15 +65,6 @@ def _atom(word: str) -> Atom:
     return number(float(word)) if "." in word else int(word)
 
 
-def split_goal(goal: Value) -> tuple[Fact, Fact]:
-    """The name with the inputs, and the outputs behind `=>`."""
-    words = goal if isinstance(goal, tuple) else (goal,)
-    if "=>" not in words:
-        return words, ()
-    arrow = words.index("=>")
-    return words[:arrow], words[arrow + 1 :]
-
-
 def flat(node: nodes.Pattern | nodes.Goal) -> Fact:
     """A goal or request as a flat pattern: variables by their names."""
     return (node.name, *[atom(arg) for arg in node.args])
@@ -79,27 +78,29 @@ def atom(term: nodes.Term) -> Atom:
 
 def goal_matches(goal: nodes.Goal, inputs: Fact) -> bool:
     """Whether the RAP and its inputs match; variables match anything."""
-    return match(flat(goal), inputs) is not None
+    return values.match(flat(goal), inputs) is not None
 
 
 # --- events ------------------------------------------------------------------------
 
 
-def event_matches(pattern: nodes.EventPattern, event: Mapping[str, Any]) -> bool:
-    """Whether an event, as plain data under the keys of the trace, fits a pattern."""
-    if event["event"] != pattern.event:
+def event_matches(pattern: nodes.EventPattern, event: events.Event) -> bool:
+    """Whether an event fits a pattern, whose keys are those of the trace."""
+    kind = type(event)
+    if kind.__struct_config__.tag != pattern.event:
         return False
+    found = dict(
+        zip(kind.__struct_encode_fields__, msgspec.structs.astuple(event), strict=True)
+    )
     bound: dict[str, Value] = {}
     for key, wanted in pattern.keys:
-        value = event.get(key)
+        value = found.get(key)
         if value is None:
             return False
-        if isinstance(wanted, nodes.Const) and wanted.value == Text(str(value)):
+        if isinstance(wanted, nodes.Const) and wanted.value == Text(_text(event, key)):
             continue
-        term = _term(value)
-        if key == "goal" and not _names_outputs(wanted):
-            term = split_goal(term)[0]
-        if not _unify(wanted, term, bound):
+        outputs = not isinstance(value, events.Goal) or _names_outputs(wanted)
+        if not _unify(wanted, _term(value, outputs), bound):
             return False
     return True
 
@@ -110,15 +111,27 @@ def _names_outputs(pattern: nodes.TracePattern) -> bool:
     return any(i.value == "=>" for i in pattern.items if isinstance(i, nodes.Const))
 
 
-def _term(value: object) -> Value:
-    """A value of a trace as a term: objects as lists of pairs."""
-    if isinstance(value, str):
-        return read_value(value)
-    if isinstance(value, Mapping):
-        return tuple([(str(name), _term(one)) for name, one in value.items()])
-    if isinstance(value, Sequence):
-        return tuple([_term(one) for one in value])
-    assert isinstance(value, int | float)
+def _text(event: events.Event, key: str) -> str:
+    """What a trace has under a key."""
+    return str(record(event)[key])
+
+
+def _term(value: object, outputs: bool = True) -> Value:
+    """A value of an event as a term: objects as lists of pairs, words read as RAP."""
+    match value:
+        case events.Goal():
+            return value.parts if outputs else (value.name, *value.inputs)
+        case events.ResourceChange():
+            value = Text(str(value))
+        case events.TaskResult():
+            value = _term(msgspec.structs.asdict(value))
+        case Mapping():
+            value = tuple([(str(name), _term(one)) for name, one in value.items()])
+        case tuple():
+            value = tuple([_term(one) for one in value])
+        case str():
+            value = read_value(value)
+    assert isinstance(value, int | float | str | Text | tuple)
     return value
 
 

@@ -7,15 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from io import StringIO
-from typing import Any
 
-import msgspec
-
-from rapc.base.values import Fact, format_atom
+from rapc.base.values import Fact, format_atom, format_list
 from rapc.ir.nodes import Goal
 from rapc.runtime.events import events
 from rapc.runtime.events.trace import TextTrace
-from rapc.testing.patterns import goal_matches, read_value, split_goal
+from rapc.testing.patterns import goal_matches
 from rapc.world import Time
 
 _LAST_CYCLES = 5
@@ -30,7 +27,7 @@ class TaskRecord:
     sees of a failure, `reason` why it failed or was removed; `time` is that of its end.
     """
 
-    def __init__(self, number: int, text: str) -> None:
+    def __init__(self, number: int, goal: events.Goal) -> None:
         self.number = number
         self.selected: int | None = None
         self.ended: str | None = None
@@ -38,12 +35,13 @@ class TaskRecord:
         self.reason = ""
         self.time: Time = 0
         self.waits = ""
-        self.told(text)
+        self.update(goal)
 
-    def told(self, text: str) -> None:
-        """The goal as an event prints it: the more is bound the later it is."""
-        self.text = text
-        self.inputs, self.outputs = split_goal(read_value(text))
+    def update(self, goal: events.Goal) -> None:
+        """Update the goal from an event; later events have more variables bound."""
+        self.text = str(goal)
+        self.inputs: Fact = (goal.name, *goal.inputs)
+        self.outputs: Fact = goal.outputs
 
     def end(self, how: str, event: events.Event, reason: str = "") -> None:
         """The task is over."""
@@ -68,7 +66,7 @@ class Record:
         self.events: list[events.Event] = []
         self.tasks: dict[int, TaskRecord] = {}
         self.requests: list[tuple[Fact, events.PrimitiveRequested]] = []
-        self.facts: dict[str, None] = {}
+        self.facts: dict[Fact, None] = {}
 
     def __call__(self, event: events.Event) -> None:
         """Take one event in."""
@@ -87,7 +85,7 @@ class Record:
     def _follow(self, task: TaskRecord, event: events.Event) -> None:
         match event:
             case events.TaskSelected():
-                task.told(event.goal)
+                task.update(event.goal)
                 task.waits = ""
                 if task.selected is None:
                     task.selected = event.n
@@ -96,41 +94,35 @@ class Record:
             case events.TaskWoken():
                 task.waits = ""
             case events.TaskSucceeded():
-                task.told(event.goal)
+                task.update(event.goal)
                 task.end("succeeded", event)
             case events.TaskFailed():
-                task.told(event.goal)
+                task.update(event.goal)
                 task.end("failed", event, event.reason)
                 task.result = event.result
             case events.TaskRemoved():
                 task.end("removed", event, event.cause)
             case events.PrimitiveRequested():
-                request, _ = split_goal(read_value(event.request))
-                self.requests.append((request, event))
+                self.requests.append((event.request, event))
             case _:
                 pass
 
-    def refresh(self, goals: Mapping[int, str]) -> None:
-        """The goals of live tasks as they are now: inputs may have been bound."""
-        for number, text in goals.items():
-            self.tasks[number].told(text)
+    def refresh(self, goals: Mapping[int, events.Goal]) -> None:
+        """Take the goals of live tasks as they are now: inputs may have been bound."""
+        for number, goal in goals.items():
+            self.tasks[number].update(goal)
 
     def matching(self, goal: Goal) -> list[TaskRecord]:
         """The tasks made so far, at any level, that a goal means."""
         return [t for t in self.tasks.values() if goal_matches(goal, t.inputs)]
 
     def about(self, predicate: str) -> list[str]:
-        """The facts of a name that are in memory now."""
-        starts = (f"({predicate} ", f"({predicate})")
-        return [fact for fact in self.facts if fact.startswith(starts)]
+        """The facts of a name that are in memory now, as text."""
+        return [format_list(fact) for fact in self.facts if fact[0] == predicate]
 
-    def of_kind(self, name: str) -> list[tuple[int, dict[str, Any]]]:
-        """The events of a name with their serial numbers, as plain data."""
-        return [
-            (event.n, msgspec.to_builtins(event))
-            for event in self.events
-            if event.__struct_config__.tag == name
-        ]
+    def of_kind(self, name: str) -> list[events.Event]:
+        """The events of a name."""
+        return [e for e in self.events if e.__struct_config__.tag == name]
 
     def last_lines(self, count: int) -> Iterator[str]:
         """The last cycles among the first `count` events, as a person reads them."""

@@ -10,12 +10,13 @@ import argparse
 import functools
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import msgspec
 
 from rapc.runtime.events import events
+from rapc.runtime.events.trace import record
 from tests.reference.case import Case, run_rapc, run_reference
 from tests.reference.generate import generate
 from tests.reference.shrink import shrink
@@ -23,7 +24,15 @@ from tests.reference.shrink import shrink
 Row = dict[str, Any]
 
 
-def rows(trace: Sequence[events.Event]) -> list[Row]:
+def written(event: events.Event) -> Row:
+    """What a trace has of an event of rapc; those of the reference hold that text."""
+    row: Row = msgspec.to_builtins(record(event))
+    return row
+
+
+def rows(
+    trace: Sequence[events.Event], write: Callable[[events.Event], Row]
+) -> list[Row]:
     """A trace as it is compared: without serials, which say nothing of their own.
 
     Faults of monitors are left out: how often a monitor is tested is not laid down.
@@ -31,7 +40,7 @@ def rows(trace: Sequence[events.Event]) -> list[Row]:
     """
     found = []
     for event in trace:
-        row = msgspec.to_builtins(event)
+        row = write(event)
         del row["n"]
         row.pop("waiting", None)
         if row.get("reason") == "runaway":
@@ -66,9 +75,12 @@ def compare(case: Case, fast: bool = True) -> Outcome:
     """
     traces: list[list[Row]] = []
     rapc = functools.partial(run_rapc, fast=fast)
-    for name, run in (("reference", run_reference), ("rapc", rapc)):
+    for name, run, write in (
+        ("reference", run_reference, msgspec.to_builtins),
+        ("rapc", rapc, written),
+    ):
         try:
-            traces.append(rows(run(case)))
+            traces.append(rows(run(case), write))
         except Exception as error:  # any fault of either is what is looked for
             return Outcome(f"{name} raised {type(error).__name__}: {error}", [], [])
     verdict = "agree" if repr(traces[0]) == repr(traces[1]) else "differ"

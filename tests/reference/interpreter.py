@@ -7,6 +7,7 @@ likes. Items, rules and skills are not in it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any, cast
 
 from rapc.base.values import Atom, Fact, match, number
 from rapc.library.library import Library
@@ -182,7 +183,7 @@ class Reference:
         return [
             TaskResult(
                 task=task.number,
-                goal=task.goal(),
+                goal=cast(Any, task.goal()),  # text: what the trace has
                 outcome=task.outcome or "unfinished",
                 result=task.last_result if task.outcome else None,
                 background=task.background,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rapc.base.source import SourceFile
-from rapc.base.values import Atom, Fact
+from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.library import link
@@ -150,7 +150,7 @@ class Play:
         """The RAP of each task."""
         names: dict[int | None, str] = {None: "-"}
         for event in self.of(events.TaskCreated):
-            names[event.task] = event.goal.strip("()").split()[0]
+            names[event.task] = event.goal.name
         return names
 
 
@@ -159,22 +159,29 @@ def play(text: str, *tasks: str, **more: Any) -> Play:
     return Play(text, *tasks, **more).run()
 
 
+def _text(event: events.PrimitiveEnded) -> str:
+    return format_list(event.request)
+
+
 _Line = Callable[[Any, Mapping[int | None, str]], str]
 
 _LINES: Mapping[type[events.Event], tuple[str, _Line]] = {
-    events.TaskCreated: ("created", lambda e, n: e.goal),
+    events.TaskCreated: ("created", lambda e, n: str(e.goal)),
     events.TaskSelected: ("selected", lambda e, n: n[e.task]),
     events.MethodChosen: ("chosen", lambda e, n: f"{n[e.task]} {e.method}"),
     events.MethodEnded: ("ended", lambda e, n: f"{n[e.task]} {e.method} {e.result}"),
     events.TaskBlocked: ("blocked", lambda e, n: f"{n[e.task]} on {e.on}"),
     events.TaskWoken: ("woken", lambda e, n: n[e.task]),
-    events.TaskSucceeded: ("succeeded", lambda e, n: e.goal),
+    events.TaskSucceeded: ("succeeded", lambda e, n: str(e.goal)),
     events.TaskFailed: ("failed", lambda e, n: f"{e.goal} {e.reason} {e.result}"),
     events.TaskRemoved: ("removed", lambda e, n: f"{n[e.task]} {e.cause}"),
-    events.PrimitiveRequested: ("asked", lambda e, n: e.request),
-    events.PrimitiveEnded: ("done", lambda e, n: f"{n[e.task]} {e.request} {e.result}"),
-    events.FactAsserted: ("asserted", lambda e, n: f"{e.fact} by {e.by}"),
-    events.FactErased: ("erased", lambda e, n: f"{e.fact} by {e.by}"),
+    events.PrimitiveRequested: ("asked", lambda e, n: format_list(e.request)),
+    events.PrimitiveEnded: (
+        "done",
+        lambda e, n: f"{n[e.task]} {_text(e)} {e.result}",
+    ),
+    events.FactAsserted: ("asserted", lambda e, n: f"{format_list(e.fact)} by {e.by}"),
+    events.FactErased: ("erased", lambda e, n: f"{format_list(e.fact)} by {e.by}"),
     events.ResourceChanged: ("changed", lambda e, n: f"{n[e.task]} {e.what}"),
     events.QueryFaulted: ("fault", lambda e, n: f"{n[e.task]} {e.what}"),
     events.FamilySwitched: ("switched", lambda e, n: f"{e.from_} {e.to}"),

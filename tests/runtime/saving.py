@@ -27,6 +27,7 @@ from rapc.base.values import Atom
 from rapc.compiler.program import Program
 from rapc.library.loader import load
 from rapc.runtime.events.events import Event
+from rapc.runtime.events.trace import record
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.worlds.registry import build_world
@@ -93,7 +94,7 @@ class Truck:
             self.run.submit(task)
 
     def _write(self, event: Event) -> None:
-        self.trace.append(_encode(event))
+        self.trace.append(_encode(record(event)))
 
     def finish(self) -> Truck:
         """Run to the end, and return this."""

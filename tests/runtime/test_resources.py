@@ -212,8 +212,8 @@ def test_bindings_are_told_in_order_and_by_value() -> None:
     )
     (bound,) = (e.bindings for e in ran.events if hasattr(e, "bindings"))
     assert list(bound.items()) == [
-        ("?z", "1"),
-        ("?a", "2"),
+        ("?z", 1),
+        ("?a", 2),
         ("?y", "#set()"),
         ("?b", "#counter(1)"),
         ("?x", "x1"),

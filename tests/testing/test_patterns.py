@@ -1,4 +1,4 @@
-"""Terms of a trace read back, and the patterns that meet them."""
+"""Words in events read as terms, and the patterns that meet events."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rapc.base.values import Text
-from rapc.testing.patterns import read_value, split_goal
+from rapc.testing.patterns import read_value
 from rapc.testing.run import Status
 
 from .small_suite import happened, run
@@ -35,12 +35,6 @@ from .small_suite import happened, run
 )
 def test_terms_are_read_back(text: str, value: object) -> None:
     assert read_value(text) == value
-
-
-def test_a_goal_is_split_at_its_arrow() -> None:
-    assert split_goal(("find", "box", "=>", "?place")) == (("find", "box"), ("?place",))
-    assert split_goal(("find", "box")) == (("find", "box"), ())
-    assert split_goal("find") == (("find",), ())
 
 
 GIVEN = """

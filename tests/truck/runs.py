@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from rapc.base.values import Atom, Text
+from rapc.base.values import Atom, Text, format_list
 from rapc.compiler.program import Program
 from rapc.library.loader import load
 from rapc.runtime.events import events
@@ -96,18 +96,15 @@ class Run:
 
     def _note(self, event: events.Event) -> None:
         if isinstance(event, events.ItemMoved | events.ItemIntroduced):
-            self.places[event.item] = event.location
+            self.places[event.item] = str(event.location)
             if isinstance(event, events.ItemMoved):
-                self.moves[event.kind, event.location] += 1
+                self.moves[event.kind, str(event.location)] += 1
         elif isinstance(event, events.PrimitiveRequested):
-            if event.request.startswith("(arm-ungrasp "):
-                named, sent = (
-                    t.strip("()").split()[-1] for t in (event.request, event.sent)
-                )
-                self.put_down[sent] = named
+            if event.request[0] == "arm-ungrasp":
+                self.put_down[str(event.sent[-1])] = str(event.request[-1])
         elif isinstance(event, events.PrimitiveEnded):
-            self.requests.append(event.request)
-            self.answers[event.request.strip("()").split()[0], event.result] += 1
+            self.requests.append(format_list(event.request))
+            self.answers[str(event.request[0]), event.result] += 1
         elif isinstance(event, events.QueryFaulted):
             self.faults.append(event.what)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rapc.base.values import Fact
+from rapc.base.values import Fact, format_list
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
@@ -39,7 +39,7 @@ class Scripted:
 
     def _note(self, event: events.Event) -> None:
         if isinstance(event, events.PrimitiveRequested):
-            self.requests.append(event.request)
+            self.requests.append(format_list(event.request))
 
 
 def seen(state: str) -> tuple[Fact, ...]:

@@ -15,6 +15,7 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
+from rapc.base.values import format_list
 from rapc.console.findings import write
 from rapc.console.show.frame import Doings, draw_frame
 from rapc.runtime.events.events import Event, PrimitiveEnded, RunEnded
@@ -78,7 +79,7 @@ class LiveView:
     def __call__(self, event: Event) -> None:
         """Take note of an event, and draw if it is the end of a request."""
         if isinstance(event, PrimitiveEnded):
-            self._requests.append(f"{event.request} - {event.result}")
+            self._requests.append(f"{format_list(event.request)} - {event.result}")
             self._find_family(event.task)
             self._draw()
         elif isinstance(event, RunEnded):

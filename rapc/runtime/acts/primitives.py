@@ -117,7 +117,7 @@ def take_reply(
             task=task.number if task is not None else None,
             request=machine.memory.canonical(asked),
             result=result,
-            data=tuple([format_list(_named(machine, d)) for d in reply.data]),
+            data=tuple([_named(machine, datum) for datum in reply.data]),
         )
     if task is None or task.run is None:
         return None

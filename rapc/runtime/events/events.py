@@ -1,19 +1,78 @@
 """What happens in a run, one frozen record per kind of event.
 
 The fields are the keys of the trace format (`docs/trace.md`) after `event`, `n`,
-`cycle` and `time`. Terms are RAP text. An event's name in the trace is its tag.
+`cycle` and `time`. An event's name in the trace is its tag.
+
+Events hold values: goals, facts, bindings. A value is a symbol or a string of the
+language (`str`, `Text`), a number, or a tuple for a list; a variable that has no value
+stands as its name, and a set or counter as it was then, in words. What a trace writes
+of an event is for `rapc.runtime.events.trace` to say.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import msgspec
+
+from rapc.base.values import Atom, Fact, format_atom, format_list
 
 
 def _kebab(name: str) -> str:
     words = ["-" + c.lower() if c.isupper() else c for c in name]
     return "".join(words).lstrip("-")
+
+
+class Goal:
+    """What a task is to do; immutable. `str` gives RAP text: `(find box => ?place)`."""
+
+    __slots__ = ("_text", "inputs", "name", "outputs")
+
+    def __init__(
+        self, name: str, inputs: tuple[Any, ...] = (), outputs: tuple[Any, ...] = ()
+    ) -> None:
+        #: The name of the RAP.
+        self.name = name
+        #: A value for each input: see the head of this module.
+        self.inputs = inputs
+        #: A value, or the name of the variable, for each output of the RAP.
+        self.outputs = outputs
+        self._text: str | None = None
+
+    @property
+    def parts(self) -> tuple[Any, ...]:
+        """The name, the inputs, and behind `=>` the outputs, if the RAP has any."""
+        if not self.outputs:
+            return (self.name, *self.inputs)
+        return (self.name, *self.inputs, "=>", *self.outputs)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Goal) and self.parts == other.parts
+
+    def __hash__(self) -> int:
+        return hash(self.parts)
+
+    def __str__(self) -> str:
+        if self._text is None:  # made once: many events tell of one goal
+            self._text = format_list(self.parts)
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"Goal{self.parts!r}"
+
+
+class ResourceChange(msgspec.Struct, frozen=True):
+    """What became of a set or counter."""
+
+    #: `set-add`, `set-sub`, `counter-add` or `counter-sub`.
+    op: str
+    amount: Atom
+    #: The set or counter as it is after the change, in words: `#counter(3)`.
+    resource: str
+
+    def __str__(self) -> str:
+        return f"{self.op} {format_atom(self.amount)}: {self.resource}"
 
 
 class Event(msgspec.Struct, frozen=True, tag_field="event", tag=_kebab, kw_only=True):
@@ -41,7 +100,7 @@ class TaskCreated(Event, frozen=True, kw_only=True):
     """A task joined the agenda. `family` is the number of its top-level task."""
 
     task: int
-    goal: str
+    goal: Goal
     parent: int | None
     family: int
     priority: int
@@ -52,7 +111,7 @@ class TaskSelected(Event, frozen=True, kw_only=True):
     """The agenda chose a task."""
 
     task: int
-    goal: str
+    goal: Goal
 
 
 class MethodChosen(Event, frozen=True, kw_only=True):
@@ -61,7 +120,7 @@ class MethodChosen(Event, frozen=True, kw_only=True):
     task: int
     rap: str
     method: str
-    bindings: Mapping[str, str]
+    bindings: Mapping[str, Any]
 
 
 class MethodEnded(Event, frozen=True, kw_only=True):
@@ -90,15 +149,15 @@ class TaskSucceeded(Event, frozen=True, kw_only=True):
     """A task ended well."""
 
     task: int
-    goal: str
-    outputs: Mapping[str, str]
+    goal: Goal
+    outputs: Mapping[str, Any]
 
 
 class TaskFailed(Event, frozen=True, kw_only=True):
     """A task failed; `result` is what its parent sees."""
 
     task: int
-    goal: str
+    goal: Goal
     reason: str
     result: str
 
@@ -114,36 +173,36 @@ class PrimitiveRequested(Event, frozen=True, kw_only=True):
     """A request went to the world: memory names, and sensor names as sent."""
 
     task: int
-    request: str
-    sent: str
+    request: Fact
+    sent: Fact
 
 
 class PrimitiveEnded(Event, frozen=True, kw_only=True):
     """A primitive ended and its handlers have changed what they change."""
 
     task: int | None
-    request: str
+    request: Fact
     result: str
-    data: tuple[str, ...]
+    data: tuple[Fact, ...]
 
 
 class DataReceived(Event, frozen=True, kw_only=True):
     """A datum came unasked."""
 
-    data: str
+    data: Fact
 
 
 class FactAsserted(Event, frozen=True, kw_only=True):
     """A fact was asserted or refreshed."""
 
-    fact: str
+    fact: Fact
     by: str
 
 
 class FactErased(Event, frozen=True, kw_only=True):
     """A fact went."""
 
-    fact: str
+    fact: Fact
     by: str
 
 
@@ -151,14 +210,14 @@ class ResourceChanged(Event, frozen=True, kw_only=True):
     """A set or counter changed; `what` is the effect and the new value."""
 
     task: int
-    what: str
+    what: ResourceChange
 
 
 class Signal(Event, frozen=True, kw_only=True):
     """A signal came; `task` is the one it was for, if it was for one alone."""
 
     task: int | None
-    what: str
+    what: Fact
 
 
 class QueryFaulted(Event, frozen=True, kw_only=True):
@@ -178,7 +237,7 @@ class ItemEvent(Event, frozen=True, kw_only=True):
     item: str
     sensor: str | None
     kind: str = msgspec.field(name="class")
-    location: str
+    location: Atom
     with_: str | None = msgspec.field(name="with", default=None)
     score: int | float | None = None
     rival: int | float | None = None
@@ -219,7 +278,7 @@ class SolverCalled(Event, frozen=True, kw_only=True):
     """A problem solver was asked and returned so many methods."""
 
     task: int
-    goal: str
+    goal: Goal
     methods: int
 
 
@@ -227,7 +286,7 @@ class TaskResult(msgspec.Struct, frozen=True):
     """What became of a top-level task: `succeeded`, `failed` or `unfinished`."""
 
     task: int
-    goal: str
+    goal: Goal
     outcome: str
     result: str | None
     background: bool

@@ -29,7 +29,7 @@ class Report:
     def __call__(self, event: events.Event) -> None:
         """Take one event into account."""
         if isinstance(event, events.PrimitiveEnded):
-            name = event.request.strip("()").split()[0]
+            name = str(event.request[0])
             self._primitives[name] += 1
             if event.result != OKAY:
                 self._failures[name, event.result] += 1

@@ -1,18 +1,95 @@
 """Traces: events written as JSON Lines, or as text in the manner of T 6.2.1.
 
 Both forms go to any text stream, one line at a time, so that a run that is cut off
-leaves a readable trace. The keys of the JSON form are in docs/trace.md.
+leaves a readable trace. The keys of the JSON form are in docs/trace.md. Events hold
+values; the words for them are made here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
 from typing import Any, TextIO
 
 import msgspec
 
-from rapc.base.values import format_atom
+from rapc.base.values import Fact, format_atom, format_list
 from rapc.runtime.events import events
+from rapc.world import Time
+
+
+def record(event: events.Event) -> dict[str, Any]:
+    """Return an event as the object that a trace holds, its values as RAP text."""
+    found: dict[str, Any] = msgspec.to_builtins(_in_words(event))
+    return found
+
+
+def _in_words(event: events.Event) -> msgspec.Struct:
+    """An event as it is written: with text where it has values."""
+    written, words = _written(type(event))
+    values = msgspec.structs.asdict(event)
+    for name, write in words:
+        values[name] = write(values[name])
+    return written(**values)
+
+
+@cache
+def _written(
+    kind: type[events.Event],
+) -> tuple[type[msgspec.Struct], list[tuple[str, Callable[[Any], Any]]]]:
+    """The struct in which a kind of event is written, and the fields that need words.
+
+    It has the same keys in the same order.
+    """
+    names = kind.__struct_fields__
+    keys = dict(zip(names, kind.__struct_encode_fields__, strict=True))
+    defaults = {field.name: field.default for field in msgspec.structs.fields(kind)}
+    written = msgspec.defstruct(
+        kind.__name__,
+        [(name, object, msgspec.field(default=defaults[name])) for name in names],
+        tag_field=kind.__struct_config__.tag_field,
+        tag=kind.__struct_config__.tag,
+        rename=keys,
+        kw_only=True,
+    )
+    words = dict(_WORDS.get(kind, ()))
+    return written, [(n, words[key]) for n, key in keys.items() if key in words]
+
+
+def _facts(data: Iterable[Fact]) -> tuple[str, ...]:
+    return tuple([format_list(fact) for fact in data])
+
+
+def _bindings(bindings: Mapping[str, object]) -> dict[str, str]:
+    return {name: format_atom(value) for name, value in bindings.items()}
+
+
+def _results(results: Iterable[events.TaskResult]) -> tuple[dict[str, Any], ...]:
+    told = [(msgspec.structs.asdict(one), str(one.goal)) for one in results]
+    return tuple([{**fields, "goal": goal} for fields, goal in told])
+
+
+_WORDS: Mapping[type, Sequence[tuple[str, Callable[[Any], Any]]]] = {
+    events.TaskCreated: [("goal", str)],
+    events.TaskSelected: [("goal", str)],
+    events.MethodChosen: [("bindings", _bindings)],
+    events.TaskSucceeded: [("goal", str), ("outputs", _bindings)],
+    events.TaskFailed: [("goal", str)],
+    events.PrimitiveRequested: [("request", format_list), ("sent", format_list)],
+    events.PrimitiveEnded: [("request", format_list), ("data", _facts)],
+    events.DataReceived: [("data", format_list)],
+    events.FactAsserted: [("fact", format_list)],
+    events.FactErased: [("fact", format_list)],
+    events.ResourceChanged: [("what", str)],
+    events.Signal: [("what", format_list)],
+    events.ItemIntroduced: [("location", format_atom)],
+    events.ItemMerged: [("location", format_atom)],
+    events.ItemMoved: [("location", format_atom)],
+    events.ItemLost: [("location", format_atom)],
+    events.SolverCalled: [("goal", str)],
+    events.RunEnded: [("results", _results)],
+}
+"""The keys of each kind of event whose values a trace has as text, and their words."""
 
 
 class JsonTrace:
@@ -24,7 +101,24 @@ class JsonTrace:
 
     def __call__(self, event: events.Event) -> None:
         """Write one event."""
-        self._stream.write(self._encode(event).decode() + "\n")
+        self._stream.write(self._encode(_in_words(event)).decode() + "\n")
+
+    def raw(
+        self,
+        kind: type[events.Event],
+        serial: int,
+        cycle: int,
+        time: Time,
+        keys: dict[str, Any],
+    ) -> None:
+        """Write one event that has not been made: see `Recorder.listen`."""
+        written, words = _written(kind)
+        if words:
+            keys = keys.copy()
+            for name, write in words:
+                keys[name] = write(keys[name])
+        line = self._encode(written(n=serial, cycle=cycle, time=time, **keys))
+        self._stream.write(line.decode() + "\n")
 
 
 class TextTrace:
@@ -86,7 +180,7 @@ def _chosen(event: Any) -> str:
 
 
 def _ended(event: Any) -> str | None:
-    return f"    ... primitive operation {event.request} - {event.result}"
+    return f"    ... primitive operation {format_list(event.request)} - {event.result}"
 
 
 def _failed(event: Any) -> str:

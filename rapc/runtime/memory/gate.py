@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.base.values import Atom, Fact, format_atom, format_list
+from rapc.base.values import Atom, Fact, format_list
 from rapc.errors import FactError
 from rapc.runtime.events.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
@@ -227,6 +227,6 @@ class Gate(MemoryView):
                 kind,
                 item=item.name,
                 sensor=item.sensor if item.accessible else None,
-                location=format_atom(place),
+                location=place,
                 kind=item.kind,
             )

@@ -22,7 +22,7 @@ from rapc.runtime.monitors.timers import Timers
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
-from rapc.runtime.state.task import Task, WaitState, in_words
+from rapc.runtime.state.task import Task, WaitState
 from rapc.world import Time
 
 _NOW = -math.inf
@@ -308,7 +308,7 @@ class Monitors:
         if plan is None or self._recorder.time < ready_at:
             return f"time {format_atom(ready_at)}"
         if wait is None or wait.formula is None:
-            text = format_formula(plan.formula, in_words(task.env))
+            text = format_formula(plan.formula, task.env)
             if wait is not None and not task.has_resources():
                 wait.formula = text
             return text

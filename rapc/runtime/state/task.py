@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from rapc.base.resources import Counter, SetResource, Value
-from rapc.base.values import format_atom
 from rapc.compiler.net_plan import StepPlan, WindowPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
-from rapc.ir.printer import format_term
+from rapc.ir import nodes
+from rapc.runtime.events.events import Goal
 from rapc.runtime.memory.notations import Notation
 from rapc.runtime.state.states import ENDED, WAITING
 from rapc.world import OKAY, Time
@@ -25,11 +26,12 @@ Env = dict[str, Value]
 """Variables and what they are bound to."""
 
 
-def in_words(env: Env) -> dict[str, str]:
-    """Variables and what they are bound to, as RAP text."""
-    if not env:
-        return {}
-    return {name: format_atom(value) for name, value in env.items()}
+def as_told(env: Env) -> dict[str, Any]:
+    """Return a copy of bindings, with sets and counters as they are now, in words."""
+    return {
+        name: str(value) if isinstance(value, _RESOURCES) else value
+        for name, value in env.items()
+    }
 
 
 _RESOURCES = (Counter, SetResource)
@@ -137,7 +139,7 @@ class Task:
     top-level task; `limit` the nearest deadline of its own and its ancestors'.
     `waiting` counts the steps that it still follows. `method` is the one tried last,
     `choice` the first that its futile-loop detector has seen. `wait` and `history` are
-    None for most; `text` is the goal in words, if it has been told and stays as it is.
+    None for most; `told` is the goal, once an event holds it and if it stays as it is.
     """
 
     __slots__ = (
@@ -157,7 +159,7 @@ class Task:
         "run",
         "state",
         "step",
-        "text",
+        "told",
         "wait",
         "waiting",
         "within",
@@ -193,7 +195,7 @@ class Task:
         self.history: History | None = None
         self.choice: tuple[object, ...] | None = None
         self.last_result: str | None = None
-        self.text: str | None = None
+        self.told: Goal | None = None
         #: `Monitors.changes` when its constraints, and those above, last held.
         self.held_at = -1
 
@@ -299,39 +301,46 @@ class Task:
         if self.history is not None:
             self.history.choices.clear()
 
-    # --- in words ----------------------------------------------------------------
+    # --- as events tell of it ----------------------------------------------------
 
-    def goal(self, outputs: Mapping[str, Value] | None = None) -> str:
-        """The goal as the trace prints it: inputs by value, and outputs if known."""
-        if self.text is None or self.plan.outputs:
+    def goal(self, outputs: Mapping[str, Value] | None = None) -> Goal:
+        """Return the goal with the inputs that are known, and `outputs` if given."""
+        if self.told is None or self.plan.outputs:
             return self._goal(outputs)
-        return self.text
+        return self.told
 
-    def _goal(self, outputs: Mapping[str, Value] | None) -> str:
-        words = [self.plan.name]
+    def _goal(self, outputs: Mapping[str, Value] | None) -> Goal:
+        inputs = []
         terms = self.step.node.goal.args if self.step is not None else ()
         for at, name in enumerate(self.plan.inputs):
             value = self.env.get(name) if self.bound else None
             if value is None and at < len(self.goal_args):
                 value = self.goal_args[at]
-            if value is not None:
-                words.append(format_atom(value))
-            else:
+            if value is None:
                 env = self.within.env if self.within is not None else {}
-                words.append(format_term(terms[at], env))
-        if self.plan.outputs:
-            words.append("=>")
-            for name in self.plan.outputs:
-                known = None if outputs is None else outputs.get(name)
-                words.append(name if known is None else format_atom(known))
-        text = f"({' '.join(words)})"
+                inputs.append(_told(terms[at], env))
+            else:
+                inputs.append(str(value) if isinstance(value, _RESOURCES) else value)
+        found = as_told(dict(outputs)) if outputs else {}
+        named = tuple([found.get(name, name) for name in self.plan.outputs])
+        goal = Goal(self.plan.name, tuple(inputs), named)
         if self.bound and not self.has_resources():
-            self.text = text
-        return text
+            self.told = goal
+        return goal
 
     def has_resources(self) -> bool:
         """Whether it has sets or counters, or was given some."""
         return any(isinstance(value, _RESOURCES) for value in self.env.values())
+
+
+def _told(term: nodes.Term, env: Env) -> Any:
+    """A term as a value: computed ones as lists, unbound variables by their names."""
+    if isinstance(term, nodes.Const):
+        return term.value
+    if isinstance(term, nodes.Var):
+        value = env.get(term.name, term.name)
+        return str(value) if isinstance(value, _RESOURCES) else value
+    return (term.function, *[_told(arg, env) for arg in term.args])
 
 
 class Ends:

@@ -7,10 +7,10 @@ semantics 6).
 from __future__ import annotations
 
 from rapc.base.resources import Counter, SetResource, Value
-from rapc.base.values import Number, format_atom, is_number
+from rapc.base.values import Number, is_number
 from rapc.compiler.net_plan import EffectPlan, StepPlan
 from rapc.compiler.query.builtin import Fault, add, subtract
-from rapc.runtime.events.events import ResourceChanged
+from rapc.runtime.events.events import ResourceChange, ResourceChanged
 from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import QueryContext
 from rapc.runtime.state.task import Env, MethodRun, Task
@@ -78,5 +78,5 @@ def carry_out(machine: Machine, task: Task, change: Change) -> None:
         resource.remove(by)  # type: ignore[arg-type]  # resources were refused
     machine.monitors.resource_changed(resource)
     if machine.recorder.on:
-        what = f"{op} {format_atom(by)}: {resource}"
+        what = ResourceChange(op, by, str(resource))  # type: ignore[arg-type]
         machine.recorder.emit(ResourceChanged, task=task.number, what=what)

@@ -26,7 +26,7 @@ from rapc.runtime.state.states import (
     SIGNAL,
     WAITING,
 )
-from rapc.runtime.state.task import Env, MethodRun, Task, in_words
+from rapc.runtime.state.task import Env, MethodRun, Task, as_told
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
 from rapc.runtime.tasks.start import (
     read_inputs,
@@ -94,7 +94,7 @@ def _tell_success(machine: Machine, task: Task, outputs: Env) -> None:
         TaskSucceeded,
         task=task.number,
         goal=task.goal(outputs),
-        outputs=in_words(outputs),
+        outputs=as_told(outputs),
     )
 
 

@@ -39,7 +39,7 @@ def rename(machine: Machine, lost: str, kept: str) -> None:
 
 def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
     """Rename in one task; whether its monitors see another binding."""
-    task.text = None
+    task.told = None
     task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
     task.identity = _in_value(task.identity, lost, kept)
     task.choice = _in_value(task.choice, lost, kept)

@@ -18,7 +18,7 @@ from rapc.runtime.tasks.start import release_at_start_time
 def signal(machine: Machine, content: Fact) -> None:
     """A signal has come: decide the steps that wait for it, by task number."""
     if machine.recorder.on:
-        machine.recorder.emit(events.Signal, task=None, what=format_list(content))
+        machine.recorder.emit(events.Signal, task=None, what=content)
     listening = machine.state.listening.get(str(content[0]), {})
     for number in sorted(listening):
         task = listening.get(number)

@@ -114,7 +114,7 @@ def bind_inputs(task: Task) -> None:
         name = resource.variable.name
         if name in task.env:
             env[name] = task.env[name]
-    task.text = None
+    task.told = None
     task.env = env  # type: ignore[assignment]  # None is not in it
 
 

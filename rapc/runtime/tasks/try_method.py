@@ -12,7 +12,7 @@ from rapc.runtime.acts.primitives import ground, request
 from rapc.runtime.events.events import MethodChosen
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
-from rapc.runtime.state.task import MethodRun, Task, in_words
+from rapc.runtime.state.task import MethodRun, Task, as_told
 from rapc.runtime.tasks.choose import choose, choose_sole
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.start import (
@@ -88,7 +88,7 @@ def start_method(machine: Machine, run: MethodRun) -> None:
             task=task.number,
             rap=task.plan.name,
             method=method.name,
-            bindings=in_words(run.env),
+            bindings=as_told(run.env),
         )
     if method.notations and not _note(machine, run, method):
         run.steps = ()

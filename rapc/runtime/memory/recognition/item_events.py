@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.base.values import Atom, Number, format_atom
+from rapc.base.values import Atom, Number
 from rapc.runtime.events.events import ItemEvent, ItemMerged
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.recognition.departure import Collection
@@ -32,7 +32,7 @@ class ItemEvents:
                 item=item.name,
                 sensor=item.sensor if item.accessible else None,
                 kind=item.kind,
-                location=format_atom(place),
+                location=place,
                 with_=other,
                 score=score,
                 rival=rival,
