@@ -49,6 +49,12 @@ class Context:
     file: str
     #: How many findings are kept.
     room: int
+    #: Whether the reader had to guess at something: then only words that print has had
+    #: for others are told, for all other faults might be due to the guess.
+    damaged: bool
+    #: Whether a parenthesis too many stands behind the form: then only slips whose
+    #: meaning is clear are told, for the first of the pair may have been lost.
+    surplus: bool
     #: What has been found in the form.
     diagnostics: list[Diagnostic]
     #: The names of the clauses from which something had to be left out, so that what
@@ -57,10 +63,20 @@ class Context:
     #: The name of the clause that is being read.
     clause: str
 
-    def __init__(self, source: SourceFile, room: int, readers: Readers) -> None:
+    def __init__(
+        self,
+        source: SourceFile,
+        room: int,
+        readers: Readers,
+        *,
+        damaged: bool = False,
+        surplus: bool = False,
+    ) -> None:
         self.source = source
         self.file = source.name
         self.room = room
+        self.damaged = damaged
+        self.surplus = surplus
         self.readers = readers
         self.formulas = readers.group("formula")
         self.diagnostics = []
@@ -87,7 +103,8 @@ class Context:
     ) -> None:
         """Report a fault for which something of the form is left out."""
         self.lost.add(self.clause)
-        self.slip(rule, message, at, labels=labels, help=help, fix=fix)
+        if not self.surplus:
+            self.slip(rule, message, at, labels=labels, help=help, fix=fix)
 
     def slip(
         self,
@@ -100,6 +117,19 @@ class Context:
         fix: Fix | None = None,
     ) -> None:
         """Report a fault whose meaning is clear, so that nothing is left out."""
+        if not self.damaged:
+            self._keep(rule, message, at, labels=labels, help=help, fix=fix)
+
+    def _keep(
+        self,
+        rule: str,
+        message: str,
+        at: Datum,
+        *,
+        labels: Iterable[tuple[Datum, str]] = (),
+        help: str = "",
+        fix: Fix | None = None,
+    ) -> None:
         if len(self.diagnostics) < self.room:
             shown = tuple(Label(self.span(d), text) for d, text in labels)
             place = self.span(at)
@@ -137,7 +167,7 @@ class Context:
         options = tuple(known)
         printed = SLIPS.get(word.name)
         if printed in options:
-            self.slip(
+            self._keep(
                 rule,
                 f"the {what} is called `{printed}`, not `{word.name}`",
                 word,

@@ -130,7 +130,8 @@ def string_value(raw: str) -> str:
 class Notes:
     """What is collected while a file is read.
 
-    `damage` holds the offsets of what had to be guessed at.
+    `damage` holds the offsets of what had to be guessed at, `surplus` those of forms
+    that a `)` too many stands behind.
     """
 
     def __init__(self, source: SourceFile, lexicon: Lexicon) -> None:
@@ -139,6 +140,7 @@ class Notes:
         self.comments: list[Comment] = []
         self.diagnostics: list[Diagnostic] = []
         self.damage: list[int] = []
+        self.surplus: list[int] = []
         self._illegal: list[tuple[int, int]] = []
 
     @property
@@ -188,7 +190,10 @@ class Notes:
             self._report_illegal(start, end)
         found = sorted(self.diagnostics, key=lambda d: d.span.start)
         damage = sorted(self.damage)
-        top = tuple(TopLevel(form, _hit(form, damage)) for form in forms)
+        surplus = sorted(self.surplus)
+        top = tuple(
+            TopLevel(form, _hit(form, damage), _hit(form, surplus)) for form in forms
+        )
         return Reading(self.source, top, tuple(self.comments), tuple(found))
 
     def _number_like(self, raw: str, start: int, end: int) -> Datum:

@@ -49,7 +49,8 @@ def parse(source: SourceFile) -> SourceUnit:
     found = list(reading.diagnostics)
     partial: Partial = NodeMap()
     for top in reading.forms:
-        ctx = Context(source, 0 if top.damaged else MAX_FINDINGS - len(found), known)
+        room = MAX_FINDINGS - len(found)
+        ctx = Context(source, room, known, damaged=top.damaged, surplus=top.surplus)
         form = _form(ctx, top.datum)
         if isinstance(form, DefineTest):
             tests.append(form)

@@ -66,10 +66,13 @@ Datum = Symbol | Variable | Keyword | Numeral | String | List
 
 
 class TopLevel(msgspec.Struct, frozen=True, gc=False):
-    """A datum at the top level; `damaged` if the reader had to repair it."""
+    """A datum at the top level."""
 
     datum: Datum
+    #: Whether the reader had to guess at something in it.
     damaged: bool
+    #: Whether there is a `)` too many behind it; one before it may have been lost.
+    surplus: bool = False
 
 
 class Comment(msgspec.Struct, frozen=True, gc=False):

@@ -70,6 +70,8 @@ def _call(ctx: Context, datum: List) -> nodes.Call | None:
         )
         return None
     args = terms(ctx, datum.items[1:])
+    if len(args) < len(datum.items) - 1:
+        return None
     least, most, words = _ARITY.get(name, (0, None, ""))
     count = len(datum.items) - 1
     if count < least or (most is not None and count > most):

@@ -6,16 +6,15 @@ surplus ones both fail. A new pass brings `tests/analysis/<fault>.rap`, no new t
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
 
 from rapc.analysis.driver import check_library
 from rapc.library.loader import load
+from tests.expected import expected
 
 PROGRAMS = sorted(Path(__file__).parent.glob("*.rap"))
-EXPECTED = re.compile(r"; expect: (.*)$")
 
 
 def _stem(path: Path) -> str:
@@ -28,15 +27,10 @@ def test_there_are_programs() -> None:
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=_stem)
 def test_program_has_the_findings_it_names(program: Path) -> None:
-    expected = []
-    lines = program.read_text(encoding="utf-8").split("\n")
-    for row, line in enumerate(lines, start=1):
-        if found := EXPECTED.search(line):
-            expected += [(row, name.strip()) for name in found[1].split(",")]
     report = check_library(load([program]))
     found_there = [
         (report.files[f.diagnostic.span.file], f.diagnostic.span.start, f.rule.name)
         for f in report.findings
     ]
     actual = [(file.position(at).row, name) for file, at, name in found_there]
-    assert sorted(actual) == sorted(expected)
+    assert sorted(actual) == expected(program.read_text(encoding="utf-8"))

@@ -8,7 +8,6 @@ in it. After a change that is meant, write them anew with
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
@@ -17,9 +16,9 @@ from rapc.base.source import SourceFile
 from rapc.ir.dump import dump
 from rapc.parser.parse import parse
 from rapc.parser.unit import SourceUnit
+from tests.expected import expected
 
 PROGRAMS = sorted((Path(__file__).parent / "forms").glob("*.rap"))
-EXPECTED = re.compile(r"; expect: (.*)$")
 
 
 def _stem(path: Path) -> str:
@@ -52,12 +51,8 @@ def test_there_are_programs() -> None:
 @pytest.mark.parametrize("program", PROGRAMS, ids=_stem)
 def test_program_has_the_findings_it_names(program: Path) -> None:
     source, made = _parsed(program)
-    expected = []
-    for row, line in enumerate(source.text.split("\n"), start=1):
-        if found := EXPECTED.search(line):
-            expected += [(row, name.strip()) for name in found[1].split(",")]
     actual = [(source.position(d.span.start).row, d.rule) for d in made.diagnostics]
-    assert sorted(actual) == sorted(expected)
+    assert sorted(actual) == expected(source.text)
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=_stem)

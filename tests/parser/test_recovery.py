@@ -164,9 +164,40 @@ def test_findings_of_other_forms_are_not_hidden() -> None:
 
 
 def test_findings_within_the_broken_form_are_withheld() -> None:
-    assert rules("(define-rap (one) (success true)\n") == ["missing-parenthesis"]
-    text = "(define-rap (one) (success true)\n"
+    text = "(define-rap (one) (succed true) (foo)\n"
+    assert rules(text) == ["missing-parenthesis"]
     assert list(parsed(text).partial) == list(parsed(text).forms)
+
+
+def test_words_that_print_has_had_are_told_in_the_broken_form_too() -> None:
+    text = "(define-rap (one) (success true)\n"
+    assert rules(text) == ["missing-parenthesis", "unknown-clause"]
+
+
+PRINTED = """\
+(DEFINE-RAP
+  (INDEX (carry ?what))
+  (CONSTRAINT (at hill))
+  (MONITOR-TIME (now 5 20))
+  (METHOD
+    (TASK-NET
+      (t1 (lift ?what)
+          ((held ?what) (FOR t2)))
+      (t2 (drop ?what)
+          (COUNTER-DEL ?left 1))))))
+"""
+
+
+def test_all_slips_of_a_form_are_told_beside_a_parenthesis_too_many_behind_it() -> None:
+    assert rules(PRINTED) == [
+        "unknown-clause",
+        "parenthesised-times",
+        "parenthesised-for",
+        "unknown-annotation",
+        "surplus-parenthesis",
+    ]
+    assert not parsed(PRINTED).partial
+    assert rules(fixed(PRINTED)) == []
 
 
 def test_clause_in_column_one_begins_no_form() -> None:

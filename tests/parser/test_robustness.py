@@ -26,11 +26,14 @@ WORDS = [
     *(":finish", ":succeed", ":asserts", ":refused", ":bump", "succeeds", "trace"),
     *("?x", "?", "a", "3", "-1.5", '"s"'),
 ]
+REFUSED = ["(size-of (?x))", "(value ())", "(+ 1)", "(f (?x))", "(p => ?x)", "(=> a)"]
+"""Lists that are refused, as parts of others."""
+
 MARKS = ["(", ")", "((", "))", "\n(", '"', ";", "#|", "|#", "'"]
 PIECES = st.one_of(st.sampled_from(WORDS), st.sampled_from(MARKS), st.text(max_size=2))
 LOOSE = st.lists(PIECES, max_size=60).map(" ".join)
 NESTED = st.recursive(
-    st.sampled_from(WORDS),
+    st.sampled_from([*WORDS, *REFUSED]),
     lambda inner: st.lists(inner, max_size=5).map(lambda ws: f"({' '.join(ws)})"),
     max_leaves=40,
 )

@@ -12,6 +12,18 @@ SAFE, UNSAFE = Applicability.SAFE, Applicability.UNSAFE
 
 SLIPS = [
     (
+        "(declare-memory-proposition at (robot ?place))",
+        "the variable `?robot` lacks its `?`",
+        SAFE,
+        "(declare-memory-proposition at (?robot ?place))",
+    ),
+    (
+        "(define-rap (index (go place)))",
+        "the variable `?place` lacks its `?`",
+        SAFE,
+        "(define-rap (index (go ?place)))",
+    ),
+    (
         "(define-rap (a) (SUCCESS (p)))",
         "the clause of `define-rap` is called `succeed`, not `success`",
         SAFE,

@@ -201,9 +201,19 @@ def _data(notes: Notes, segment: Segment) -> list[Datum]:
         if kind in (COMMENT, BLOCK):
             notes.comment(start, end)
     forms = _build(notes, code, repair)
+    harmless = lost is None and _is_harmless(code, repair, forms)
+    kept = notes.surplus if harmless else notes.damage
     if lost is not None or repair.edits:
-        notes.damage.extend(form.start for form in forms)
+        kept.extend(form.start for form in forms)
     return forms
+
+
+def _is_harmless(code: Sequence[Token], repair: Repair, forms: Sequence[Datum]) -> bool:
+    """Whether the repair only takes out what stands behind the one form there is."""
+    if repair.edits != len(repair.drops):
+        return False
+    starts = [code[index][1] for index, _ in repair.drops]
+    return not starts or (len(forms) == 1 and min(starts) >= forms[0].end)
 
 
 def _lost_text(source: SourceFile, segment: Segment) -> Diagnostic | None:

@@ -15,7 +15,7 @@ TEXT_RULES: tuple[Rule, ...] = (
         why="""Without its last parenthesis a list takes in what was meant to stand
 behind it. The finding shows the list, where that was noticed and where, going by the
 indentation, the parenthesis is most likely missing. Other findings in that form are
-withheld: they might be due to this one.""",
+withheld, as they might be due to this one, but for words that print has had for others.""",
         example="""\
 (define-rap (lift))
 (define-rap (fetch)
@@ -40,8 +40,8 @@ withheld: they might be due to this one.""",
         summary="there is a closing parenthesis too many",
         why="""A parenthesis too many closes a list before its end, and what follows
 stands outside of it. The finding shows the parenthesis that, going by the
-indentation, is the one too many. Other findings in that form are withheld: they
-might be due to this one.""",
+indentation, is the one too many. Other findings in that form are withheld, as they
+might be due to this one, but for slips whose meaning is clear.""",
         example="""\
 (define-rap (lift))
 (define-rap (fetch))

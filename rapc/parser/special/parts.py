@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from rapc.ir import nodes
+from rapc.language.heads import ARROW
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
 
@@ -145,6 +146,14 @@ def _argument(
 
 def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
     """A variable with a name that is not yet among those `seen`."""
+    if isinstance(datum, Symbol) and datum.name != ARROW:
+        ctx.slip(
+            "malformed-form",
+            f"the variable `?{datum.name}` lacks its `?`",
+            datum,
+            fix=ctx.replace(datum, f"?{datum.name}"),
+        )
+        datum = Variable(f"?{datum.name}", datum.start, datum.end)
     if type(datum) is not Variable or datum.name == "?":
         what = "a bare `?`" if isinstance(datum, Variable) else kind_of(datum)
         message = f"a variable with a name is wanted here, not {what}"

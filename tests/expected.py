@@ -1,0 +1,20 @@
+"""Programs that say in comments what is to be found in them.
+
+`; expect: rule, rule` at the end of a line names the findings on that line.
+"""
+
+from __future__ import annotations
+
+import re
+
+_EXPECTED = re.compile(r"; expect: (.*)$")
+
+
+def expected(text: str) -> list[tuple[int, str]]:
+    """Return the row and the rule of each finding that a program names, sorted."""
+    return sorted(
+        (row, name.strip())
+        for row, line in enumerate(text.split("\n"), start=1)
+        if (found := _EXPECTED.search(line))
+        for name in found[1].split(",")
+    )
