@@ -15,7 +15,7 @@ TEXT_RULES: tuple[Rule, ...] = (
         why="""Without its last parenthesis a list takes in what was meant to stand
 behind it. The finding shows the list, where that was noticed and where, going by the
 indentation, the parenthesis is most likely missing. Other findings in that form are
-withheld, as they might be due to this one, but for words that print has had for others.""",
+withheld: they might be due to this one. Words known from print are told.""",
         example="""\
 (define-rap (lift))
 (define-rap (fetch)
