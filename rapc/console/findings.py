@@ -315,7 +315,7 @@ def _json(finding: Finding, files: Files) -> dict[str, Any]:
             for label in said.labels
         ],
         "notes": notes,
-        "url": f"docs/rules.md#{rule.name}",
+        "url": f"rules.md#{rule.name}",
     }
 
 
