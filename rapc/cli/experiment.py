@@ -11,10 +11,10 @@ from typing import Any
 
 import click
 
+from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.options import Count, say
-from rapc.console.findings import visible
 from rapc.console.progress import bar
 from rapc.experiments import definition, output
 from rapc.experiments.batch import Done, Workers, WorkersLost, jobs, run_batch

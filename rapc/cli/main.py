@@ -16,6 +16,7 @@ from importlib import import_module
 import click
 
 from rapc.base.names import nearest
+from rapc.base.visible import visible
 from rapc.cli.options import USAGE, common_options, show_traceback
 from rapc.errors import Error
 
@@ -148,8 +149,6 @@ def _message(error: click.ClickException) -> str:
 
 def _say(error: Error) -> None:
     """Say what the user got wrong, in a line, and what to do about it."""
-    from rapc.console.findings import visible  # noqa: PLC0415  # brings rich along
-
     show_traceback(error)
     click.echo(f"error: {visible(error.message)}", err=True)
     if error.help:

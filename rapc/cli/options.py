@@ -14,6 +14,8 @@ from typing import Any, NoReturn, TypeVar
 
 import click
 
+from rapc.base.visible import visible
+
 USAGE = 2
 """The exit status of what could not be tried."""
 
@@ -91,10 +93,10 @@ def fail(message: str, *more: str | None) -> NoReturn:
         message: what is wrong, one line.
         more: further lines, if any: other things that are wrong, or what to do.
     """
-    click.echo(f"error: {message}", err=True)
+    click.echo(f"error: {visible(message)}", err=True)
     for line in more:
         if line:
-            click.echo(f"  {line}", err=True)
+            click.echo(f"  {visible(line)}", err=True)
     raise SystemExit(USAGE)
 
 

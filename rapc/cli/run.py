@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import shutil
 import sys
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
+from rapc.base.interrupts import interrupts_held
 from rapc.base.values import Fact, number
+from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, same_file, settings
 from rapc.compiler.program import Program
@@ -126,32 +128,54 @@ def run(
     interpreter, options, world = _build(library, world_name, seed, values, failing)
     _refuse(interpreter, submissions, known)
     drawn = _drawable(world, world_name) if show else None
-    with ExitStack() as stack:
-        files = (path, *library.library.files)
-        report = _listeners(stack, interpreter, files, trace, trace_format)
-        if drawn is not None:
-            _show(stack, interpreter, drawn)
-        elif not settings().quiet:
-            interpreter.listen(TextTrace(sys.stdout))
-        interpreter.start(options, tasks, faults)
-        for fact in known:
-            interpreter.assert_fact(*fact)
-        for submission in submissions:
-            interpreter.submit(submission)
-        _run(interpreter, end)
+    report = Report()
+    with ExitStack() as stack, _ended_by_interrupts(interpreter):
+        with interrupts_held():
+            if trace is not None:
+                files = (path, *library.library.files)
+                stream = stack.enter_context(_opened(trace, files))
+                form = JsonTrace if trace_format == "jsonl" else TextTrace
+                interpreter.listen(form(stream))
+            interpreter.listen(report, *Report.kinds)
+            if drawn is not None:
+                _show(stack, interpreter, drawn)
+            elif not settings().quiet:
+                interpreter.listen(TextTrace(_Shown(sys.stdout)))
+            interpreter.start(options, tasks, faults)
+            for fact in known:
+                interpreter.assert_fact(*fact)
+            for submission in submissions:
+                interpreter.submit(submission)
+        interpreter.run(until=end)
     for line in report.lines():
-        click.echo(line)
+        click.echo(visible(line))
     given = [result for result in interpreter.results() if not result.background]
     if not all(result.outcome == "succeeded" for result in given):
         raise SystemExit(1)
 
 
-def _run(interpreter: Interpreter, until: Time | None) -> None:
-    """Run to the end; Ctrl-C ends a run early, with its report."""
+@contextmanager
+def _ended_by_interrupts(interpreter: Interpreter) -> Iterator[None]:
+    """Let Ctrl-C end the run in the block early, so that it can be reported."""
     try:
-        interpreter.run(until=until)
+        yield
     except KeyboardInterrupt:
         interpreter.end("cancelled")
+
+
+class _Shown:
+    """A stream on which no text of a world can act on a terminal."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write `text` with stand-ins for its control characters."""
+        return self._stream.write(visible_lines(text))
+
+    def flush(self) -> None:
+        """Flush the stream."""
+        self._stream.flush()
 
 
 def _submission(text: str) -> TaskRequest:
@@ -230,27 +254,15 @@ def _settings(texts: Mapping[str, str]) -> Settings:
         fail(f"--set: {error}")
 
 
-def _listeners(
-    stack: ExitStack,
-    interpreter: Interpreter,
-    files: Iterable[str],
-    trace: str | None,
-    trace_format: str,
-) -> Report:
-    if trace is not None:
-        if any(same_file(trace, name) for name in files):
-            fail(f"--trace: `{trace}` is a file of the library")
-        try:
-            opened = Path(trace).open("w", encoding="utf-8")  # noqa: SIM115  # see stack
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            fail(f"cannot write `{trace}`: {reason}")
-        stream = stack.enter_context(opened)
-        form = JsonTrace if trace_format == "jsonl" else TextTrace
-        interpreter.listen(form(stream))
-    report = Report()
-    interpreter.listen(report, *Report.kinds)
-    return report
+def _opened(trace: str, files: Iterable[str]) -> TextIO:
+    """Open the file of a trace; one of the library's `files` ends the command."""
+    if any(same_file(trace, name) for name in files):
+        fail(f"--trace: `{trace}` is a file of the library")
+    try:
+        return Path(trace).open("w", encoding="utf-8")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        fail(f"cannot write `{trace}`: {reason}")
 
 
 def _drawable(world: World, world_name: str) -> Drawable:

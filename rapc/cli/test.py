@@ -11,9 +11,16 @@ from typing import Any
 
 import click
 
-from rapc.cli.common import USAGE, common_options, fail, print_findings, settings
+from rapc.base.visible import visible
+from rapc.cli.common import (
+    USAGE,
+    common_options,
+    fail,
+    print_findings,
+    same_file,
+    settings,
+)
 from rapc.cli.options import Count
-from rapc.console.findings import visible
 from rapc.errors import LoadError, SavedError, TextError
 from rapc.testing import coverage_table, discover, explain
 from rapc.testing.coverage import Coverage
@@ -107,6 +114,10 @@ def test(
         range(seed, seed + seeds), _faults(faults), gathered, tuple(modules)
     )
     cases = _find(paths)
+    inputs = {*paths, *(file for case in cases for file in _files(case))}
+    for option, file in (("--junit", junit), ("--coverage", coverage)):
+        if file and any(same_file(file, each) for each in inputs):
+            fail(f"{option}: `{file}` is a file of the tests or of their library")
     useless = list(running.useless(cases))
     if useless:
         fail("--fault: " + useless[0], *useless[1:])
@@ -118,6 +129,11 @@ def test(
         _write(junit, as_junit(outcomes))
     click.echo(summary(outcomes, seeds))
     raise SystemExit(exit_status(outcomes))
+
+
+def _files(case: Case) -> Iterable[str]:
+    """The files that a test was read from."""
+    return (case.test.span.file, *case.library.library.files)
 
 
 def _cover(gathered: Coverage, file: str | None) -> None:

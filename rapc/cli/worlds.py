@@ -6,6 +6,7 @@ import shutil
 
 import click
 
+from rapc.base.visible import visible_lines
 from rapc.cli.common import common_options, fail
 from rapc.console.worlds import describe_world, list_worlds, summary
 from rapc.errors import WorldError
@@ -18,6 +19,7 @@ Examples:
   rapc worlds my_package.world:MyWorld
 """
 
+_NARROWEST = 20
 _WIDEST = 100
 
 
@@ -31,16 +33,16 @@ def worlds(name: str | None) -> None:
 
     NAME is the name of an installed world, or `module:Class`.
     """
-    width = min(shutil.get_terminal_size().columns, _WIDEST)
+    width = max(_NARROWEST, min(shutil.get_terminal_size().columns, _WIDEST))
     if name is None:
         found = {installed: _summary(installed) for installed in registry.available()}
-        click.echo(list_worlds(found, width))
+        click.echo(visible_lines(list_worlds(found, width)))
         return
     try:
         world = registry.build_world(registry.find_world(name), 0, {})
     except WorldError as error:
         fail(error.message, error.help)
-    click.echo(describe_world(world, width))
+    click.echo(visible_lines(describe_world(world, width)))
 
 
 def _summary(name: str) -> str:

@@ -8,7 +8,6 @@ and how grave it is was decided before (`rapc.analysis.driver`).
 from __future__ import annotations
 
 import json
-import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any, TextIO
@@ -21,6 +20,7 @@ from rich.text import Text
 from rapc.analysis.driver import Finding, Report
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label, Severity
 from rapc.base.source import SourceFile, Span
+from rapc.base.visible import visible
 
 Files = Mapping[str, SourceFile]
 
@@ -30,7 +30,6 @@ _STYLES = {
     Severity.INFO: "bold cyan",
 }
 _MARGIN = "blue"
-_TAB = "    "
 _LEAST_ROOM = 20
 _MOST_LINES = 10
 """How many lines of a fix are drawn on each side."""
@@ -63,21 +62,6 @@ def full(report: Report, width: int) -> Iterator[Text]:
     for finding in report.findings:
         yield from _page(finding, report.files, width)
         yield Text()
-
-
-def visible(text: str) -> str:
-    """Text whose control characters cannot act on a terminal."""
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() else _stand_in(c) for c in text)
-
-
-def _stand_in(character: str) -> str:
-    if character == "\t":
-        return _TAB
-    if unicodedata.category(character) == "Zs":
-        return character
-    return "\N{REPLACEMENT CHARACTER}"
 
 
 def _title(finding: Finding) -> str:

@@ -31,7 +31,7 @@ from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 
 MOST_CYCLES = 100_000
-"""How many cycles a test may take that says nothing of its end."""
+"""How many cycles a test may take that does not say how many."""
 
 
 class Case(msgspec.Struct, frozen=True):
@@ -187,9 +187,7 @@ class _Run:
         interpreter.listen(self._record)
         interpreter.call_at_end(self._judge_at_the_end)
         until = test.until or nodes.Until(None, None)
-        cycles = until.cycles
-        if cycles is None and until.time is None:
-            cycles = MOST_CYCLES
+        cycles = MOST_CYCLES if until.cycles is None else until.cycles
         try:
             interpreter.start(tasks=[format_list(flat(t.goal)) for t in test.tasks])
             for fact in test.facts:
@@ -206,11 +204,13 @@ class _Run:
             self._broken = True
             self._fail(test.name_span, str(error))
             return
-        if interpreter.reason == "cycles" and test.until is None:
+        if interpreter.reason == "cycles" and until.cycles is None:
+            more = "say when with `(until time)`"
+            if until.time is not None:
+                more = f"it was only at time {format_atom(interpreter.now)}"
             self._fail(
                 test.name_span,
-                f"the test was not over after {MOST_CYCLES} cycles; "
-                "say when with `(until time)`",
+                f"the test was not over after {MOST_CYCLES} cycles; {more}",
             )
 
     def _action(self, number: int, at: nodes.At) -> Callable[[], None]:

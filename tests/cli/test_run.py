@@ -45,6 +45,21 @@ class Bed(World):
 class Broken(Bed):
     def __init__(self): pass
 
+class Hasty(Bed):
+    asked = 0
+    def facts(self):
+        import os, signal
+        self.asked += 1
+        if self.asked == 1: return []  # it is asked before the run, too
+        os.kill(os.getpid(), signal.SIGINT)
+        return []
+
+class Garish(Bed):
+    "A bed\\x1b[31m."
+    name = "bed"
+    kit = Kit(Offer({"nap": (0, ("okay", "red\\x1b[31m"))}), Handlers({}))
+    def perform(self, ticket, request): return Reply("red\\x1b[31m")
+
 class Telling(Bed):
     def facts(self): return [("rested", "well"), ("rested", "badly")]
 """
@@ -137,3 +152,22 @@ def test_a_word_of_the_world_declared_otherwise_is_refused(bed: Path) -> None:
         "the world `bed` tells (rested well)\n"
     )
     assert not (bed / "trace.jsonl").exists()
+
+
+def test_ctrl_c_before_the_first_cycle_ends_a_run_that_has_begun(bed: Path) -> None:
+    args = ("--world", "bed:Hasty", "--task", "(doze)", "--trace", "t.jsonl")
+    done = rapc("run", "doze.rap", *args, cwd=bed)
+    assert (done.returncode, done.stderr) == (1, "")
+    assert "Run over (cancelled) at time 0 after 0 cycles." in done.stdout
+    rows = [json.loads(row) for row in (bed / "t.jsonl").read_text().splitlines()]
+    assert (rows[0]["event"], rows[-1]["event"]) == ("run-started", "run-ended")
+    assert rows[-1]["reason"] == "cancelled"
+
+
+def test_what_a_world_says_does_not_act_on_the_terminal(bed: Path) -> None:
+    args = ("--world", "bed:Garish", "--task", "(doze)")
+    done = rapc("run", "doze.rap", *args, cwd=bed)
+    assert "red\N{REPLACEMENT CHARACTER}[31m" in done.stdout
+    told = rapc("worlds", "bed:Garish", cwd=bed)
+    assert "red\N{REPLACEMENT CHARACTER}[31m" in told.stdout
+    assert "\x1b" not in done.stdout + done.stderr + told.stdout + told.stderr

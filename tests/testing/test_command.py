@@ -225,3 +225,25 @@ def test_a_test_imports_no_module_that_nobody_has_permitted(
     done = rapc("test", name, "--world-module", "evil", cwd=tmp_path)
     assert done.returncode == 0, done.stdout
     assert (tmp_path / "imported").exists()
+
+
+@pytest.mark.parametrize("option", ["--junit", "--coverage"])
+@pytest.mark.parametrize("name", ["lib.rap", "it.test.rap", "all.json"])
+def test_a_file_that_was_read_is_not_written(
+    tmp_path: Path, option: str, name: str
+) -> None:
+    """Not under another name either, and `--coverage` takes a name in `.json`."""
+    (tmp_path / "lib.rap").write_text(LIBRARY)
+    (tmp_path / "it.test.rap").write_text('(require "lib") ' + GOOD)
+    path = "it.test.rap"
+    if name == "all.json":
+        path = name
+        assert rapc("compile", "it.test.rap", "-o", name, cwd=tmp_path).returncode == 0
+    (tmp_path / "link.json").symlink_to(name)
+    before = (tmp_path / name).read_bytes()
+    done = rapc("test", option, "link.json", path, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        f"error: {option}: `link.json` is a file of the tests or of their library\n"
+    )
+    assert (tmp_path / name).read_bytes() == before

@@ -202,18 +202,32 @@ def test_a_deadline_is_absolute(tmp_path: Path) -> None:
     assert passes(tmp_path, f"{given} {expected}")
 
 
+FOREVER = """
+  (define-rap (forever)
+    (repeat-while true) (succeed nil)
+    (resources (counter ?n))
+    (method (task-net (t1 (utter ?n) (counter-add ?n 1)))))
+"""
+
+
 def test_a_test_without_end_is_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rapc.testing.run.MOST_CYCLES", 500)
-    forever = """
-      (define-rap (forever)
-        (repeat-while true) (succeed nil)
-        (resources (counter ?n))
-        (method (task-net (t1 (utter ?n) (counter-add ?n 1)))))
-    """
     clauses = "(script ((say ?) :takes 1)) (task (forever))"
-    found = cases(tmp_path, f"{LIBRARY} {forever} (define-test it {clauses})")
+    found = cases(tmp_path, f"{LIBRARY} {FOREVER} (define-test it {clauses})")
     assert happened(run_case(found["it"])) == [
         "the test was not over after 500 cycles; say when with `(until time)`"
+    ]
+
+
+def test_a_test_whose_time_never_comes_is_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its task tries again and again, and no try takes any time."""
+    monkeypatch.setattr("rapc.testing.run.MOST_CYCLES", 500)
+    clauses = "(script ((say ?))) (task (forever)) (until 10)"
+    found = cases(tmp_path, f"{LIBRARY} {FOREVER} (define-test it {clauses})")
+    assert happened(run_case(found["it"])) == [
+        "the test was not over after 500 cycles; it was only at time 0"
     ]

@@ -42,6 +42,13 @@ def test_no_line_is_wider_than_the_terminal(width: int) -> None:
     assert max(len(line) for line in truck(width).splitlines()) <= width
 
 
+@pytest.mark.parametrize("columns", ["1", "2", "19"])
+def test_a_terminal_may_be_too_narrow_for_any_text(columns: str) -> None:
+    done = CliRunner().invoke(worlds, ["truck"], env={"COLUMNS": columns})
+    assert done.exit_code == 0
+    assert done.output == truck(20) + "\n"
+
+
 def test_where_it_is_narrow_texts_go_below_their_names() -> None:
     assert columns([("a-long-name", "some text")], 30) == [
         "a-long-name",

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
-from typing import Any, TextIO
+from typing import Any, Protocol, TextIO
 
 import msgspec
 
@@ -121,10 +121,17 @@ class JsonTrace:
         self._stream.write(line.decode() + "\n")
 
 
+class Writable(Protocol):
+    """Whatever text can be written to."""
+
+    def write(self, text: str, /) -> object:
+        """Write text."""
+
+
 class TextTrace:
     """Writes events as a person reads them, one line per step of the interpreter."""
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: Writable) -> None:
         self._stream = stream
         self._time: object = None
         self._asked: events.PrimitiveRequested | None = None

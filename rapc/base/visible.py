@@ -1,0 +1,27 @@
+"""Text from elsewhere as it may be shown on a terminal."""
+
+from __future__ import annotations
+
+import unicodedata
+
+_TAB = "    "
+
+
+def visible(text: str) -> str:
+    """Return text whose control characters cannot act on a terminal."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else _stand_in(c) for c in text)
+
+
+def visible_lines(text: str) -> str:
+    """Return text of several lines, each of which can be shown."""
+    return text if text.isprintable() else "\n".join(map(visible, text.split("\n")))
+
+
+def _stand_in(character: str) -> str:
+    if character == "\t":
+        return _TAB
+    if unicodedata.category(character) == "Zs":
+        return character
+    return "\N{REPLACEMENT CHARACTER}"
