@@ -14,31 +14,22 @@ from rapc.ir import nodes
 
 
 class StepPlan:
-    """A step: what its task asks for, and how it is ordered among its siblings.
-
-    `before` counts the steps that must have ended first, `after` are the positions of
-    those that wait for this one, each once; `conditions`
-    the `for` formulas that point at this step, each with the position of the step
-    that carries it; both in the order of the text. `next` is the one that waits for
-    this step, if it is the only one. `timed` says whether more than
-    order decides when it runs, or its start ends others; `brings` whether its success
-    brings outputs or effects.
-    """
+    """A step of a task-net: what its task asks for, and how it is ordered."""
 
     __slots__ = (
         "after",
         "args",
         "before",
-        "brings",
         "computes",
         "conditions",
         "effects",
+        "has_results",
+        "has_timing",
         "next",
         "node",
         "outputs",
         "position",
         "priority",
-        "timed",
         "until",
         "waits",
         "windows",
@@ -51,20 +42,27 @@ class StepPlan:
         where = compiler.place(f"step `{node.tag}`", node.span)
         self.args = tuple(TermValue(arg, where) for arg in node.goal.args)
         self.computes = any(isinstance(arg, nodes.Call) for arg in node.goal.args)
-        self.outputs = tuple(ReceiverPlan(out, where) for out in node.goal.outputs)
+        self.outputs = tuple(OutputTarget(out, where) for out in node.goal.outputs)
+        #: How many steps must end before this one may start.
         self.before = 0
+        #: Positions of the steps ordered directly after this one, each once.
         self.after: list[int] = []
+        #: The `for` formulas that point at this step, each with the position of the
+        #: step that carries it, in the order of the text.
         self.conditions: list[tuple[int, Query]] = []
         self.until: list[tuple[int, bool]] = []
         self.windows: tuple[WindowPlan, ...] = ()
         self.effects: list[EffectPlan] = []
         self.waits: list[WaitPlan] = []
-        self.timed = False
-        self.brings = False
+        #: Whether more than order decides when it runs, or its start ends others.
+        self.has_timing = False
+        #: Whether its success brings outputs or effects.
+        self.has_results = False
+        #: The step that waits for this one, if it is the only one.
         self.next: int | None = None
 
 
-class ReceiverPlan:
+class OutputTarget:
     """What a value that arrives meets: it binds a variable or is compared."""
 
     __slots__ = ("anonymous", "term", "variable")
@@ -84,7 +82,7 @@ class WaitPlan:
         self.signal = node.signal
         self.pattern = nodes.Signal(node.signal, node.args)
         self.mode = node.mode
-        self.args = tuple(ReceiverPlan(arg, where) for arg in node.args)
+        self.args = tuple(OutputTarget(arg, where) for arg in node.args)
 
 
 class WindowPlan:
@@ -124,8 +122,8 @@ def steps_of(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
     for plan in plans:
         plan.after.sort()
         plan.next = plan.after[0] if len(plan.after) == 1 else None
-        plan.timed = bool(plan.windows or plan.waits or plan.until)
-        plan.brings = bool(plan.outputs or plan.effects)
+        plan.has_timing = bool(plan.windows or plan.waits or plan.until)
+        plan.has_results = bool(plan.outputs or plan.effects)
     return plans
 
 
@@ -164,7 +162,7 @@ def _annotate(
         plan.effects.append(EffectPlan(compiler, annotation))
 
 
-def users_of(steps: Sequence[StepPlan]) -> Mapping[str, Sequence[int]]:
+def steps_using(steps: Sequence[StepPlan]) -> Mapping[str, Sequence[int]]:
     """For each variable, the positions of the steps whose inputs or windows use it."""
     users: dict[str, list[int]] = {}
     for step in steps:

@@ -7,7 +7,7 @@ Everything keeps its IR node, so that what happens at run time can point at sour
 from __future__ import annotations
 
 from rapc.compiler.compiler import Compiler, RequestPlan, variables_of
-from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, users_of
+from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, steps_using
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.watches import ANYTHING, Watch, watches
@@ -16,23 +16,13 @@ from rapc.ir.walk import subformulas
 
 
 class MethodPlan:
-    """A method. `choice` is `repeat-while` and context as one query.
-
-    `name` is what the trace prints, and `index` the place in the order of choice.
-    `users` are, for each variable, the positions of the steps whose inputs or windows
-    use it; `raps` are what the `size` steps ask for, once they have been looked up.
-    `conditions` says whether any step has some put on it, `computes` whether inputs are
-    computed, `binds` whether steps may add to the method's environment, `dated` whether
-    windows or `until`s ask how steps have ended. `key` tells the method from others of
-    its RAP.
-    """
+    """A method of a RAP, ready to be chosen and carried out."""
 
     __slots__ = (
         "binds",
         "choice",
         "computes",
         "conditions",
-        "dated",
         "index",
         "key",
         "name",
@@ -42,17 +32,22 @@ class MethodPlan:
         "request",
         "size",
         "steps",
-        "users",
+        "steps_by_variable",
+        "tracks_step_ends",
     )
 
     def __init__(
         self, compiler: Compiler, rap: nodes.DefineRap, node: nodes.Method, index: int
     ) -> None:
         self.node = node
+        #: Its place in the order of choice.
         self.index = index
+        #: Tells the method from others of its RAP.
         self.key = (index,)
+        #: What the trace prints.
         self.name = f"#{index + 1}" if node.name is None else str(node.name)
         parts = [f for f in (rap.repeat_while, node.context) if f is not None]
+        #: `repeat-while` and context as one query.
         self.choice: Query | None = None
         if parts:
             formula = parts[0] if len(parts) == 1 else nodes.And(tuple(parts))
@@ -67,36 +62,32 @@ class MethodPlan:
             self.request = compiler.assertion(node.body.request, "primitive")
         elif isinstance(node.body, nodes.TaskNet):
             self.steps = steps_of(compiler, node.body)
-        self.users = users_of(self.steps)
+        #: The positions of the steps whose inputs or windows use a variable.
+        self.steps_by_variable = steps_using(self.steps)
+        #: The RAPs that the steps ask for, once they have been looked up.
         self.raps: tuple[RapPlan, ...] = ()
+        #: Whether steps may add to the environment of the method.
         self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
         self.size = len(self.steps)
+        #: Whether any step has `for` formulas put on it.
         self.conditions = any(step.conditions for step in self.steps)
+        #: Whether inputs of steps are computed.
         self.computes = any(step.computes for step in self.steps)
         windows = [window for step in self.steps for window in step.windows]
-        self.dated = any(isinstance(window.reference, int) for window in windows)
-        self.dated |= any(step.until for step in self.steps)
+        self.tracks_step_ends = any(
+            isinstance(window.reference, int) for window in windows
+        )
+        self.tracks_step_ends |= any(step.until for step in self.steps)
 
 
 class RapPlan:
-    """A RAP ready to be instantiated.
-
-    `succeed` is None where no clause is given: `(last-result okay)`; `endless` is set
-    where it can never hold. `identity` is that of a task without inputs, `known` the
-    same if it need not be tested: only `recursive` RAPs can come up among their own
-    subtasks. `only` is the one method if there is one and no `repeat-while`.
-    `monitored` says whether there is a monitor clause, `ages` whether it asks how old
-    beliefs are, `conditional` whether there are preconditions or constraints,
-    `prepares` whether something is to be made of the inputs; `waits` if it is monitored
-    or prepares.
-    """
+    """A RAP ready to be instantiated."""
 
     __slots__ = (
         "ages",
         "conditional",
         "constraints",
         "duration",
-        "endless",
         "identity",
         "inputs",
         "known",
@@ -105,12 +96,13 @@ class RapPlan:
         "monitor_time",
         "monitored",
         "name",
+        "needs_setup",
+        "never_succeeds",
         "node",
         "only",
         "outputs",
         "preconditions",
         "prepared_from",
-        "prepares",
         "recursive",
         "repeat_while",
         "resources",
@@ -125,14 +117,20 @@ class RapPlan:
         self.name = node.name
         self.inputs = tuple(v.name for v in node.inputs)
         self.outputs = tuple(v.name for v in node.outputs)
+        #: The identity of a task without inputs.
         self.identity = (node.name,)
+        #: None where no clause is given: `(last-result okay)`.
         self.succeed = compiler.clause(node.succeed, "succeed", node)
-        self.endless = isinstance(node.succeed, nodes.Truth) and not node.succeed.value
+        #: Whether `succeed` can never hold.
+        self.never_succeeds = (
+            isinstance(node.succeed, nodes.Truth) and not node.succeed.value
+        )
         self.preconditions = compiler.clause(node.preconditions, "preconditions", node)
         self.constraints = compiler.clause(node.constraints, "constraints", node)
         self.repeat_while = compiler.clause(node.repeat_while, "repeat-while", node)
         self.monitor_state = compiler.clause(node.monitor_state, "monitor-state", node)
         self.watches: tuple[Watch, ...] = ()
+        #: Whether `monitor-state` asks how old beliefs are.
         self.ages = False
         if node.monitor_state is not None:
             asked = subformulas(node.monitor_state)
@@ -155,17 +153,23 @@ class RapPlan:
             for r in node.resources
         )
         self.prepared_from = _used(node)
+        #: Whether there is a monitor clause.
         self.monitored = bool(node.monitor_state or node.monitor_time)
+        #: Whether there are preconditions or constraints.
         self.conditional = bool(node.preconditions or node.constraints)
-        self.prepares = bool(node.resources or node.duration or node.monitor_time)
-        self.waits = self.monitored or self.prepares
+        #: Whether something is to be made of the inputs.
+        self.needs_setup = bool(node.resources or node.duration or node.monitor_time)
+        self.waits = self.monitored or self.needs_setup
+        #: Whether it can come up among its own subtasks.
         self.recursive = compiler.recursion.covers(node.name)
+        #: The identity, where it is known beforehand and need not be tested.
         self.known = None if self.inputs or self.recursive else self.identity
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)
         )
         single = len(self.methods) == 1 and node.repeat_while is None
+        #: The one method, if there is one and no `repeat-while`.
         self.only = self.methods[0] if single else None
 
 

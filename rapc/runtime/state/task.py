@@ -184,7 +184,7 @@ class Task:
             self.limit = parent.limit
             self.priority = parent.priority + step.priority
             self.waiting = step.before
-            waits = plan.waits or step.timed
+            waits = plan.waits or step.has_timing
             self.wait = WaitState(step.windows) if waits else None
         self.goal_args: tuple[Value | None, ...] = ()
         self.env: Env = {}
@@ -388,7 +388,7 @@ class MethodRun:
         self.started = started
         self.steps: list[Task] | tuple[()] = ()
         self.steps_left = left = plan.size
-        self.ends = Ends(left) if plan.dated else None
+        self.ends = Ends(left) if plan.tracks_step_ends else None
         self.notations: tuple[Notation, ...] = ()
         self.ticket: int | None = None
         outer = task.within

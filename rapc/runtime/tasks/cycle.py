@@ -75,7 +75,7 @@ def _first_of_all(machine: Machine, task: Task) -> None:
 
 def _found(machine: Machine, task: Task, succeed: Query) -> Env | None:
     """What the `succeed` clause binds if it holds."""
-    if task.plan.endless:
+    if task.plan.never_succeeds:
         return None
     machine.context.task = task
     return succeed.first(machine.context, task.env)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rapc.base.resources import Value
-from rapc.compiler.net_plan import ReceiverPlan, StepPlan
+from rapc.compiler.net_plan import OutputTarget, StepPlan
 from rapc.runtime.events.events import (
     MethodEnded,
     TaskFailed,
@@ -46,7 +46,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     It stands on the agenda no longer.
     """
     step, run = task.step, task.within
-    special = step is None or run is None or step.brings or task.plan.outputs
+    special = step is None or run is None or step.has_results or task.plan.outputs
     if special or not machine.fast or step is None or run is None:
         _succeed_with(machine, task, _outputs(task, found))
         return
@@ -111,7 +111,7 @@ def _outputs(task: Task, found: Env) -> Env:
 
 
 def receive(
-    machine: Machine, run: MethodRun, arriving: Iterable[tuple[ReceiverPlan, Value]]
+    machine: Machine, run: MethodRun, arriving: Iterable[tuple[OutputTarget, Value]]
 ) -> Env | None:
     """What arriving values bind in a method's environment; None if one does not fit."""
     bound: Env = {}
@@ -218,7 +218,7 @@ def recheck_bound_steps(
     Then the method has ended badly and its task has failed, `futile-loop`. The steps
     at `positions` are looked at whatever has been `bound`.
     """
-    users = run.plan.users
+    users = run.plan.steps_by_variable
     for at in sorted(
         {*positions, *(at for name in bound for at in users.get(name, ()))}
     ):

@@ -58,7 +58,7 @@ def create(machine: Machine, task: Task) -> None:
             priority=task.priority,
             step=task.step.node.tag if task.step is not None else None,
         )
-    if task.plan.prepares and task.wait is not None:
+    if task.plan.needs_setup and task.wait is not None:
         task.wait.made = machine.recorder.time
         _prepare(machine, task, task.wait)
 
@@ -254,5 +254,5 @@ def read_inputs(machine: Machine, task: Task) -> None:
         values.append(arg.value(context, env) if name is None else env.get(name))
     task.goal_args = tuple(values)
     bind_inputs(task)
-    if task.number and task.plan.prepares and task.wait is not None:
+    if task.number and task.plan.needs_setup and task.wait is not None:
         _prepare(machine, task, task.wait)

@@ -122,13 +122,13 @@ class Recognizer:
         """Learn what a fact says of a description; its set then is to be settled."""
         mentions = self._memory.mentions
         if mentions is not None:
-            if how is STORED:
+            if how == STORED:
                 mentions.added(fact)
             else:
                 mentions.removed(fact)
-        if how is REPLACED:
+        if how == REPLACED:
             return
-        there = how is STORED
+        there = how == STORED
         item = self._memory.items.known.get(str(fact[1])) if len(fact) > 2 else None
         if not isinstance(item, Description) or fact[0] == "location":
             return
