@@ -10,7 +10,17 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-from bench import agenda, chapter6, compiled, memory, monitors, order, parse, queries
+from bench import (
+    agenda,
+    chapter6,
+    compiled,
+    memory,
+    monitors,
+    order,
+    parse,
+    queries,
+    saving,
+)
 from bench.common import Figure, table
 
 BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
@@ -22,6 +32,7 @@ BENCHES: dict[str, Callable[[bool], Iterator[Figure]]] = {
     "order": order.figures,
     "chapter6": chapter6.figures,
     "memory": memory.figures,
+    "saving": saving.figures,
 }
 
 
