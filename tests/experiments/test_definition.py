@@ -16,7 +16,7 @@ def refusal(text: str) -> tuple[str, str | None]:
     """What is said of a text that is no experiment, or names what is not there."""
     with pytest.raises(ExperimentError) as caught:
         session(text)
-    return caught.value.message, caught.value.help
+    return caught.value.message, caught.value.help or None
 
 
 def changed(old: str, new: str) -> str:
