@@ -17,7 +17,7 @@ from types import CodeType, FrameType, FunctionType, MethodType
 from typing import NoReturn
 
 from rapc.errors import PortError
-from rapc.world import Text, World
+from rapc.world import Reply, Text, World
 
 Named = Mapping[str, Callable[..., object]]
 """Python code by the name under which a library knows it."""
@@ -167,6 +167,13 @@ def is_fact(value: object) -> bool:
     if type(value) is not tuple or not value or type(value[0]) is not str:
         return False
     return all(type(part) in _ATOMS for part in value)
+
+
+def is_reply(value: object) -> bool:
+    """Whether `value` is a reply with a result and data that are facts."""
+    if type(value) is not Reply or type(value.result) is not str:
+        return False
+    return isinstance(value.data, tuple | list) and all(map(is_fact, value.data))
 
 
 def is_time(value: object) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 from rapc.errors import PortError
 from rapc.runtime.acts.primitives import handle, take_reply
-from rapc.runtime.authors import is_fact, wrong
+from rapc.runtime.authors import is_fact, is_reply, wrong
 from rapc.runtime.events.events import DataReceived
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.finish import end_method
@@ -33,7 +33,7 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         else:
             others.append(message)
     for message in others:
-        if isinstance(message, Datum):
+        if isinstance(message, Datum) and is_fact(message.content):
             with machine.access.batch():
                 named = handle(machine, message.content)
             named = machine.memory.canonical(named)
@@ -55,7 +55,7 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
         name = machine.world.name
         said = f"the world `{name}` ended a request that is not under way: {ticket!r}"
         raise PortError(said)
-    if type(reply) is not Reply:
+    if not is_reply(reply):
         raise wrong(machine.world, "the end of a request", reply)
     task, asked = machine.state.pending.pop(ticket)
     result = take_reply(machine, task, asked, reply)

@@ -237,7 +237,7 @@ TYPES: dict[str, tuple[type[World], str]] = {
     "a number of messages": (with_(messages=answers(3)), "what `messages` returns"),
     "a text as message": (sends("spotted"), "a message"),
     "an empty signal": (sends(Signal(())), "a message"),
-    "an empty datum": (sends(Datum(())), "a datum"),
+    "an empty datum": (sends(Datum(())), "a message"),
     "a strange ticket": (sends(Finished(NAME, Reply("okay"))), "not under way: 'a'"),
     "a time that is none": (with_(now=answers("noon")), "the time"),
     "a next time that is none": (

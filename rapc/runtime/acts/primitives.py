@@ -11,7 +11,7 @@ from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.compiler import RequestPlan
 from rapc.errors import PortError
-from rapc.runtime.authors import is_fact, wrong
+from rapc.runtime.authors import is_reply, wrong
 from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
@@ -63,7 +63,7 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> str | None:
     machine.state.tickets += 1
     run.ticket = ticket = machine.state.tickets
     reply = world.perform(ticket, sent)
-    if reply is not None and type(reply) is not Reply:
+    if reply is not None and not is_reply(reply):
         raise wrong(world, f"the reply to {format_list(sent)}", reply)
     now = world.now()
     if now != machine.recorder.time or machine.state.until is not None:
@@ -101,8 +101,6 @@ def take_reply(
         PortError: for a datum that the world has no handler for.
     """
     handler, result = machine.result_handlers.get(asked[0]), reply.result
-    if type(result) is not str or not isinstance(reply.data, tuple | list):
-        raise wrong(machine.world, f"the reply to {format_list(asked)}", reply)
     if handler is not None or reply.data or machine.recognizer.unsettled:
         canonical = machine.memory.canonical
         with machine.access.batch():
@@ -139,8 +137,6 @@ def handle(machine: Machine, content: Fact) -> Fact:
     Raises:
         PortError: if the world has no handler for it.
     """
-    if not is_fact(content):
-        raise wrong(machine.world, "a datum", content)
     handler = machine.handlers.data.get(str(content[0]))
     if handler is None:
         name = machine.world.name
