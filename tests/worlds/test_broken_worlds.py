@@ -232,7 +232,7 @@ TYPES: dict[str, tuple[type[World], str]] = {
     "data that are none": (with_(perform=answers(Reply("okay", NONE))), "the reply"),
     "a datum that is none": (
         with_(perform=answers(Reply("okay", NO_DATA))),
-        "datum",
+        "the reply",
     ),
     "a number of messages": (with_(messages=answers(3)), "what `messages` returns"),
     "a text as message": (sends("spotted"), "a message"),
