@@ -1,7 +1,7 @@
 """Questions of a host: a formula made ready once and asked of a run's memory often.
 
 What a task asks is compiled with its RAP; here no task asks, so a question about the
-history of methods has no answer (semantics 2).
+history of methods has no answer [L 2].
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class HostQuery:
 
     Each way to ask takes the values of the variables in `given`, in their order, and
     is the generated function itself: `first` returns the first answer or None, `all`
-    the list of all answers in the order of semantics 2, `holds` whether there is one.
+    the list of all answers in the order of [L 2], `holds` whether there is one.
 
     Args:
         machine: the run whose memory is asked.

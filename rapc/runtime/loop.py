@@ -1,7 +1,7 @@
 """The crank of a run: turn after turn until it is over or nothing can go on.
 
 One turn takes in what the world has sent, tests what has changed, and processes one
-task (T figure 3.3, semantics 4). What a cycle does to its task is in
+task [T figure 3.3; L 4]. What a cycle does to its task is in
 `rapc.runtime.tasks.cycle`; turns look at nothing that has not changed.
 """
 

@@ -1,7 +1,7 @@
 """Who listens to which change, found from what has changed without looking at others.
 
 What a formula listens to is said by `rapc.compiler.watches`; when its task is
-tested is for `rapc.runtime.monitors.monitors` to say (semantics 5).
+tested is for `rapc.runtime.monitors.monitors` to say [L 5].
 """
 
 from __future__ import annotations

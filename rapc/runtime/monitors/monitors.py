@@ -2,7 +2,7 @@
 
 A monitored task listens to the changes that can affect its formula and to the times
 at which beliefs in it go stale; what has changed is tested again before the next
-choice, nothing else is (T 4.7, semantics 5).
+choice, nothing else is [T 4.7; L 5].
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The agenda: the tasks that may run now, and which of them runs next.
 
-Order of choice (T 3.2.4, semantics 4): higher priority; earlier latest start; tasks
+Order of choice [T 3.2.4; L 4]: higher priority; earlier latest start; tasks
 none of whose methods has ended badly; the family on top of the stack; chance. A task
 that is alone on the agenda is neither sorted nor grouped.
 """

@@ -1,7 +1,7 @@
 """Tasks and the methods they are carrying out: state only, no behaviour of its own.
 
 What happens to a task in a cycle is in `rapc.runtime.tasks.cycle`, what happens when
-something ends in `rapc.runtime.tasks.finish` (T 3.4.1, semantics 3). A task is made for
+something ends in `rapc.runtime.tasks.finish` [T 3.4.1; L 3]. A task is made for
 every step of every method, so what few tasks have stands apart: `WaitState` for times,
 signals and monitors, `History` from the second method or the first failure on.
 """
@@ -38,19 +38,7 @@ _RESOURCES = (Counter, SetResource)
 
 
 class WaitState:
-    """What a task may have to wait for besides its turn, and what its inputs make.
-
-    `opens` is the latest start of its windows, `windows` those whose times are not
-    yet known; `held` is set while it waits for a signal. `ready_at` is when its
-    monitored time comes, counted from when it was `made` at first; `keys` are the
-    changes it listens to, None before it does. `timer` is the time it waits for now,
-    `blocked_on` what the trace says of it, `formula` its monitor's in words, if that
-    stays as it is. The deadlines are those given by windows or a host, by
-    `monitor-time`, and the one last told of as missed. `begun` is set once it was
-    selected with its monitors holding, `after_method` while it is to come up whatever
-    its monitors say. `prepared` says that resources and times are made of its inputs,
-    `spoilt` that they could not be.
-    """
+    """What a task may have to wait for besides its turn, and what its inputs make."""
 
     __slots__ = (
         "after_method",
@@ -73,22 +61,39 @@ class WaitState:
     )
 
     def __init__(self, windows: tuple[WindowPlan, ...] = ()) -> None:
+        #: The windows whose times are not yet known.
         self.windows = windows
+        #: The latest start of its windows that are known.
         self.earliest_start: Time = 0
+        #: Whether it waits for a signal.
         self.awaits_signal = False
+        #: When its monitored time comes.
         self.ready_at: Time = 0
+        #: When the task joined the run; its monitored time is counted from then.
         self.made: Time = 0
+        #: The changes it listens to; None before it does.
         self.keys: tuple[WatchKey, ...] | None = None
+        #: The time it waits for now.
         self.timer: Time | None = None
+        #: What it waits for, as the trace has it.
         self.blocked_on = ""
+        #: Its monitor in words, if that stays as it is.
         self.formula: str | None = None
+        #: The deadline given by windows or a host.
         self.given_deadline: float = math.inf
+        #: The deadline given by `monitor-time`.
         self.monitor_deadline: float = math.inf
+        #: The deadline that was last told of as missed.
         self.missed: float | None = None
+        #: Whether it was selected with its monitors holding.
         self.first_selected = False
+        #: Whether it is to come up whatever its monitors say.
         self.after_method = False
+        #: Whether resources and times have been made of its inputs,
         self.prepared = False
+        #: and whether they could not be.
         self.setup_failed = False
+        #: How long its RAP says that it takes.
         self.duration: Time = 0
 
     @property
@@ -98,49 +103,40 @@ class WaitState:
 
 
 class History:
-    """What the methods of a task have come to: results by name, failures by index.
-
-    `choices` counts what the futile-loop detector has seen, from the second choice on.
-    `failure` is the last failure symbol from the world, `success` the environment of
-    the last method that ended well, for a task with outputs.
-    """
+    """What the methods of a task have come to."""
 
     __slots__ = ("choices", "failure", "failures", "results", "success")
 
     def __init__(self) -> None:
+        #: What the futile-loop detector has seen, from the second choice on.
         self.choices: dict[tuple[object, ...], int] = {}
+        #: The last result of each method tried, by name.
         self.results: dict[object, str | None] = {}
+        #: How often each method has ended badly, by index.
         self.failures: dict[int, int] = {}
+        #: The last failure symbol from the world.
         self.failure: str | None = None
+        #: The environment of the last method that ended well, for outputs.
         self.success: Env | None = None
 
 
 class TopLevelTask:
-    """What a top-level task has besides: `outcome` is `okay` or what it handed up.
-
-    It is None unless the task has ended by itself; so are the `outputs`.
-    """
+    """What a top-level task has besides."""
 
     __slots__ = ("background", "outcome", "outputs", "task")
 
     def __init__(self, task: Task, background: bool) -> None:
         self.task = task
+        #: Whether it does not keep the run going.
         self.background = background
+        #: `okay` or the failure it handed up; None unless it has ended by itself.
         self.outcome: str | None = None
+        #: What it handed out.
         self.outputs: Env = {}
 
 
 class Task:
-    """One goal under way; it has no number until it joins the run.
-
-    `goal_args` are its inputs as far as they are known, `env` holds them and its
-    resources by name. `identity` is set with the last input, and is the RAP with its
-    input values where a recursion test needs them; `family` is the number of its
-    top-level task; `limit` the nearest deadline of its own and its ancestors'.
-    `waiting` counts the steps that it still follows. `method` is the one tried last,
-    `choice` the first that its futile-loop detector has seen. `wait` and `history` are
-    None for most; `told` is the goal, once an event holds it and if it stays as it is.
-    """
+    """One goal under way."""
 
     __slots__ = (
         "choice",
@@ -171,11 +167,15 @@ class Task:
         self.plan = plan
         self.within = within
         self.step = step
+        #: Its number, 0 until it joins the run.
         self.number = 0
         if within is None or step is None:
+            #: The number of its top-level task.
             self.family: int = 0
+            #: The nearest deadline of its own and its ancestors'.
             self.limit: float = math.inf
             self.priority = 0
+            #: How many steps it still follows.
             self.waiting = 0
             self.wait = WaitState() if plan.waits else None
         else:
@@ -186,15 +186,24 @@ class Task:
             self.waiting = step.before
             waits = plan.waits or step.has_timing
             self.wait = WaitState(step.windows) if waits else None
+        #: Its inputs as far as they are known.
         self.goal_args: tuple[Value | None, ...] = ()
+        #: Its inputs and resources, by variable.
         self.env: Env = {}
+        #: The RAP, with its inputs where a recursion test needs them; None until all
+        #: inputs are known.
         self.identity: tuple[object, ...] | None = plan.known
         self.state = WAITING
+        #: The method it is at work on.
         self.run: MethodRun | None = None
+        #: The method tried last.
         self.method: MethodPlan | None = None
+        #: What its methods have come to, from the second or the first failure on.
         self.history: History | None = None
+        #: The first choice that its futile-loop detector has seen.
         self.choice: tuple[object, ...] | None = None
         self.last_result: str | None = None
+        #: The goal, once an event holds it and if it stays as it is.
         self.told: Goal | None = None
         #: `Monitors.changes` when its constraints, and those above, last held.
         self.held_at = -1
@@ -344,28 +353,19 @@ def _told(term: nodes.Term, env: Env) -> Any:
 
 
 class Ends:
-    """How steps of a method have ended, where something depends on it.
-
-    `times` holds when each of them did, None while it has not; `lapsed` are those that
-    an `until` has ended.
-    """
+    """How steps of a method have ended, where something depends on it."""
 
     __slots__ = ("ended_by_until", "times")
 
     def __init__(self, steps: int) -> None:
+        #: When each step ended; None while it has not.
         self.times: list[Time | None] = [None] * steps
+        #: The positions of the steps that an `until` has ended.
         self.ended_by_until: set[int] = set()
 
 
 class MethodRun:
-    """A method while it is carried out.
-
-    `env` is the method's environment: what the task had, what the choice bound, then
-    what `for` formulas and outputs add; it is the task's own where nothing can be
-    added. `left` counts the steps that have not ended. `constrained` is the nearest
-    task that states constraints, its own or above it; `guarded` says whether these or
-    others keep steps from being carried out.
-    """
+    """A method while it is carried out."""
 
     __slots__ = (
         "constrained",
@@ -384,18 +384,26 @@ class MethodRun:
     def __init__(self, task: Task, plan: MethodPlan, env: Env, started: Time) -> None:
         self.task = task
         self.plan = plan
+        #: What the task had, what the choice bound, then what `for` formulas and
+        #: outputs add; the task's own environment where nothing can be added.
         self.env = env
         self.started = started
+        #: The tasks of its steps, by position, those among them that have ended.
         self.steps: list[Task] | tuple[()] = ()
+        #: How many steps have not ended.
         self.steps_left = left = plan.size
         self.ends = Ends(left) if plan.tracks_step_ends else None
         self.notations: tuple[Notation, ...] = ()
+        #: The number of its request, if it has sent one.
         self.ticket: int | None = None
+        #: The nearest task that states constraints, its own or above it.
+        self.constrained: Task | None
         outer = task.within
         if task.plan.constraints is not None:
-            self.constrained: Task | None = task
+            self.constrained = task
         else:
             self.constrained = None if outer is None else outer.constrained
+        #: Whether these, or conditions of steps, may keep steps from being carried out.
         self.has_conditions = plan.conditions or self.constrained is not None
 
     def was_ended_by_until(self, position: int) -> bool:

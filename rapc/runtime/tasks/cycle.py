@@ -1,6 +1,6 @@
 """One task's cycle: from being selected to succeeding, failing, blocking or trying.
 
-The steps are those of semantics 3 (T 3.2, 3.4.1); the first that settles the task
+The steps are those of [L 3] [T 3.2, 3.4.1]; the first that settles the task
 ends the cycle.
 """
 

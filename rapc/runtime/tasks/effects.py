@@ -1,7 +1,7 @@
 """What a step's success does to sets and counters: all of it, or nothing.
 
-Whether a step has succeeded is for `rapc.runtime.tasks.finish` to say (T 4.8.2,
-semantics 6).
+Whether a step has succeeded is for `rapc.runtime.tasks.finish` to say [T 4.8.2;
+L 6].
 """
 
 from __future__ import annotations

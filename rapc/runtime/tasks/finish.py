@@ -1,4 +1,4 @@
-"""What follows when a step, a method or a task ends (semantics 3, 4, 6).
+"""What follows when a step, a method or a task ends [L 3, 4, 6].
 
 A step that ends by itself sets off its outputs, effects and `until`s, then lets the
 steps behind it go on, or ends its method; a failed one takes its method with it.

@@ -1,4 +1,4 @@
-"""Signals, and the steps that wait for them (S 3.1, semantics 4).
+"""Signals, and the steps that wait for them [S 3.1; L 4].
 
 A step listens from when all that it follows has ended; what a signal does to it is
 said by the first of its `wait-for`s that matches.

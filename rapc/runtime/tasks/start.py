@@ -1,7 +1,7 @@
 """How tasks begin: inputs, resources, times, and when they may be considered.
 
 What a task's end sets off is in `rapc.runtime.tasks.finish`; what it does when it is
-selected in `rapc.runtime.tasks.cycle` (semantics 3 and 4).
+selected in `rapc.runtime.tasks.cycle` [L 3, 4].
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A task tries a method: from the choice to the method's start (semantics 3, 5 to 9).
+"""A task tries a method: from the choice to the method's start [L 3].
 
 Which method it is is decided in `rapc.runtime.tasks.choose`; how methods end is in
 `rapc.runtime.tasks.finish`.
