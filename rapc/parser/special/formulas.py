@@ -6,8 +6,9 @@ whether it is declared.
 
 from __future__ import annotations
 
+from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.language.heads import CALLS, TRUTHS
+from rapc.language.heads import ARROW, CALLS, TRUTHS
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.elaborate import wrong
 from rapc.parser.syntax import Datum, List, Symbol
@@ -44,20 +45,26 @@ def _leaves(datum: Datum) -> int:
 def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
     if type(datum) is List:
         name = head_of(datum)
-        if name is not None and name not in TRUTHS:
+        if name is not None:
             read = ctx.formulas.get(name)
             if read is not None:
                 made: nodes.Formula | None = read(ctx, datum)
                 return made
-            if name not in CALLS:
-                return proposition(ctx, datum)
+            if name not in _NO_PROPOSITIONS:
+                place = Span(ctx.file, datum.start, datum.end)
+                return nodes.Proposition(name, terms(ctx, datum.items[1:]), place)
     elif type(datum) is Symbol and datum.name in TRUTHS:
         return nodes.Truth(TRUTHS[datum.name], ctx.span(datum))
-    _no_formula(ctx, datum)
+    no_formula(ctx, datum)
     return None
 
 
-def _no_formula(ctx: Context, datum: Datum) -> None:
+_NO_PROPOSITIONS = frozenset((*CALLS, ARROW))
+"""Words that head lists which are no formulas; formulas have readers."""
+
+
+def no_formula(ctx: Context, datum: Datum) -> None:
+    """Report a datum that is no formula."""
     name = head_of(datum)
     fix = None
     if name in CALLS:

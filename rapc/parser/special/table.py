@@ -67,7 +67,7 @@ SPECIAL: Mapping[str, Read] = {
     "not": formulas.negation,
     "believe": formulas.believe,
     "know_sensor_name": formulas.know_sensor_name,
-    "truth": formulas.formula,
+    "truth": formulas.no_formula,
     "term": terms.term,
     "proposition": terms.proposition,
     "goal": terms.goal,
