@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from rapc.language.grammar import RULES
-from rapc.language.shapes import Shape, is_rule, is_word
+from rapc.language.heads import heads, rules_by_head
+from rapc.language.shapes import Shape, is_rule, is_word, leaves
 
 
 class Words(NamedTuple):
@@ -22,6 +23,8 @@ class Words(NamedTuple):
     takes: str = ""
     #: Where it comes from.
     source: str = ""
+    #: The pages that tell what it means, as links from docs/language.
+    pages: tuple[str, ...] = ()
 
 
 WORDS: Mapping[str, Words] = {
@@ -29,32 +32,64 @@ WORDS: Mapping[str, Words] = {
     "define_rap": Words("a way to bring something about", "", "[T 4]"),
     "index_clause": Words("name, inputs and outputs", "one list", "[T 4.2]"),
     "succeed": Words(
-        "when a task is done, and what it hands out", "one formula", "[T 4.4.1]"
+        "when a task is done, and what it hands out",
+        "one formula",
+        "[T 4.4.1]",
+        pages=("3-tasks.md#success",),
     ),
     "preconditions": Words(
-        "what must hold whenever it is selected", "one formula", "[T 4.4.2]"
+        "what must hold whenever it is selected",
+        "one formula",
+        "[T 4.4.2]",
+        pages=("3-tasks.md#conditions",),
     ),
     "constraints": Words(
-        "what must hold for it and for all below it", "one formula", "[T 4.4.3]"
+        "what must hold for it and for all below it",
+        "one formula",
+        "[T 4.4.3]",
+        pages=("3-tasks.md#conditions",),
     ),
     "repeat_while": Words(
-        "how long it goes on choosing methods", "one formula", "[T 4.6]"
+        "how long it goes on choosing methods",
+        "one formula",
+        "[T 4.6]",
+        pages=("3-tasks.md#repeat-while",),
     ),
-    "monitor_state": Words("what it waits for", "one formula", "[T 4.7.1]"),
+    "monitor_state": Words(
+        "what it waits for",
+        "one formula",
+        "[T 4.7.1]",
+        pages=("5-monitors.md#waiting-for-a-state",),
+    ),
     "monitor_time": Words(
-        "until when it waits", "`now` or `absolute` and two times", "[T 4.7.1]"
+        "until when it waits",
+        "`now` or `absolute` and two times",
+        "[T 4.7.1]",
+        pages=("5-monitors.md#waiting-for-a-time",),
     ),
     "duration": Words(
-        "how long it takes, about", "one number or computed term", "[T 4.3]"
+        "how long it takes, about",
+        "one number or computed term",
+        "[T 4.3]",
+        pages=("4-agenda.md#choice",),
     ),
-    "resources": Words("what it remembers for itself", "", "[T 4.8.1]"),
+    "resources": Words(
+        "what it remembers for itself",
+        "",
+        "[T 4.8.1]",
+        pages=("6-resources.md#sets-and-counters",),
+    ),
     "resource": Words(
         "a set or a counter",
         "a variable and at most one first value",
         "[T 4.8.1]",
     ),
-    "effects": Words("which facts it brings about", "", ""),
-    "method": Words("a way to do it", "", "[T 4.5]"),
+    "effects": Words(
+        "which facts it brings about", "", "", pages=("6-resources.md#effects",)
+    ),
+    "method": Words(
+        "a way to do it", "", "[T 4.5]", pages=("3-tasks.md#choosing-a-method",)
+    ),
     "context": Words("when a method may be chosen", "one formula", "[T 4.5.1]"),
     "notations": Words("facts that hold while it runs", "", "[T 4.9.1]"),
     "task_net": Words("steps, in an order as loose as wanted", "", "[T 4.5.2]"),
@@ -62,18 +97,55 @@ WORDS: Mapping[str, Words] = {
     "enable": Words("skills to be switched on", "", "[S 3.2]"),
     "disable": Words("skills to be switched off", "", "[S 3.2]"),
     # Annotations
-    "order": Words("a step that comes behind this one", "the tag of one step"),
-    "protect": Words("what must hold until another step begins", "the tag of one step"),
-    "until_start": Words("whose start ends this step", "the tag of one step"),
-    "until_end": Words("whose end ends this step", "the tag of one step"),
-    "window": Words(
-        "from when, and by when", "a tag, `now` or `absolute`, and two times"
+    "order": Words(
+        "which step comes behind this one",
+        "the tag of one step",
+        pages=("4-agenda.md#order",),
     ),
-    "wait_for": Words("which signal it waits for, and what that does to it"),
-    "set_add": Words("puts something into a set", "a resource and one thing or amount"),
-    "set_sub": Words("takes it out of a set", "a resource and one thing or amount"),
-    "counter_add": Words("counts up", "a resource and one thing or amount"),
-    "counter_sub": Words("counts down", "a resource and one thing or amount"),
+    "protect": Words(
+        "what must hold until another step begins",
+        "the tag of one step",
+        pages=("3-tasks.md#conditions",),
+    ),
+    "until_start": Words(
+        "which step ends this one by its start",
+        "the tag of one step",
+        pages=("4-agenda.md#until",),
+    ),
+    "until_end": Words(
+        "which step ends this one by its end",
+        "the tag of one step",
+        pages=("4-agenda.md#until",),
+    ),
+    "window": Words(
+        "from when, and by when",
+        "a tag, `now` or `absolute`, and two times",
+        pages=("4-agenda.md#windows",),
+    ),
+    "wait_for": Words(
+        "which signal it waits for, and what that does to it",
+        pages=("4-agenda.md#wait-for",),
+    ),
+    "set_add": Words(
+        "puts something into a set as it succeeds",
+        "a resource and one thing or amount",
+        pages=("6-resources.md#effects",),
+    ),
+    "set_sub": Words(
+        "takes something out of a set as it succeeds",
+        "a resource and one thing or amount",
+        pages=("6-resources.md#effects",),
+    ),
+    "counter_add": Words(
+        "counts up as it succeeds",
+        "a resource and one thing or amount",
+        pages=("6-resources.md#effects",),
+    ),
+    "counter_sub": Words(
+        "counts down as it succeeds",
+        "a resource and one thing or amount",
+        pages=("6-resources.md#effects",),
+    ),
     # Formulas
     "and": Words("all of them hold", "", "[T 4.1.3]"),
     "or": Words("one of them holds", "", "[T 4.1.3]"),
@@ -159,6 +231,10 @@ OPERANDS: Mapping[str, str] = {
     "event_pattern": "(event :key value...)",
     "step": "(tag (goal) annotation...)",
     "cycles": "(cycles n)",
+    "resource": "(set|counter ?name [start])",
+    "negated": "(not (fact))",
+    "_once_method_clause": "clause",
+    "_body": "body",
     "index": "(name ?input... => ?output...)",
 }
 """How operands are written in short; others by the name of their rule or terminal."""
@@ -167,6 +243,24 @@ OPERANDS: Mapping[str, str] = {
 def spelling(rule: str) -> str:
     """Return how a list is written, as in `(believe (fact) term)`."""
     return _spelt(RULES[rule])
+
+
+def table(group: str) -> str:
+    """Return a table of the lists in a group of the grammar, as the pages have them."""
+    what = group.rpartition("_")[2]
+    rows = [f"| {what} | what it says | page |", "|---|---|---|"]
+    for rule in dict.fromkeys(rules_by_head(group).values()) | _headless(group):
+        row = WORDS[rule]
+        links = ", ".join(f"[{page[0]}]({page})" for page in row.pages)
+        spelt = spelling(rule).replace("|", "\\|")
+        rows.append(f"| `{spelt}` | {row.says} | {links} |")
+    return "\n".join(rows) + "\n"
+
+
+def _headless(group: str) -> dict[str, None]:
+    """The lists of a group that begin with a part of their own, as `protect` does."""
+    lists = [rule for rule in leaves(RULES[group]) if rule[0] != "_"]
+    return dict.fromkeys(rule for rule in lists if not heads(rule))
 
 
 def _spelt(shape: Shape) -> str:

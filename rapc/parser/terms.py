@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TypeVar
 
 from rapc.base.source import Span
 from rapc.base.values import Text
 from rapc.ir import nodes
-from rapc.language.heads import ARROW, CALLS, QUERIES
+from rapc.language.grammar import RULES
+from rapc.language.heads import ARROW, CALLS, QUERIES, rules_by_head
+from rapc.language.words import WORDS
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 
-_ARITY: Mapping[str, tuple[int, int | None, str]] = {
-    "+": (2, None, "two or more"),
-    "*": (2, None, "two or more"),
-    "/": (2, None, "two or more"),
-    "-": (1, None, "one or more"),
-    "size-of": (1, 1, "one"),
-    "value": (1, 1, "one"),
+_CALLS = rules_by_head("call")
+_LEAST = {
+    word: sum(part[0] != "*" for part in RULES[rule][2:])
+    for word, rule in _CALLS.items()
 }
+_REPEATS = frozenset(
+    word for word, rule in _CALLS.items() if RULES[rule][-1][0] in ("*", "+")
+)
+"""Calls whose last argument may be repeated; `_LEAST` says how many there must be."""
 
 
 def term(ctx: Context, datum: Datum) -> nodes.Term | None:
@@ -72,14 +75,13 @@ def _call(ctx: Context, datum: List) -> nodes.Call | None:
     args = terms(ctx, datum.items[1:])
     if len(args) < len(datum.items) - 1:
         return None
-    least, most, words = _ARITY.get(name, (0, None, ""))
-    count = len(datum.items) - 1
-    if count < least or (most is not None and count > most):
-        plural = "argument" if words == "one" else "arguments"
-        ctx.report(
-            "malformed-term", f"`{name}` takes {words} {plural}, not {count}", datum
-        )
-        return None
+    rule = _CALLS.get(name)
+    if rule is not None:
+        count, least = len(args), _LEAST[name]
+        if count < least or (count > least and name not in _REPEATS):
+            message = f"`{name}` takes {WORDS[rule].takes}, not {count}"
+            ctx.report("malformed-term", message, datum)
+            return None
     return nodes.Call(name, args, ctx.span(datum))
 
 
