@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from bench import growth
 from bench.run import BENCHES
+from rapc.analysis.driver import check_library
+from rapc.library.loader import load_text
 
 CHECKOUT = Path(__file__).parents[1]
 PAGE = (CHECKOUT / "docs" / "performance.md").read_text(encoding="utf-8")
@@ -22,6 +25,18 @@ def _rows(text: str) -> list[tuple[str, str, str]]:
         (bench, re.sub(r"[\d.]+ answers", "answers", what), unit)
         for bench, what, unit in rows
     ]
+
+
+def test_every_construct_is_one_that_can_be_checked() -> None:
+    found = dict(growth.rows(share=100))
+    assert len(found) == len(growth.CONSTRUCTS)
+    reports = {
+        name: check_library(load_text(make(3)))
+        for name, (make, _) in growth.CONSTRUCTS.items()
+    }
+    clean = [name for name, report in reports.items() if not report.findings]
+    assert "unknown predicates" not in clean
+    assert {"RAPs", "steps in a chain", "methods of one RAP"} <= set(clean)
 
 
 @pytest.mark.slow

@@ -1,0 +1,142 @@
+"""How checking grows with a text: constructs at n, 2n, 4n, and how much longer it takes.
+
+    python -m bench.growth [NAME]...
+
+Four times the text should take four times as long, or little more; 16 is quadratic.
+The times are CPU seconds of `check_library` and of reading before it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterator, Mapping
+
+from bench.common import short
+from rapc.analysis.driver import check_library
+from rapc.library.loader import load_text
+
+STEPS = (1, 2, 4)
+
+LIMIT = 8
+"""So many times as long for four times the text is too much."""
+
+
+def _raps(n: int) -> str:
+    return "".join(f"(define-rap (r{i}) (succeed t))\n" for i in range(n))
+
+
+def _methods_tried(n: int) -> str:
+    asked = "".join(f"(method (context (method-tried m{i})))\n" for i in range(n))
+    return f"(define-rap (a) (succeed nil)\n{asked})"
+
+
+def _comments_that_suppress(n: int) -> str:
+    return "; rapc: ignore[unknown-rap]\n" * n + _raps(1)
+
+
+def _suppressions(n: int) -> str:
+    return "".join(
+        f"; rapc: ignore[unknown-rap]\n(define-rap (a{i}) (method (task-net "
+        f"(t (gone-{i})))))\n"
+        for i in range(n)
+    )
+
+
+def _file_suppressions(n: int) -> str:
+    return "; rapc: file-ignore[unknown-rap]\n" * n + "".join(
+        f"(define-rap (a{i}) (method (task-net (t (gone-{i})))))\n" for i in range(n)
+    )
+
+
+def _suppressed_steps(n: int) -> str:
+    steps = "".join(
+        f"; rapc: ignore[unknown-rap]\n(t{i} (gone-{i}))\n" for i in range(n)
+    )
+    return f"(define-rap (a) (method (task-net\n{steps})))"
+
+
+def _unknown(n: int) -> str:
+    return "".join(f"(define-rap (r{i}) (succeed (gone-{i})))\n" for i in range(n))
+
+
+def _chain(n: int) -> str:
+    steps = " ".join(f"(t{i} (r) (for t{i + 1}))" for i in range(n))
+    net = f"(task-net {steps} (t{n} (r)))"
+    return f"(define-rap (r) (succeed t))(define-rap (a) (method {net}))"
+
+
+def _calls(n: int) -> str:
+    return "".join(
+        f"(define-rap (r{i}) (method (task-net (t (r{(i + 1) % n})))))\n"
+        for i in range(n)
+    )
+
+
+def _methods(n: int) -> str:
+    return f"(define-rap (a) {' '.join(f'(method m{i} (task-net))' for i in range(n))})"
+
+
+def _terms(n: int) -> str:
+    return (
+        "(declare-memory-proposition p (?x))\n(define-rap (a) (method (notations "
+        + "(p 1)" * n
+        + ") (task-net)))"
+    )
+
+
+def _open(n: int) -> str:
+    return "(define-rap (a) (succeed t)\n" * n
+
+
+CONSTRUCTS: Mapping[str, tuple[Callable[[int], str], int]] = {
+    "RAPs": (_raps, 2000),
+    "`method-tried` of unknown methods": (_methods_tried, 500),
+    "comments that suppress, in a row": (_comments_that_suppress, 2000),
+    "RAPs with a suppression each": (_suppressions, 1000),
+    "`file-ignore`, once for each RAP": (_file_suppressions, 1000),
+    "suppressed steps of one form": (_suppressed_steps, 500),
+    "unknown predicates": (_unknown, 1000),
+    "steps in a chain": (_chain, 500),
+    "RAPs that call in a circle": (_calls, 1000),
+    "methods of one RAP": (_methods, 1000),
+    "notations of one method": (_terms, 2000),
+    "forms that are never closed": (_open, 500),
+}
+"""Each with how its text is made, and n."""
+
+
+def seconds(text: str) -> float:
+    """Return the CPU time that reading and checking a text takes."""
+    start = time.process_time()
+    check_library(load_text(text))
+    return time.process_time() - start
+
+
+def rows(wanted: tuple[str, ...] = (), share: int = 1) -> Iterator[tuple[str, float]]:
+    """Measure constructs, of an n divided by `share`; give a row and the growth."""
+    for name, (make, n) in CONSTRUCTS.items():
+        if wanted and not any(word in name for word in wanted):
+            continue
+        size = max(1, n // share)
+        times = [seconds(make(size * step)) for step in STEPS]
+        growth = times[-1] / times[0]
+        mark = "**too much**" if growth > LIMIT else ""
+        told = " | ".join(short(each) for each in times)
+        yield f"| {name} | {size:,} | {told} | {growth:.1f} | {mark} |", growth
+
+
+def main() -> None:
+    """Read the command line and print a table."""
+    parser = argparse.ArgumentParser(description="How checking grows with a text.")
+    parser.add_argument("name", nargs="*", help="part of a construct's name")
+    args = parser.parse_args()
+    seconds(_raps(10))
+    print("| construct | n | s for n | 2n | 4n | times as long | |")
+    print("|---|---:|---:|---:|---:|---:|---|")
+    for row, _ in rows(tuple(args.name)):
+        print(row, flush=True)
+
+
+if __name__ == "__main__":
+    main()
