@@ -1,4 +1,4 @@
-"""How checking grows with a text: constructs at n, 2n, 4n, and how much longer it takes.
+"""How checking grows with a text: constructs at n, 2n and 4n, and their times.
 
     python -m bench.growth [NAME]...
 
