@@ -165,7 +165,9 @@ class TextTrace:
             event.task == asked.task or event.request == asked.request
         )
         if not ended:
-            self._write(asked, f"    ... primitive operation {asked.request} begun")
+            self._write(
+                asked, f"    ... primitive operation {format_list(asked.request)} begun"
+            )
         for held, text in self._held:
             self._write(held, text)
         self._asked = None
