@@ -17,7 +17,7 @@ from rapc.experiments import definition
 from rapc.experiments.config import Config
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import measure
-from rapc.experiments.session import Session
+from rapc.experiments.session import Batch
 from rapc.host import load
 
 
@@ -36,12 +36,12 @@ def run(config: Config, seed: int) -> Run:
     return Run(time.perf_counter() - wall, time.process_time() - cpu, measures)
 
 
-def session() -> Session:
+def session() -> Batch:
     """The experiment that comes with rapc, ready to be run."""
     file = definition.find("chapter6")
     made = definition.read(file)
     path = file.parent / made.library
-    return Session(made, file.parent, load(path).program, path)
+    return Batch(made, file.parent, load(path).program, path)
 
 
 def figures(quick: bool = False) -> Iterator[Figure]:

@@ -82,12 +82,16 @@ def format_atom(value: object) -> str:
 
 
 def format_float(value: float) -> str:
-    """A float as the language writes it: digits and a point, no exponent."""
+    """Return a float as the language writes it: digits and a point, no exponent."""
     text = repr(value)
     if "e" not in text:
         return text
-    text = f"{value:.20f}".rstrip("0")
-    return text + "0" if text.endswith(".") else text
+    head, exponent = text.removeprefix("-").split("e")
+    whole, _, part = head.partition(".")
+    sign, power = "-" * text.startswith("-"), int(exponent)
+    if power < 0:
+        return f"{sign}0.{'0' * (-power - 1)}{whole}{part}"
+    return f"{sign}{(whole + part).ljust(power + 1, '0')}.0"
 
 
 def format_list(parts: Iterable[object]) -> str:

@@ -17,10 +17,10 @@ from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.options import Count, say
 from rapc.console.progress import bar
 from rapc.experiments import definition, output
-from rapc.experiments.batch import Done, Workers, WorkersLost, jobs, run_batch
+from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.definition import ExperimentError
 from rapc.experiments.local import LocalWorkers, cores
-from rapc.experiments.session import Session
+from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
 from rapc.experiments.summary import Summary
 from rapc.experiments.tables import show
@@ -114,12 +114,12 @@ def experiment(
     raise SystemExit(1 if faults else 0)
 
 
-def _session(name: str, parts: Sequence[str], seeds: int | None) -> Session:
+def _session(name: str, parts: Sequence[str], seeds: int | None) -> Batch:
     try:
         file = definition.find(name)
         made = definition.read(file)
         path = file.parent / made.library
-        return Session(made, file.parent, load_checked(str(path)), path, parts, seeds)
+        return Batch(made, file.parent, load_checked(str(path)), path, parts, seeds)
     except ExperimentError as error:
         fail(error.message, error.help)
 
@@ -133,7 +133,7 @@ def _folder(name: str) -> Path:
 
 
 def _run_missing(
-    session: Session, store: Store, cluster: str | None, processes: int | None
+    session: Batch, store: Store, cluster: str | None, processes: int | None
 ) -> list[str]:
     """Have the missing runs done; return what is to be said of those that fail.
 
@@ -166,9 +166,7 @@ def _run_missing(
     return faults
 
 
-def _bar(
-    session: Session, total: int
-) -> AbstractContextManager[Callable[[int], object]]:
+def _bar(session: Batch, total: int) -> AbstractContextManager[Callable[[int], object]]:
     """A bar that shows how many runs have come in, where somebody would see it."""
     given = settings()
     shown = sys.stderr.isatty() and not given.quiet and not given.verbose
@@ -178,7 +176,7 @@ def _bar(
 
 @contextmanager
 def _workers(
-    session: Session, total: int, cluster: str | None, processes: int | None
+    session: Batch, total: int, cluster: str | None, processes: int | None
 ) -> Iterator[Workers]:
     """The processes of this machine, or those of a cluster."""
     found: AbstractContextManager[Workers]
@@ -207,7 +205,7 @@ def _see_that_it_is(error: ModuleNotFoundError, package: str) -> None:
         raise error
 
 
-def _tell(session: Session, done: Done) -> list[str]:
+def _tell(session: Batch, done: BatchResult) -> list[str]:
     """Say what has come in, if `-v` asks for it; returns what went wrong, as text."""
     point = session.point_of(done.config)
     where = f"part `{point.part}`"
@@ -234,7 +232,7 @@ def _tell_faults(faults: Sequence[str]) -> None:
         click.echo(f"error: {more} more runs have no result", err=True)
 
 
-def _write(session: Session, summaries: Sequence[Summary], folder: Path) -> None:
+def _write(session: Batch, summaries: Sequence[Summary], folder: Path) -> None:
     """Write tables, plots and commands beside the results."""
     try:
         drawn = _draw(summaries, folder)

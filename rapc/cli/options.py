@@ -32,7 +32,7 @@ class Count(click.IntRange):
 
 
 @dataclass
-class Settings:
+class CliSettings:
     """What the options common to all commands say; lives in click's root context."""
 
     color: str = "auto"
@@ -47,9 +47,9 @@ class Settings:
         return sys.stdout.isatty() and not plain
 
 
-def settings() -> Settings:
+def settings() -> CliSettings:
     """The settings of the command that runs."""
-    return click.get_current_context().find_root().ensure_object(Settings)
+    return click.get_current_context().find_root().ensure_object(CliSettings)
 
 
 def common_options(command: F) -> F:
@@ -81,7 +81,7 @@ def common_options(command: F) -> F:
 
 
 def _keep(context: click.Context, option: click.Parameter, value: object) -> None:
-    kept = context.find_root().ensure_object(Settings)
+    kept = context.find_root().ensure_object(CliSettings)
     if value and option.name is not None:
         setattr(kept, option.name, value)
 

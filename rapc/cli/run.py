@@ -28,7 +28,7 @@ from rapc.errors import (
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
 from rapc.runtime.authors import blame
-from rapc.runtime.events.report import Report
+from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings, read_settings
@@ -128,7 +128,7 @@ def run(
     interpreter, options, world = _build(library, world_name, seed, values, failing)
     _refuse(interpreter, submissions, known)
     drawn = _drawable(world, world_name) if show else None
-    report = Report()
+    report = RunReport()
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
         with interrupts_held():
             if trace is not None:
@@ -136,7 +136,7 @@ def run(
                 stream = stack.enter_context(_opened(trace, files))
                 form = JsonTrace if trace_format == "jsonl" else TextTrace
                 interpreter.listen(form(stream))
-            interpreter.listen(report, *Report.kinds)
+            interpreter.listen(report, *RunReport.kinds)
             if drawn is not None:
                 _show(stack, interpreter, drawn)
             elif not settings().quiet:

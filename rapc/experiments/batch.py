@@ -41,14 +41,14 @@ class Workers(Protocol):
         """Have a job done. The future's `TimeoutError` means that it took too long."""
 
 
-class Done(msgspec.Struct, frozen=True):
+class BatchResult(msgspec.Struct, frozen=True):
     """Results of runs of a configuration that have come in."""
 
     config: Config
     results: tuple[Result, ...]
 
 
-class _Given(msgspec.Struct, frozen=True):
+class _Dispatch(msgspec.Struct, frozen=True):
     job: Job
     attempt: int
 
@@ -64,7 +64,7 @@ def jobs(missing: Iterable[tuple[Config, Sequence[int]]], chunk: int) -> Iterato
             queues.append((config, seeds))
 
 
-def run_batch(workers: Workers, work: Iterable[Job]) -> Iterator[Done]:
+def run_batch(workers: Workers, work: Iterable[Job]) -> Iterator[BatchResult]:
     """Have jobs done; yields results as they come, in any order.
 
     Each run of each job is in exactly one result, with its measures or a fault.
@@ -73,8 +73,8 @@ def run_batch(workers: Workers, work: Iterable[Job]) -> Iterator[Done]:
         WorkersLost: if there are no workers any more.
     """
     waiting = iter(work)
-    again: deque[_Given] = deque()
-    under_way: dict[Future[tuple[Result, ...]], _Given] = {}
+    again: deque[_Dispatch] = deque()
+    under_way: dict[Future[tuple[Result, ...]], _Dispatch] = {}
     try:
         while True:
             _fill(workers, waiting, again, under_way)
@@ -92,8 +92,8 @@ def run_batch(workers: Workers, work: Iterable[Job]) -> Iterator[Done]:
 def _fill(
     workers: Workers,
     waiting: Iterator[Job],
-    again: deque[_Given],
-    under_way: dict[Future[tuple[Result, ...]], _Given],
+    again: deque[_Dispatch],
+    under_way: dict[Future[tuple[Result, ...]], _Dispatch],
 ) -> None:
     while len(under_way) < workers.room:
         given = again.popleft() if again else None
@@ -101,26 +101,26 @@ def _fill(
             job = next(waiting, None)
             if job is None:
                 return
-            given = _Given(job, 1)
+            given = _Dispatch(job, 1)
         under_way[workers.submit(given.job)] = given
 
 
 def _take(
-    given: _Given, future: Future[tuple[Result, ...]], again: deque[_Given]
-) -> Iterator[Done]:
+    given: _Dispatch, future: Future[tuple[Result, ...]], again: deque[_Dispatch]
+) -> Iterator[BatchResult]:
     """What a future brought; what was lost goes to `again`, or is given up."""
     config, seeds = given.job.config, given.job.seeds
     error = CancelledError() if future.cancelled() else future.exception()
     if error is None:
-        yield Done(config, future.result())
+        yield BatchResult(config, future.result())
     elif isinstance(error, TimeoutError):
-        yield Done(
+        yield BatchResult(
             config,
             tuple(Result(s, None, "it took longer than the time limit") for s in seeds),
         )
     elif given.attempt < ATTEMPTS:
-        again.extend(_Given(Job(config, (s,)), given.attempt + 1) for s in seeds)
+        again.extend(_Dispatch(Job(config, (s,)), given.attempt + 1) for s in seeds)
     else:
         what = " ".join(f"{type(error).__name__}: {error}".split())
         lost = f"its worker was lost {ATTEMPTS} times, at last with {what}"
-        yield Done(config, tuple(Result(s, None, lost) for s in seeds))
+        yield BatchResult(config, tuple(Result(s, None, lost) for s in seeds))

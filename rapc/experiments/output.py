@@ -9,7 +9,7 @@ from collections.abc import Container, Iterable, Iterator
 from pathlib import Path
 from textwrap import wrap
 
-from rapc.experiments.session import Session
+from rapc.experiments.session import Batch
 from rapc.experiments.summary import Summary
 from rapc.experiments.tables import (
     Kind,
@@ -56,7 +56,7 @@ def write_tables(
     file.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
-def write_commands(session: Session, file: Path) -> None:
+def write_commands(session: Batch, file: Path) -> None:
     """Write the command that repeats the run of each point under seed 0."""
     text = []
     for point in session.points:

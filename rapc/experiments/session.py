@@ -14,7 +14,7 @@ from rapc.experiments.summary import Summary, summarize
 from rapc.worlds.registry import find_world
 
 
-class Session:
+class Batch:
     """An experiment, the parts of it that are to be run, and under which seeds.
 
     Args:

@@ -24,14 +24,14 @@ _MANY = 8
 Happened = tuple[str, ...]
 
 
-class Scene(msgspec.Struct, frozen=True):
+class Evidence(msgspec.Struct, frozen=True):
     """What an expectation is judged by: the record, and memory to be asked."""
 
     record: Record
     holds: Callable[[nodes.Formula], bool]
 
 
-def judge(expectation: nodes.Expectation, scene: Scene) -> Happened | None:
+def judge(expectation: nodes.Expectation, scene: Evidence) -> Happened | None:
     """None if an expectation holds now, else what happened instead."""
     return _JUDGES[type(expectation)](expectation, scene)
 
@@ -46,7 +46,7 @@ def _some(lines: Sequence[str]) -> Happened:
 # --- goals -------------------------------------------------------------------------
 
 
-def _tasks(goal: nodes.Goal, scene: Scene, found: Iterable[TaskRecord]) -> Happened:
+def _tasks(goal: nodes.Goal, scene: Evidence, found: Iterable[TaskRecord]) -> Happened:
     """What became of the tasks a goal means, or else of those of its RAP."""
     lines = [f"{task.text} [{task.number}] {task.state()}" for task in found]
     if lines:
@@ -59,7 +59,7 @@ def _tasks(goal: nodes.Goal, scene: Scene, found: Iterable[TaskRecord]) -> Happe
     return (f"no task {asked} was made, but", *_some(lines))
 
 
-def _succeeds(node: nodes.Succeeds, scene: Scene) -> Happened | None:
+def _succeeds(node: nodes.Succeeds, scene: Evidence) -> Happened | None:
     found = scene.record.matching(node.goal)
     wanted = (*flat(node.goal), *[atom(out) for out in node.outputs])
     for task in found:
@@ -69,7 +69,7 @@ def _succeeds(node: nodes.Succeeds, scene: Scene) -> Happened | None:
     return _tasks(node.goal, scene, found)
 
 
-def _fails(node: nodes.Fails, scene: Scene) -> Happened | None:
+def _fails(node: nodes.Fails, scene: Evidence) -> Happened | None:
     found = scene.record.matching(node.goal)
     wanted = flat(node.goal)
     if node.result is not None:
@@ -81,21 +81,21 @@ def _fails(node: nodes.Fails, scene: Scene) -> Happened | None:
     return _tasks(node.goal, scene, found)
 
 
-def _active(node: nodes.Active, scene: Scene) -> Happened | None:
+def _active(node: nodes.Active, scene: Evidence) -> Happened | None:
     found = scene.record.matching(node.goal)
     if any(task.ended is None for task in found):
         return None
     return _tasks(node.goal, scene, found)
 
 
-def _ends_by(node: nodes.EndsBy, scene: Scene) -> Happened | None:
+def _ends_by(node: nodes.EndsBy, scene: Evidence) -> Happened | None:
     found = scene.record.matching(node.goal)
     if any(t.ended == "succeeded" and t.time <= node.time for t in found):
         return None
     return _tasks(node.goal, scene, found)
 
 
-def _selected_before(node: nodes.SelectedBefore, scene: Scene) -> Happened | None:
+def _selected_before(node: nodes.SelectedBefore, scene: Evidence) -> Happened | None:
     firsts = _selected(node.first, scene)
     seconds = _selected(node.second, scene)
     if any(a < b for a in firsts for b in seconds):
@@ -116,7 +116,7 @@ def _selected_before(node: nodes.SelectedBefore, scene: Scene) -> Happened | Non
     return _some(lines)
 
 
-def _selected(goal: nodes.Goal, scene: Scene) -> list[int]:
+def _selected(goal: nodes.Goal, scene: Evidence) -> list[int]:
     found = scene.record.matching(goal)
     return [task.selected for task in found if task.selected is not None]
 
@@ -124,11 +124,11 @@ def _selected(goal: nodes.Goal, scene: Scene) -> list[int]:
 # --- requests ------------------------------------------------------------------------
 
 
-def _requests(scene: Scene) -> list[Fact]:
+def _requests(scene: Evidence) -> list[Fact]:
     return [request for request, _ in scene.record.requests]
 
 
-def _primitives(node: nodes.Primitives, scene: Scene) -> Happened | None:
+def _primitives(node: nodes.Primitives, scene: Evidence) -> Happened | None:
     done, wanted = _requests(scene), node.requests
     same = 0
     for pattern, request in zip(wanted, done, strict=False):
@@ -155,7 +155,7 @@ def _listed(requests: Sequence[Fact]) -> Happened:
     return _some([format_list(request) for request in requests])
 
 
-def _include(node: nodes.PrimitivesInclude, scene: Scene) -> Happened | None:
+def _include(node: nodes.PrimitivesInclude, scene: Evidence) -> Happened | None:
     rest = iter(_requests(scene))
     for at, pattern in enumerate(node.requests):
         wanted = flat(pattern)
@@ -168,7 +168,7 @@ def _include(node: nodes.PrimitivesInclude, scene: Scene) -> Happened | None:
     return None
 
 
-def _never(node: nodes.Never, scene: Scene) -> Happened | None:
+def _never(node: nodes.Never, scene: Evidence) -> Happened | None:
     for request, event in scene.record.requests:
         if match(flat(node.request), request) is not None:
             task = scene.record.tasks[event.task]
@@ -182,7 +182,7 @@ def _never(node: nodes.Never, scene: Scene) -> Happened | None:
 # --- memory, methods, the trace -----------------------------------------------------
 
 
-def _memory(node: nodes.MemoryHolds, scene: Scene) -> Happened | None:
+def _memory(node: nodes.MemoryHolds, scene: Evidence) -> Happened | None:
     if scene.holds(node.formula):
         return None
     lines: list[str] = []
@@ -200,7 +200,7 @@ def _memory(node: nodes.MemoryHolds, scene: Scene) -> Happened | None:
     return tuple(lines) or ("it does not hold",)
 
 
-def _method(node: nodes.MethodChosen, scene: Scene) -> Happened | None:
+def _method(node: nodes.MethodChosen, scene: Evidence) -> Happened | None:
     chosen = [
         event.method
         for event in scene.record.events
@@ -219,7 +219,7 @@ def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _trace(node: nodes.TraceHas, scene: Scene) -> Happened | None:
+def _trace(node: nodes.TraceHas, scene: Evidence) -> Happened | None:
     reached = -1
     for at, pattern in enumerate(node.events):
         same = scene.record.of_kind(pattern.event)
@@ -249,7 +249,7 @@ def _shown(value: object) -> str:
     return "null" if value is None else format_atom(value)
 
 
-_JUDGES: Mapping[type, Callable[[Any, Scene], Happened | None]] = {
+_JUDGES: Mapping[type, Callable[[Any, Evidence], Happened | None]] = {
     nodes.Succeeds: _succeeds,
     nodes.Fails: _fails,
     nodes.Active: _active,

@@ -22,7 +22,7 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.testing.admission import Problem, problems
 from rapc.testing.coverage import Coverage
-from rapc.testing.judge import Scene, judge
+from rapc.testing.judge import Evidence, judge
 from rapc.testing.patterns import flat
 from rapc.testing.record import Record
 from rapc.world import Kit, World
@@ -253,7 +253,7 @@ class _Run:
 
     def _judge(self, expectations: Sequence[nodes.Expectation]) -> None:
         self._record.refresh(self.interpreter.goals())
-        scene = Scene(self._record, lambda f: self.interpreter.question(f).holds())
+        scene = Evidence(self._record, lambda f: self.interpreter.question(f).holds())
         for expectation in expectations:
             happened = judge(expectation, scene)
             if happened is not None:

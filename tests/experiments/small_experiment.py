@@ -14,7 +14,7 @@ from rapc.experiments import definition
 from rapc.experiments.config import Config
 from rapc.experiments.definition import Experiment
 from rapc.experiments.measures import Measures
-from rapc.experiments.session import Session
+from rapc.experiments.session import Batch
 from rapc.experiments.store import Store
 from rapc.host import load
 from tests.cli.command import COMMAND, HOME
@@ -67,11 +67,11 @@ name = "usual"
 
 def session(
     text: str = TRUCK, parts: Sequence[str] = (), seeds: int | None = None
-) -> Session:
+) -> Batch:
     """A session for the text of an experiment that lies in the checkout."""
     made: Experiment = definition.decode(text, "truck")
     path = CHECKOUT / made.library
-    return Session(made, CHECKOUT, load(path).program, path, parts, seeds)
+    return Batch(made, CHECKOUT, load(path).program, path, parts, seeds)
 
 
 def config(text: str = TRUCK) -> Config:

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from rapc.experiments.batch import Done, jobs, run_batch
+from rapc.experiments.batch import BatchResult, jobs, run_batch
 from rapc.experiments.local import LocalWorkers
 from rapc.experiments.run import Job, Result, run_job
 
@@ -21,7 +21,7 @@ from .small_experiment import config, session
 SEEDS = range(8)
 
 
-def drain(batch: Iterable[Done]) -> list[Result]:
+def drain(batch: Iterable[BatchResult]) -> list[Result]:
     return [result for done in batch for result in done.results]
 
 

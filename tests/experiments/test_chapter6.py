@@ -6,16 +6,16 @@ import re
 from pathlib import Path
 
 from rapc.experiments import definition
-from rapc.experiments.session import Session
+from rapc.experiments.session import Batch
 from rapc.host import load
 from tests.cli.command import rapc
 
 
-def chapter6() -> Session:
+def chapter6() -> Batch:
     file = definition.find("chapter6")
     made = definition.read(file)
     path = file.parent / made.library
-    return Session(made, file.parent, load(path).program, path)
+    return Batch(made, file.parent, load(path).program, path)
 
 
 def test_points_are_those_of_the_thesis_and_shared_where_they_are_alike() -> None:

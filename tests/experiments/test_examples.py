@@ -12,7 +12,7 @@ import pytest
 
 from rapc.experiments import definition
 from rapc.experiments.run import measure
-from rapc.experiments.session import Session
+from rapc.experiments.session import Batch
 from rapc.host import load
 
 FILES = sorted(
@@ -24,7 +24,7 @@ FILES = sorted(
 def test_an_experiment_among_the_examples_runs(file: Path) -> None:
     made = msgspec.structs.replace(definition.read(file), until=700)
     path = file.parent / made.library
-    points = Session(made, file.parent, load(path).program, path).points
+    points = Batch(made, file.parent, load(path).program, path).points
     run = measure(points[0].config, 0)
     assert (run.reason, run.disaster) == ("until", None)
     assert run.completed + run.given_up + run.pending == 9

@@ -13,7 +13,7 @@ from rapc.base.values import Fact
 from rapc.errors import PortError
 from rapc.library.library import Library
 from rapc.runtime.events import events
-from rapc.runtime.events.report import Report
+from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
@@ -221,7 +221,7 @@ SLOW = "(define-rap (charge) (method (primitive (slow dock))))"
 def test_a_task_that_waits_for_a_primitive_is_seen_everywhere() -> None:
     ran = Play(SLOW, "(charge)", rows=[row("(slow dock)", after=50)])
     run, stream = ran.interpreter, StringIO()
-    report = Report()
+    report = RunReport()
     run.listen(TextTrace(stream))
     run.listen(report, *report.kinds)
     run.step()

@@ -11,7 +11,7 @@ import pytest
 import rapc
 from rapc.console.show.beliefs import believed_contents, words
 from rapc.console.show.canvas import folded
-from rapc.console.show.frame import Doings, draw_frame
+from rapc.console.show.frame import Activity, draw_frame
 from rapc.library.loader import load_text
 from rapc.world import Gauge, Picture, Spot, Thing
 from rapc.worlds.truck.map_text import read_map
@@ -44,7 +44,9 @@ YARD = Picture(
     "color",
     (Gauge("fuel", 5, ("fuel",)), Gauge("heading", "southeast", ("heading",))),
 )
-DOINGS = Doings(12.5, "[1] (fetch red)", ("(look yard) - okay", "(grab item-1) - lost"))
+DOINGS = Activity(
+    12.5, "[1] (fetch red)", ("(look yard) - okay", "(grab item-1) - lost")
+)
 
 
 @pytest.fixture
@@ -209,7 +211,7 @@ def test_a_frame_fits_where_it_is_drawn() -> None:
     run.submit("(rock-order red 2)")
     run.run(until=90)
     for width, height in ((1, 1), (20, 4), (40, 12), (80, 24), (132, 43), (300, 100)):
-        frame = draw_frame(world.picture(), run.memory, Doings(), width, height)
+        frame = draw_frame(world.picture(), run.memory, Activity(), width, height)
         assert 0 < len(frame) <= height
         assert max(line.cell_len for line in frame) <= width
 

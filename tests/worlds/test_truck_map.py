@@ -13,7 +13,7 @@ from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.map import opposite
 from rapc.worlds.truck.map_text import MapError, read_map
-from rapc.worlds.truck.options import Settings, describe_options, read_settings
+from rapc.worlds.truck.options import TruckSettings, describe_options, read_settings
 
 from .drive import PLACES, ROADS, map_text, rock, thing
 
@@ -184,11 +184,11 @@ def test_an_option_out_of_range_is_refused(options: Any, message: str) -> None:
 
 def test_every_option_is_described_once_with_its_default() -> None:
     described = {option.name: option for option in describe_options()}
-    assert len(described) == len(Settings.__struct_fields__)
+    assert len(described) == len(TruckSettings.__struct_fields__)
     assert described["arm2-capacity"].default == 15
     assert described["arm2-capacity"].unit == "size"
     assert described["item-limit"].kind == "integer"
     assert described["map"].default == Text("")
     assert all(option.doc for option in described.values())
     defaults = {name: option.default for name, option in described.items()}
-    assert read_settings(defaults) == Settings()
+    assert read_settings(defaults) == TruckSettings()

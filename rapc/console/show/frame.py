@@ -35,7 +35,7 @@ _LEAST = 3
 _LEAST_WIDE = 14
 
 
-class Doings(msgspec.Struct, frozen=True):
+class Activity(msgspec.Struct, frozen=True):
     """What the robot is about: the task of its family, and requests, the last last."""
 
     time: Time = 0
@@ -43,7 +43,7 @@ class Doings(msgspec.Struct, frozen=True):
     requests: tuple[str, ...] = ()
 
 
-class _Sight(msgspec.Struct, frozen=True):
+class _SpotView(msgspec.Struct, frozen=True):
     """A spot with what is in it and what is believed to be in it."""
 
     spot: Spot
@@ -66,12 +66,12 @@ class _Sight(msgspec.Struct, frozen=True):
 
 
 def draw_frame(
-    picture: Picture, memory: MemoryView, doings: Doings, width: int, height: int
+    picture: Picture, memory: MemoryView, doings: Activity, width: int, height: int
 ) -> list[Text]:
     """A picture beside memory as lines, at most `height` of at most `width` cells."""
     believed = believed_contents(memory, picture)
     sights = [
-        _Sight(s, true_contents(s.things), believed.pop(s.name, Counter()))
+        _SpotView(s, true_contents(s.things), believed.pop(s.name, Counter()))
         for s in picture.spots
     ]
     around = [sight for sight in sights if sight.spot.at is not None]
@@ -86,7 +86,7 @@ def draw_frame(
     return lines
 
 
-def _head(picture: Picture, memory: MemoryView, doings: Doings) -> Text:
+def _head(picture: Picture, memory: MemoryView, doings: Activity) -> Text:
     line = Text().append(f"time {format_atom(doings.time)}", "bold")
     for gauge in picture.gauges:
         line.append(f"   {gauge.name} {format_atom(gauge.value)}")
@@ -108,7 +108,7 @@ def _otherwise(gauge: Gauge, memory: MemoryView) -> str:
 
 
 def _map(
-    picture: Picture, sights: Sequence[_Sight], width: int, height: int
+    picture: Picture, sights: Sequence[_SpotView], width: int, height: int
 ) -> Iterator[Text]:
     across = max((s.spot.at[0] for s in sights if s.spot.at), default=0)
     down = max((s.spot.at[1] for s in sights if s.spot.at), default=0)
@@ -136,7 +136,7 @@ def _map(
 
 def _place(
     canvas: Canvas,
-    sight: _Sight,
+    sight: _SpotView,
     picture: Picture,
     at: tuple[int, int],
     size: tuple[int, int],
@@ -158,7 +158,7 @@ def _place(
                 canvas.write(column + 2, row, line, drawn)
 
 
-def _list(picture: Picture, sights: Sequence[_Sight], height: int) -> Iterator[Text]:
+def _list(picture: Picture, sights: Sequence[_SpotView], height: int) -> Iterator[Text]:
     """The places as a list, where there is no room for a map; wrong beliefs first."""
     here = picture.here
     told = [s for s in sights if not s.empty or s.spot.name == here]
@@ -175,7 +175,7 @@ def _list(picture: Picture, sights: Sequence[_Sight], height: int) -> Iterator[T
 # --- the robot ------------------------------------------------------------------------
 
 
-def _row(sight: _Sight, name: str) -> Text:
+def _row(sight: _SpotView, name: str) -> Text:
     """A spot in one line."""
     line = Text().append(name, _PLACE)
     if sight.spot.note:
@@ -186,7 +186,7 @@ def _row(sight: _Sight, name: str) -> Text:
     return line
 
 
-def _aboard(sights: Sequence[_Sight], width: int) -> Iterator[Text]:
+def _aboard(sights: Sequence[_SpotView], width: int) -> Iterator[Text]:
     """Arms and bays, two in a line."""
     middle = width // 2
     rows = (len(sights) + 1) // 2
@@ -206,7 +206,7 @@ def _elsewhere(believed: Mapping[str, Contents]) -> Iterator[Text]:
     yield line.append(f": {', '.join(found)}") if found else line
 
 
-def _doings(doings: Doings) -> Iterator[Text]:
+def _doings(doings: Activity) -> Iterator[Text]:
     yield Text().append("task", _PLACE).append(f": {doings.family}")
     for request in doings.requests:
         yield Text(f"  {request}")

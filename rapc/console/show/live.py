@@ -17,7 +17,7 @@ from rich.text import Text
 
 from rapc.base.values import format_list
 from rapc.console.findings import write
-from rapc.console.show.frame import Doings, draw_frame
+from rapc.console.show.frame import Activity, draw_frame
 from rapc.runtime.events.events import Event, PrimitiveEnded, RunEnded
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import Picture
@@ -103,7 +103,7 @@ class LiveView:
         self._live.update(frame, refresh=True)
 
     def _frame(self) -> list[Text]:
-        doings = Doings(self._interpreter.now, self._family, tuple(self._requests))
+        doings = Activity(self._interpreter.now, self._family, tuple(self._requests))
         width, height = self._size()
         picture = self._picture()
         memory = self._interpreter.memory

@@ -13,7 +13,7 @@ _LEFT_OVER = 20
 """How many tasks that were left over are named."""
 
 
-class Report:
+class RunReport:
     """Counts what happens in a run; a listener for `Interpreter.listen`.
 
     It needs no events but those of its `kinds`.

@@ -1,7 +1,7 @@
 """The truck world's options: one typed row each, with unit, default and meaning.
 
-`Settings` is what the simulator works with; `rapc worlds truck` and `--set` see the
-same rows as `rapc.world.Option`. What T leaves open, durations above all, is
+`TruckSettings` is what the simulator works with; `rapc worlds truck` and `--set` see
+the same rows as `rapc.world.Option`. What T leaves open, durations above all, is
 chosen so that his basic experiment in a still world comes out as his did (T table 6.2).
 """
 
@@ -21,14 +21,14 @@ _TIME = "time units"
 
 
 Row = tuple[str, type, str | bool | Number, Meta]
-"""An option as a field of `Settings`: name, type, default, and what is said of it."""
+"""An option as a field of `TruckSettings`: name, type, default, and what it means."""
 
 
 def _row(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
     return Meta(description=doc, extra={"unit": unit, "most": most})
 
 
-class Settings(msgspec.Struct, frozen=True, rename="kebab"):
+class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     """The options' values: numbers from 0 up to the `most` of their row."""
 
     map: Annotated[str, _row("", "another map than that of T 6.1, as JSON")] = ""
@@ -117,15 +117,15 @@ class Settings(msgspec.Struct, frozen=True, rename="kebab"):
     ] = 30
 
 
-def read_settings(options: Mapping[str, Atom | bool]) -> Settings:
-    """Settings from option values; those not given have their defaults.
+def read_settings(options: Mapping[str, Atom | bool]) -> TruckSettings:
+    """TruckSettings from option values; those not given have their defaults.
 
     Raises:
         ValueError: for an option out of range or of the wrong kind.
     """
     plain = {k: v.value if isinstance(v, Text) else v for k, v in options.items()}
     try:
-        settings = msgspec.convert(plain, Settings)
+        settings = msgspec.convert(plain, TruckSettings)
     except msgspec.ValidationError as error:
         raise ValueError(str(error).replace("`$.", "`").lower()) from error
     for name, _, _, meta in _rows():
@@ -151,8 +151,8 @@ def _rows() -> tuple[Row, ...]:
 
 
 def _each_row() -> Iterator[Row]:
-    hints = get_type_hints(Settings, include_extras=True)
-    for field in msgspec.structs.fields(Settings):
+    hints = get_type_hints(TruckSettings, include_extras=True)
+    for field in msgspec.structs.fields(TruckSettings):
         base, meta = get_args(hints[field.name])
         yield field.name, base, field.default, meta
 

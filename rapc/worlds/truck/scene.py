@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import ENEMY, KINDS, Kind
 from rapc.worlds.truck.map import Map
-from rapc.worlds.truck.options import Settings
+from rapc.worlds.truck.options import TruckSettings
 from rapc.worlds.truck.state import (
     ARMS,
     BAYS,
@@ -35,7 +35,7 @@ class Scene:
     """
 
     def __init__(
-        self, ground: Map, settings: Settings, rng: random.Random, state: State
+        self, ground: Map, settings: TruckSettings, rng: random.Random, state: State
     ) -> None:
         self.map = ground
         self.kinds = {**KINDS, **ground.kinds}

@@ -29,7 +29,7 @@ from rapc.worlds.truck.handlers import HANDLERS
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map import Lying, Map
 from rapc.worlds.truck.map_text import MapError, read_map
-from rapc.worlds.truck.options import Settings, describe_options, read_settings
+from rapc.worlds.truck.options import TruckSettings, describe_options, read_settings
 from rapc.worlds.truck.orders import read_orders
 from rapc.worlds.truck.picture import draw
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
@@ -41,7 +41,7 @@ from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, State, Tru
 class Saved(msgspec.Struct, frozen=True):
     """What `save` writes: the options are kept to refuse a state of other ones."""
 
-    settings: Settings
+    settings: TruckSettings
     state: State
     rng: Stream
     chance: dict[str, Stream]
@@ -197,7 +197,7 @@ class TruckWorld(World):
         return msgspec.json.decode(msgspec.json.encode(self._scene.state), type=State)
 
 
-def _read_map(settings: Settings) -> Map:
+def _read_map(settings: TruckSettings) -> Map:
     try:
         return read_map(settings.map or MAP)
     except MapError as error:
