@@ -116,6 +116,10 @@ class Datum(Pattern, frozen=True, eq=False):
     """A sensor datum that a scripted world sends."""
 
 
+class Thing(Pattern, frozen=True, eq=False):
+    """What is used or claimed: `wheels`, without arguments, or `(arm ?arm)`."""
+
+
 class And(Node, frozen=True, eq=False):
     """All parts hold, left to right with backtracking; without parts: true."""
 
@@ -224,10 +228,15 @@ class Resource(Node, frozen=True, eq=False):
 
 
 class DeclaredEffect(Node, frozen=True, eq=False):
-    """A fact a RAP brings about (or, negated, takes away), for planner and checker."""
+    """A fact that is brought about or, negated, taken away: `p`, `(not p)`, `(may p)`.
+
+    For planner and checker, of RAPs, of the results of primitives and of data.
+    """
 
     pattern: Proposition
     negated: bool
+    #: Whether the fact can, but need not, come or go; never so of RAPs.
+    possible: bool
     span: Span = NOWHERE
 
 
@@ -336,13 +345,30 @@ Body = TaskNet | Primitive | Skills
 
 
 class Method(Node, frozen=True, eq=False):
-    """One way to carry a RAP out. `position` counts from 1 in the text."""
+    """One way to carry a RAP out. `position` counts from 1 in the text.
+
+    `constraints` and `skills` stand with a task-net alone.
+    """
 
     name: str | int | None
     position: int
     context: Formula | None
     notations: tuple[Proposition, ...]
     body: Body
+    #: What must hold for all tasks below while the method is under way.
+    constraints: Formula | None = None
+    #: What nobody else may use while the method is under way.
+    claims: tuple[Thing, ...] = ()
+    #: What is switched on while the method is under way.
+    skills: tuple[Skill, ...] = ()
+    span: Span = NOWHERE
+
+
+class VariableKind(Node, frozen=True, eq=False):
+    """`(?variable kind)` in an index: of which kind its values are."""
+
+    variable: str
+    kind: str
     span: Span = NOWHERE
 
 
@@ -352,6 +378,8 @@ class DefineRap(Node, frozen=True, eq=False):
     name: str
     inputs: tuple[Var, ...]
     outputs: tuple[Var, ...]
+    #: The kinds of those inputs and outputs of which one is told.
+    kinds: tuple[VariableKind, ...]
     duration: Term | None
     monitor_state: Formula | None
     monitor_time: MonitorTime | None
@@ -374,6 +402,18 @@ class Argument(Node, frozen=True, eq=False):
 
     variable: Var
     kind: str | None
+    span: Span = NOWHERE
+
+
+class DeclareKind(Node, frozen=True, eq=False):
+    """`(declare-kind name [:is kind] [(value...)] ["doc"])`: a kind of values."""
+
+    name: str
+    #: The kind of which all its values are too.
+    above: str | None
+    #: The only values there are; None where any symbol may be one.
+    values: tuple[Atom, ...] | None
+    doc: str
     span: Span = NOWHERE
 
 
@@ -449,31 +489,51 @@ class DeclareComparator(Node, frozen=True, eq=False):
     span: Span = NOWHERE
 
 
+class ResultEffects(Node, frozen=True, eq=False):
+    """`:on (result effect...)`: what memory holds after a result of a primitive."""
+
+    result: str
+    effects: tuple[DeclaredEffect, ...]
+    span: Span = NOWHERE
+
+
 class DeclarePrimitive(Node, frozen=True, eq=False):
-    """`(declare-primitive name (arg...) (result...) [:atomic false] ["doc"])`."""
+    """`(declare-primitive name (arg...) (result...) option... ["doc"])`."""
 
     name: str
     args: tuple[Argument, ...]
     results: tuple[str, ...]
     atomic: bool
+    #: What a request needs for itself while it is under way.
+    uses: tuple[Thing, ...]
+    #: The names of the data that may come with it.
+    tells: tuple[str, ...]
+    #: What its results do to memory; a result that is not named: nothing is known.
+    on: tuple[ResultEffects, ...]
     doc: str
     span: Span = NOWHERE
 
 
 class DeclareDatum(Node, frozen=True, eq=False):
-    """`(declare-sensor-datum name (arg...) ["doc"])`."""
+    """`(declare-sensor-datum name (arg...) [:on (effect...)] ["doc"])`."""
 
     name: str
     args: tuple[Argument, ...]
+    #: What the datum does to memory; None where nothing is said.
+    on: tuple[DeclaredEffect, ...] | None
     doc: str
     span: Span = NOWHERE
 
 
 class DeclareSkill(Node, frozen=True, eq=False):
-    """`(declare-skill :name (arg...) ["doc"])`; the name keeps its colon."""
+    """`(declare-skill :name (arg...) option... ["doc"])`; the name keeps its colon."""
 
     name: str
     args: tuple[Argument, ...]
+    #: The names of the events that it may tell, with colons; None where none are said.
+    events: tuple[str, ...] | None
+    #: What it needs for itself while it is on.
+    uses: tuple[Thing, ...]
     doc: str
     span: Span = NOWHERE
 
@@ -484,6 +544,23 @@ class DeclareEvent(Node, frozen=True, eq=False):
     name: str
     args: tuple[Argument, ...]
     doc: str
+    span: Span = NOWHERE
+
+
+# --- named formulas ----------------------------------------------------------------
+
+
+class DefineQuery(Node, frozen=True, eq=False):
+    """`(define-query (name arg...) formula ["doc"])`: a formula with a name.
+
+    Where it is used, a proposition of that name stands.
+    """
+
+    name: str
+    args: tuple[Argument, ...]
+    formula: Formula
+    doc: str
+    name_span: Span = NOWHERE
     span: Span = NOWHERE
 
 
@@ -578,12 +655,45 @@ class ScriptRow(Node, frozen=True, eq=False):
 
 
 class GivenTask(Node, frozen=True, eq=False):
-    """`(task goal [:priority n] [:deadline t] [:background true])`."""
+    """`(task goal [:priority n] [:deadline t] [:at t] [:background true])`.
+
+    `at` stands in agendas alone.
+    """
 
     goal: Goal
     priority: int
     deadline: Number | None
+    at: Number | None
     background: bool
+    span: Span = NOWHERE
+
+
+class DefineAgenda(Node, frozen=True, eq=False):
+    """`(define-agenda name (require "name")... task...)`: what is to be done."""
+
+    name: str
+    requires: tuple[Require, ...]
+    tasks: tuple[GivenTask, ...]
+    name_span: Span = NOWHERE
+    span: Span = NOWHERE
+
+
+class Answer(Node, frozen=True, eq=False):
+    """`((function arg...) value)`: what a function returns that nobody registered.
+
+    The arguments are constants and variables.
+    """
+
+    call: Call
+    value: Const
+    span: Span = NOWHERE
+
+
+class WorldOption(Node, frozen=True, eq=False):
+    """`(name value)`: an option of the world that a test runs in."""
+
+    name: str
+    value: Atom
     span: Span = NOWHERE
 
 
@@ -770,7 +880,7 @@ class At(Node, frozen=True, eq=False):
 
 
 class DefineTest(Node, frozen=True, eq=False):
-    """`(define-test name ["doc"] clause...)`.
+    """`(define-test name ["doc"] clause...)`, with what its file says of all tests.
 
     `name_span` is where its name stands.
     """
@@ -779,6 +889,10 @@ class DefineTest(Node, frozen=True, eq=False):
     doc: str
     requires: tuple[Require, ...]
     world: str | None
+    options: tuple[WorldOption, ...]
+    seed: int | None
+    agenda: str | None
+    answers: tuple[Answer, ...]
     facts: tuple[Proposition, ...]
     script: tuple[ScriptRow, ...]
     ats: tuple[At, ...]
@@ -791,6 +905,9 @@ class DefineTest(Node, frozen=True, eq=False):
 
 TopForm = (
     DefineRap
+    | DefineQuery
+    | DefineAgenda
+    | DeclareKind
     | DeclareProposition
     | DeclareProperty
     | DeclareFunction

@@ -101,6 +101,8 @@ def formulas(rap: nodes.DefineRap) -> Iterator[FormulaAt]:
     for method in rap.methods:
         if method.context is not None:
             yield FormulaAt(method.context, "context", method)
+        if method.constraints is not None:
+            yield FormulaAt(method.constraints, "constraints", method)
         for step in steps(method):
             for note in step.annotations:
                 if isinstance(note, nodes.For) and note.formula is not None:

@@ -28,8 +28,8 @@ DUPLICATE = Rule(
     severity=Severity.ERROR,
     summary="two definitions of one kind have one name",
     why="""A name means one thing in a library: the second definition would never be
-used, or would change what every use of the first means. Propositions, properties and
-functions share their names, for a formula does not say which it means.""",
+used, or would change what every use of the first means. Propositions, properties,
+functions and queries share their names, for a formula does not say which it means.""",
     example="""\
 (define-rap (wait))
 (define-rap (wait ?time))
@@ -47,7 +47,7 @@ BUILTIN = Rule(
     summary="a declaration takes a name that the language keeps for itself",
     why="""Connectives, comparisons, arithmetic, questions about the task and `count`
 mean the same in every library; a declared fact or function of that name could never be
-asked for.""",
+asked for. So do the kinds `number`, `text`, `item` and `symbol`.""",
     example="""\
 (declare-memory-proposition member (?club ?person))
 """,
@@ -55,6 +55,12 @@ asked for.""",
 (declare-memory-proposition belongs-to (?club ?person))
 """,
 )
+
+KNOWN_KINDS = ("number", "text", "item", "symbol")
+"""Kinds that need no declaration: `item` is any name."""
+
+_RESERVED = {"predicate": BUILTIN_NAMES, "kind": frozenset(KNOWN_KINDS)}
+"""The names of the language, by the space that they are taken from."""
 
 RULES = (DUPLICATE, BUILTIN)
 """The rules that linking can break."""
@@ -76,6 +82,9 @@ class Library(msgspec.Struct, frozen=True):
     data: Mapping[str, nodes.DeclareDatum]
     skills: Mapping[str, nodes.DeclareSkill]
     events: Mapping[str, nodes.DeclareEvent]
+    queries: Mapping[str, nodes.DefineQuery]
+    kinds: Mapping[str, nodes.DeclareKind]
+    agendas: Mapping[str, nodes.DefineAgenda]
     indistinct: Mapping[str, nodes.DeclareIndistinctClass]
     comparators: tuple[nodes.DeclareComparator, ...]
     memory_rules: tuple[nodes.MemoryRule, ...]
@@ -94,6 +103,9 @@ _KINDS: Mapping[type, tuple[str, str, str]] = {
     nodes.DeclareDatum: ("data", "datum", "sensor datum"),
     nodes.DeclareSkill: ("skills", "skill", "skill"),
     nodes.DeclareEvent: ("events", "event", "event"),
+    nodes.DefineQuery: ("queries", "predicate", "query"),
+    nodes.DeclareKind: ("kinds", "kind", "kind"),
+    nodes.DefineAgenda: ("agendas", "agenda", "agenda"),
     nodes.DeclareIndistinctClass: ("indistinct", "class", "indistinct class"),
 }
 """For each kind of definition: its field, the space its names share, its word."""
@@ -126,7 +138,7 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
             sequences[field].append(form)
         elif (kind := _KINDS.get(type(form))) is not None:
             tables[kind[0]][_name(form)] = form
-            if kind[1] == "predicate" and _name(form) in BUILTIN_NAMES:
+            if _name(form) in _RESERVED.get(kind[1], ()):
                 found.append(_builtin(files, form))
     fields: dict[str, Any] = {**tables}
     fields.update((name, tuple(rows)) for name, rows in sequences.items())
@@ -137,7 +149,7 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
 
 def name_span(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Span:
     """Where a definition states its name, or the whole form where that is unknown."""
-    if isinstance(form, nodes.DefineRap):
+    if isinstance(form, nodes.DefineRap | nodes.DefineQuery | nodes.DefineAgenda):
         return form.name_span
     return word_span(files, form.span, 1)
 
@@ -173,7 +185,8 @@ def _duplicate(
     if first == second:
         help_ = "the two say the same: keep one, and `require` its file from the other"
     elif type(first) is not type(second):
-        help_ = "propositions, properties and functions share their names: rename one"
+        help_ = "propositions, properties, functions and queries share their names: "
+        help_ += "rename one"
     return Diagnostic(
         rule=DUPLICATE.name,
         message=f"{what} is defined already",

@@ -245,6 +245,8 @@ class _Reading:
         for form in unit.forms:
             if isinstance(form, nodes.Require):
                 yield form
+            elif isinstance(form, nodes.DefineAgenda):
+                yield from form.requires
         for test in unit.tests:
             for form in test.requires:
                 if self.of_tests is None or form.name in self.of_tests:

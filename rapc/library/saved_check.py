@@ -111,6 +111,11 @@ class Verifier:
         if isinstance(form, nodes.DeclareProperty):
             for exclusion in form.excludes:
                 self._known("asserted", exclusion.pattern)
+        elif isinstance(form, nodes.DefineQuery):
+            self.formula(form.formula)
+        elif isinstance(form, nodes.DefineAgenda):
+            for task in form.tasks:
+                self._goal(task.goal)
         elif isinstance(form, nodes.DefineRap):
             raise UnsoundError("a RAP stands among the declarations")
 
@@ -155,12 +160,14 @@ class Verifier:
         if len(tags) < len(steps):
             raise UnsoundError("two steps have one tag")
         for step in steps:
-            goal = step.goal
-            inputs, outputs = len(goal.args), len(goal.outputs)
-            _raise(self._signatures.fault("goal", goal.name, inputs, outputs))
+            self._goal(step.goal)
             for tag in _tags(step):
                 if tag not in tags:
                     raise UnsoundError(f"there is no step `{tag}`")
+
+    def _goal(self, goal: nodes.Goal) -> None:
+        inputs, outputs = len(goal.args), len(goal.outputs)
+        _raise(self._signatures.fault("goal", goal.name, inputs, outputs))
 
 
 def _raise(fault: Fault | None) -> None:

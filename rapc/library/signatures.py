@@ -6,8 +6,8 @@ a world and compiled libraries alike, in the same words. Not here: where the use
 and what becomes of the answer (a finding, a refusal, an exception).
 
 A `Use` says how a name is used; it decides in which table the name is looked up and
-which kinds of declaration serve. Propositions, properties and functions share a table,
-for a formula does not say which it means.
+which kinds of declaration serve. Propositions, properties, functions and named queries
+share a table, for a formula does not say which it means.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ Kind = Literal[
     "proposition",
     "property",
     "function",
+    "query",
     "primitive",
     "sensor datum",
     "skill",
@@ -52,6 +53,9 @@ Use = Literal[
 """How a name is used: to ask for a RAP; as a proposition in a formula, in a `believe`,
 put into memory or taken out of it; as the function of a computed term; as what is sent
 to a world or comes from there."""
+
+_IN_MEMORY: Sequence[Kind] = ("proposition", "property")
+"""The kinds of predicates of which memory holds facts."""
 
 CONSTANT_DEFAULTS = ("unknown", "true", "false")
 """Defaults of properties that are values; any other names a registered function."""
@@ -153,7 +157,7 @@ class Signatures:
 
     Args:
         raps: the RAPs.
-        predicates: the propositions, properties and functions.
+        predicates: the propositions, properties, functions and queries.
         primitives: the primitives.
         data: the sensor data.
         skills: the skills, their names with the colon.
@@ -172,7 +176,7 @@ class Signatures:
         self.raps = raps
         self.predicates = predicates
         #: The propositions and properties: what may stand in memory.
-        self.relations = {n: s for n, s in predicates.items() if s.kind != "function"}
+        self.relations = {n: s for n, s in predicates.items() if s.kind in _IN_MEMORY}
         #: The functions that are declared.
         self.functions = {n: s for n, s in predicates.items() if s.kind == "function"}
         self.primitives = primitives
@@ -196,6 +200,7 @@ class Signatures:
             },
             **{n: _property(form) for n, form in library.properties.items()},
             **{n: _function(form) for n, form in library.functions.items()},
+            **{n: _plain("query", form) for n, form in library.queries.items()},
         }
         return cls(
             _Raps(library.raps) if raps is None else raps,
@@ -291,7 +296,10 @@ class _Raps(Mapping[str, Signature]):
         made = self._made.get(name)
         if made is None:
             rap = self._raps[name]
-            args = tuple([nodes.Argument(v, None, v.span) for v in rap.inputs])
+            kinds = {one.variable: one.kind for one in rap.kinds}
+            args = tuple(
+                [nodes.Argument(v, kinds.get(v.name), v.span) for v in rap.inputs]
+            )
             count, outputs = len(args), len(rap.outputs)
             made = Signature("RAP", name, count, count, args, rap.name_span, outputs)
             self._made[name] = made
@@ -313,6 +321,7 @@ class _Raps(Mapping[str, Signature]):
 def _plain(
     kind: Kind,
     form: nodes.DeclareProposition
+    | nodes.DefineQuery
     | nodes.DeclareDatum
     | nodes.DeclareSkill
     | nodes.DeclareEvent,
@@ -409,7 +418,7 @@ _NO_FACT: Mapping[Use, str] = {
 
 def _other_kind(use: Use, kind: Kind) -> str | None:
     """Say why a predicate of a kind does not serve a use; None where it does."""
-    if kind == "function":
+    if kind == "function" or (kind == "query" and use != "computed"):
         return _NO_FACT.get(use)
     return "computes nothing" if use == "computed" else None
 

@@ -22,6 +22,7 @@ from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.parser.special.formulas import formula
 from rapc.parser.special.table import readers
+from rapc.parser.special.tests import with_defaults
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import goal, proposition
 from rapc.parser.unit import Partial, SourceUnit
@@ -46,13 +47,19 @@ def parse(source: SourceFile) -> SourceUnit:
     known = readers()
     forms: list[nodes.TopForm] = []
     tests: list[DefineTest] = []
+    defaults: DefineTest | None = None
     found = list(reading.diagnostics)
     partial: Partial = NodeMap()
     for top in reading.forms:
         room = MAX_FINDINGS - len(found)
         ctx = Context(source, room, known, damaged=top.damaged, surplus=top.surplus)
         form = _form(ctx, top.datum)
-        if isinstance(form, DefineTest):
+        if isinstance(form, DefineTest) and not form.name:
+            if tests or defaults is not None:
+                _misplaced_defaults(ctx, top.datum)
+            defaults = defaults or form
+        elif isinstance(form, DefineTest):
+            form = form if defaults is None else with_defaults(form, defaults)
             tests.append(form)
         elif form is not None:
             forms.append(form)
@@ -94,6 +101,14 @@ def _form(ctx: Context, datum: Datum) -> nodes.TopForm | DefineTest | None:
     if meant is not None:
         made = forms[meant](ctx, datum)
     return made
+
+
+def _misplaced_defaults(ctx: Context, datum: Datum) -> None:
+    ctx.report(
+        "malformed-form",
+        "what is said of all tests of a file stands once, before the first of them",
+        datum,
+    )
 
 
 def parse_fact(text: str) -> Fact:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 from rapc.base.source import Span
-from rapc.base.values import Text
+from rapc.base.values import Atom, Text
 from rapc.ir import nodes
 from rapc.language.grammar import RULES
 from rapc.language.heads import ARROW, CALLS, QUERIES, rules_by_head
@@ -41,6 +41,19 @@ def term(ctx: Context, datum: Datum) -> nodes.Term | None:
         return nodes.Const(datum.value, span)
     assert type(datum) is String
     return nodes.Const(Text(datum.value), span)
+
+
+def constant(datum: Datum) -> Atom | None:
+    """What a constant stands for; None for what is none."""
+    match datum:
+        case Symbol(name) | Keyword(name):
+            return None if name == ARROW else name
+        case Numeral(number):
+            return number
+        case String(text):
+            return Text(text)
+        case List() | Variable():
+            return None
 
 
 def _stray_arrow(ctx: Context, datum: Datum) -> None:
@@ -123,6 +136,27 @@ def proposition(ctx: Context, datum: Datum) -> nodes.Proposition | None:
 def propositions(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Proposition, ...]:
     """Propositions in a row; what is none has been reported and is left out."""
     return tuple(filter(None, [proposition(ctx, datum) for datum in data]))
+
+
+def thing(ctx: Context, datum: Datum) -> nodes.Thing | None:
+    """What is used or claimed: a symbol, or a name with its arguments."""
+    if type(datum) is Symbol and datum.name != ARROW:
+        return nodes.Thing(datum.name, (), ctx.span(datum))
+    name = head_of(datum)
+    if type(datum) is List and name is not None and name != ARROW:
+        return nodes.Thing(name, terms(ctx, datum.items[1:]), ctx.span(datum))
+    ctx.report(
+        "malformed-proposition",
+        f"a thing is wanted here, not {_what(datum)}",
+        datum,
+        help="write a symbol, or a name and its arguments in parentheses",
+    )
+    return None
+
+
+def things(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Thing, ...]:
+    """Things in a row; what is none has been reported and is left out."""
+    return tuple(filter(None, [thing(ctx, datum) for datum in data]))
 
 
 def signal(ctx: Context, datum: Datum) -> nodes.Signal | None:

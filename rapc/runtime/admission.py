@@ -146,6 +146,10 @@ def _unsupported(library: Library) -> Iterator[str]:
     """Declarations that would change how all tasks run, and do not yet."""
     found = [("a memory rule", rule.span) for rule in library.memory_rules]
     found += [("an event rule", rule.span) for rule in library.event_rules]
+    found += [(f"the query `{n}`", q.span) for n, q in library.queries.items()]
+    for user in (*library.primitives.values(), *library.skills.values()):
+        if isinstance(user, nodes.DeclarePrimitive | nodes.DeclareSkill) and user.uses:
+            found.append((f"what `{user.name}` uses", user.span))
     for what, span in found:
         yield f"{_place(library, span)}{what} cannot be run yet"
 
@@ -196,6 +200,9 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
         rap = stack.pop()
         for method in rap.methods:
             body = method.body
+            for what, part in _parts(method):
+                if part:
+                    yield _cannot(library, rap, what, method)
             if isinstance(body, nodes.Skills):
                 yield _cannot(library, rap, "a primitive that enables skills", body)
             elif isinstance(body, nodes.TaskNet):
@@ -207,6 +214,13 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
                     elif below.name not in seen:
                         seen.add(below.name)
                         stack.append(below)
+
+
+def _parts(method: nodes.Method) -> Iterator[tuple[str, object]]:
+    """The parts of a method that cannot be run yet, where there are any."""
+    yield "a method with constraints", method.constraints
+    yield "a method with claims", method.claims
+    yield "a method with skills", method.skills
 
 
 def _cannot(library: Library, rap: nodes.DefineRap, what: str, node: nodes.Node) -> str:

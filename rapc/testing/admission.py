@@ -37,6 +37,9 @@ def problems(
         solved: the RAPs that its problem solvers bring methods for.
     """
     found = [problem for row in test.script for problem in _row(row, handled)]
+    for clause in ("seed", "agenda", "answers", "options"):
+        if getattr(test, clause) not in (None, ()):
+            found.append(Problem(test.name_span, f"`{clause}` cannot be run yet"))
     later = [action for at in test.ats for action in at.actions]
     inner = [
         e for one in later if isinstance(one, nodes.Expect) for e in one.expectations

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from typing import Literal, cast
 
-from rapc.base.values import Atom, Text
+from rapc.base.values import Atom
 from rapc.ir import nodes
-from rapc.parser.context import Context, head_of
+from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.special.parts import Option, Parts, arguments, parts, symbol, symbols
-from rapc.parser.syntax import Keyword, List, Numeral, String, Symbol, Variable
+from rapc.parser.syntax import Datum, List, Numeral, Symbol
+from rapc.parser.terms import constant
 from rapc.parser.terms import proposition as read_proposition
 
 
@@ -76,18 +77,11 @@ def _default(ctx: Context, found: Parts, listed: bool) -> str:
 
 def _exclusion(ctx: Context, option: Option) -> nodes.Exclusion | None:
     """`:excludes value (pattern)` (semantics 7)."""
-    value: Atom
     first, second = option.operands
-    match first:
-        case Symbol(name) | Keyword(name):
-            value = name
-        case Numeral(number):
-            value = number
-        case String(text):
-            value = Text(text)
-        case List() | Variable():
-            ctx.report("malformed-form", "`:excludes` begins with a value", first)
-            return None
+    value = constant(first)
+    if value is None:
+        ctx.report("malformed-form", "`:excludes` begins with a value", first)
+        return None
     excluded = read_proposition(ctx, second)
     if excluded is None:
         return None
@@ -105,6 +99,37 @@ def function(ctx: Context, form: List) -> nodes.DeclareFunction | None:
     for option in found.options:
         reads = symbols(ctx, option.operands[0], "predicates")
     return nodes.DeclareFunction(found.name, args, reads, found.doc, ctx.span(form))
+
+
+def kind(ctx: Context, form: List) -> nodes.DeclareKind | None:
+    """`(declare-kind name [:is kind] [(value...)] ["doc"])`."""
+    found = parts(ctx, form, 1, {":is": 1})
+    if found is None:
+        return None
+    above = None
+    for option in found.options:
+        above = symbol(ctx, option.operands[0], "the name of a kind")
+    values = None
+    if found.operands:
+        values = _values(ctx, found.operands[0])
+    return nodes.DeclareKind(found.name, above, values, found.doc, ctx.span(form))
+
+
+def _values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
+    """The values that a closed kind lists."""
+    if not isinstance(datum, List):
+        message = f"a list of values is wanted here, not {kind_of(datum)}"
+        ctx.report("malformed-form", message, datum)
+        return None
+    values: list[Atom] = []
+    for one in datum.items:
+        value = constant(one)
+        if value is None:
+            message = f"a kind lists values, not {kind_of(one)}"
+            ctx.report("malformed-form", message, one)
+        else:
+            values.append(value)
+    return tuple(values)
 
 
 def indistinct_class(ctx: Context, form: List) -> nodes.DeclareIndistinctClass | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rapc.ir import nodes
-from rapc.language.heads import METHOD_CLAUSES
+from rapc.language.heads import METHOD_CLAUSES, heads
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.special.clauses import clauses, read_clauses, single
 from rapc.parser.special.steps import wait_for
@@ -31,6 +31,9 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
         context=read["context"][0] if "context" in read else None,
         notations=read["notations"][0] if "notations" in read else (),
         body=_body(ctx, datum, found, read),
+        constraints=read["constraints"][0] if "constraints" in read else None,
+        claims=read["claims"][0] if "claims" in read else (),
+        skills=read["skills"][0] if "skills" in read else (),
         span=ctx.span(datum),
     )
 
@@ -69,8 +72,21 @@ def _body(
             datum.items[0],
             help="give it a `task-net` or a `primitive`; `(task-net)` does nothing",
         )
+    if request and not net:
+        stray = [c for name in _WITH_STEPS for c in found.get(name, ())]
+        for clause in stray:
+            ctx.report(
+                "misplaced-clause",
+                f"`{head_of(clause)}` stands in a method with a `task-net`",
+                clause.items[0],
+                labels=[(request[0].items[0], "this one has a primitive")],
+            )
     bodies = read["task-net"] if net else read.get("primitive", ())
     return next(iter(bodies), None) or nodes.TaskNet((), ctx.span(datum))
+
+
+_WITH_STEPS = heads("_once_net_clause")
+"""The clauses that are about the tasks below."""
 
 
 def primitive(ctx: Context, clause: Datum) -> nodes.Primitive | nodes.Skills | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 
@@ -110,8 +110,14 @@ def arguments(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
         message = f"a list of variables is wanted here, not {kind_of(datum)}"
         ctx.report("malformed-form", message, datum)
         return ()
-    seen: dict[str, Datum] = {}
-    made = [_argument(ctx, one, seen) for one in datum.items]
+    return parameters(ctx, datum.items, {})
+
+
+def parameters(
+    ctx: Context, data: Iterable[Datum], seen: dict[str, Datum]
+) -> tuple[nodes.Argument, ...]:
+    """Variables in a row, with kinds or without, none of them among those `seen`."""
+    made = [_argument(ctx, one, seen) for one in data]
     return tuple([one for one in made if one])
 
 

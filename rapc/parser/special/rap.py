@@ -15,10 +15,11 @@ from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, words
 from rapc.parser.context import ANY_CLAUSE, Context, head_of
 from rapc.parser.elaborate import made, wrong
 from rapc.parser.special.clauses import clauses, read_clauses, single
+from rapc.parser.special.effects import effects as read_effects
 from rapc.parser.special.method import method
-from rapc.parser.special.parts import parameter
+from rapc.parser.special.parts import parameter, parameters
 from rapc.parser.syntax import Datum, List, Symbol
-from rapc.parser.terms import proposition, split_arrow, term
+from rapc.parser.terms import split_arrow, term
 
 
 def define_rap(ctx: Context, datum: Datum) -> nodes.DefineRap | None:
@@ -115,7 +116,10 @@ def _rap(
     found: dict[str, list[List]],
 ) -> nodes.DefineRap:
     whole = index if type(index) is List else List((), name.start, name.end)
-    inputs, outputs = _parameters(ctx, *split_arrow(ctx, whole))
+    before, after = split_arrow(ctx, whole)
+    seen: dict[str, Datum] = {}
+    inputs = parameters(ctx, before, seen)
+    outputs = parameters(ctx, after, seen)
     rows = found.pop("method", ())
     read = read_clauses(ctx, found, "_rap_clause")
     one = {name: values[0] for name, values in read.items()}
@@ -126,8 +130,15 @@ def _rap(
     ctx.clause = ANY_CLAUSE
     return nodes.DefineRap(
         name=name.name,
-        inputs=inputs,
-        outputs=outputs,
+        inputs=tuple([one.variable for one in inputs]),
+        outputs=tuple([one.variable for one in outputs]),
+        kinds=tuple(
+            [
+                nodes.VariableKind(one.variable.name, one.kind, one.span)
+                for one in (*inputs, *outputs)
+                if one.kind is not None
+            ]
+        ),
         duration=one.get("duration"),
         monitor_state=one.get("monitor-state"),
         monitor_time=one.get("monitor-time"),
@@ -141,15 +152,6 @@ def _rap(
         name_span=ctx.span(name),
         span=ctx.span(datum),
     )
-
-
-def _parameters(
-    ctx: Context, before: Sequence[Datum], after: Sequence[Datum]
-) -> tuple[tuple[nodes.Var, ...], tuple[nodes.Var, ...]]:
-    seen: dict[str, Datum] = {}
-    inputs = [parameter(ctx, datum, seen) for datum in before]
-    outputs = [parameter(ctx, datum, seen) for datum in after]
-    return tuple(filter(None, inputs)), tuple(filter(None, outputs))
 
 
 def monitor_time(ctx: Context, clause: Datum) -> nodes.MonitorTime | None:
@@ -215,20 +217,7 @@ def _resource(
 def effects(ctx: Context, clause: Datum) -> tuple[nodes.DeclaredEffect, ...]:
     """`(effects fact... (not fact)...)`."""
     assert isinstance(clause, List)
-    found = []
-    for datum in clause.items[1:]:
-        negated = head_of(datum) == "not"
-        inner: Sequence[Datum] = (datum,)
-        if negated and isinstance(datum, List):
-            inner = datum.items[1:]
-        if len(inner) != 1:
-            message = "`not` takes one effect away; write one for each"
-            ctx.report("malformed-clause", message, datum)
-        for one in inner:
-            fact = proposition(ctx, one)
-            if fact is not None:
-                found.append(nodes.DeclaredEffect(fact, negated, ctx.span(datum)))
-    return tuple(found)
+    return read_effects(ctx, clause.items[1:], ("not",))
 
 
 def _check_method_names(

@@ -70,9 +70,9 @@ def _request(
     name = head_of(datum)
     inner = datum.items[1] if isinstance(datum, List) and len(datum.items) == 2 else 0
     if name == "enable" and isinstance(inner, List):
-        return "enable", _plain(ctx, colon(ctx, inner, nodes.Skill))
+        return "enable", plain(ctx, colon(ctx, inner, nodes.Skill))
     if name == "disable" and isinstance(inner, List):
-        return "disable", _plain(ctx, colon(ctx, inner, nodes.Skill))
+        return "disable", plain(ctx, colon(ctx, inner, nodes.Skill))
     return "request", request(ctx, datum)
 
 
@@ -93,7 +93,7 @@ def _listed(ctx: Context, given: Mapping[str, Datum], name: str) -> Sequence[Dat
 
 def request(ctx: Context, datum: Datum) -> nodes.Request | None:
     """A request of constants and variables."""
-    return _plain(ctx, pattern(ctx, datum, nodes.Request))
+    return plain(ctx, pattern(ctx, datum, nodes.Request))
 
 
 def asked_goal(
@@ -105,12 +105,12 @@ def asked_goal(
         help = "in `succeeds` they stand behind it: `(succeeds (find box) kitchen)`"
         ctx.report("malformed-goal", "no outputs can stand here", datum, help=help)
         return None
-    return _ground(ctx, found) if ground else _plain(ctx, found)
+    return _ground(ctx, found) if ground else plain(ctx, found)
 
 
 def told(ctx: Context, data: Sequence[Datum], kind: type[D]) -> tuple[D, ...]:
     """What is told in a script: propositions or data of constants and variables."""
-    return made(_plain(ctx, pattern(ctx, datum, kind)) for datum in data)
+    return made(plain(ctx, pattern(ctx, datum, kind)) for datum in data)
 
 
 def fact(ctx: Context, datum: Datum) -> nodes.Proposition | None:
@@ -125,13 +125,13 @@ def arriving(ctx: Context, datum: Datum) -> nodes.Signal | None:
 
 def signals(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Signal, ...]:
     """Signals of constants and variables in a row."""
-    return made(_plain(ctx, colon(ctx, datum, nodes.Signal)) for datum in data)
+    return made(plain(ctx, colon(ctx, datum, nodes.Signal)) for datum in data)
 
 
 P = TypeVar("P", bound=nodes.Pattern | nodes.Goal)
 
 
-def _plain(ctx: Context, node: P | None) -> P | None:
+def plain(ctx: Context, node: P | None) -> P | None:
     """What holds no computed terms: a pattern is compared with values."""
     for arg in node.args if node is not None else ():
         if isinstance(arg, nodes.Call):

@@ -10,6 +10,7 @@ from rapc.parser import terms
 from rapc.parser.context import Context, Read
 from rapc.parser.elaborate import Maker, Readers
 from rapc.parser.special import (
+    agenda,
     clauses,
     declarations,
     expectations,
@@ -17,6 +18,7 @@ from rapc.parser.special import (
     memory_rules,
     method,
     offers,
+    query,
     rap,
     script,
     steps,
@@ -44,7 +46,11 @@ SPECIAL: Mapping[str, Read] = {
     "declare_event": offers.event,
     "define_memory_rule": memory_rules.memory_rule,
     "define_event_rule": memory_rules.event_rule,
+    "define_query": query.define_query,
+    "define_agenda": agenda.define_agenda,
+    "declare_kind": declarations.kind,
     "define_test": tests.define_test,
+    "define_test_defaults": tests.define_test_defaults,
     "require": require,
     # clauses
     **dict.fromkeys(
@@ -73,8 +79,11 @@ SPECIAL: Mapping[str, Read] = {
     "goal": terms.goal,
     "signal": terms.signal,
     "skill": _skill,
+    "thing": terms.thing,
     # tests
-    "task": tests.task,
+    "task": agenda.task,
+    "answer": tests.answer,
+    "world_option": tests.world_option,
     "at": tests.at,
     "script_row": script.row,
     "memory": expectations.memory,
@@ -91,6 +100,10 @@ MAKERS: Mapping[str, Maker] = {
     "duration": lambda head, values, span: values[0],
     "notations": lambda head, values, span: values[0],
     "order": lambda head, values, span: nodes.For(None, values[0], span),
+    **dict.fromkeys(
+        ("claims", "skills", "seed", "agenda", "answers", "options"),
+        lambda head, values, span: values[0],
+    ),
     **dict.fromkeys(
         ("set_add", "set_sub", "counter_add", "counter_sub"),
         lambda head, values, span: nodes.ResourceChange(

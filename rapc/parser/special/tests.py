@@ -9,24 +9,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
+import msgspec
+
 from rapc.ir import nodes
 from rapc.language.heads import TEST_CLAUSES, heads
-from rapc.parser.context import Context
+from rapc.parser.context import Context, head_of
 from rapc.parser.elaborate import made
 from rapc.parser.special.clauses import clauses, read_clauses, single
-from rapc.parser.special.script import (
-    asked_goal,
-    number,
-    option_counts,
-    options,
-    whole,
-)
+from rapc.parser.special.script import number, plain
 from rapc.parser.syntax import Datum, List, String, Symbol
+from rapc.parser.terms import constant, pattern
 
 T = TypeVar("T")
 
 _ONCE = heads("_once_test_clause")
-_TASK_OPTIONS = option_counts("_once_task_option")
 
 
 def define_test(ctx: Context, datum: Datum) -> nodes.DefineTest | None:
@@ -41,22 +37,57 @@ def define_test(ctx: Context, datum: Datum) -> nodes.DefineTest | None:
     first = items[1] if len(items) > 1 else None
     if isinstance(first, String):
         doc, items = first.value, items[1:]
-    found = clauses(ctx, items[1:], "define-test", TEST_CLAUSES)
+    return _test(ctx, datum, name, doc, items[1:])
+
+
+def define_test_defaults(ctx: Context, form: Datum) -> nodes.DefineTest:
+    """`(define-test-defaults clause...)`: what is said of all tests, as one of them."""
+    assert isinstance(form, List)
+    return _test(ctx, form, None, "", form.items[1:])
+
+
+def with_defaults(test: nodes.DefineTest, given: nodes.DefineTest) -> nodes.DefineTest:
+    """Return a test with what its file says of all tests.
+
+    What may stand once is the test's own if it says it; all else comes before.
+    """
+    merged = {
+        name: getattr(given, name) + getattr(test, name)
+        if isinstance(getattr(test, name), tuple)
+        else getattr(given, name)
+        if getattr(test, name) is None
+        else getattr(test, name)
+        for name in test.__struct_fields__
+        if name not in ("name", "doc", "name_span", "span")
+    }
+    return msgspec.structs.replace(test, **merged)
+
+
+def _test(
+    ctx: Context, form: List, name: Symbol | None, doc: str, data: Sequence[Datum]
+) -> nodes.DefineTest:
+    """A test, or what is said of all of a file, of the data behind its name."""
+    owner = head_of(form) or ""
+    found = clauses(ctx, data, owner, TEST_CLAUSES)
     kept = single(ctx, found, set(TEST_CLAUSES) - set(_ONCE))
     read = dict.fromkeys(TEST_CLAUSES, ()) | read_clauses(ctx, kept, "_test_clause")
     return nodes.DefineTest(
-        name=name.name,
+        name="" if name is None else name.name,
         doc=doc,
         requires=made(read["require"]),
         world=next(iter(made(read["world"])), None),
+        options=_joined(read["options"]),
+        seed=next(iter(made(read["seed"])), None),
+        agenda=next(iter(made(read["agenda"])), None),
+        answers=_joined(read["answers"]),
         facts=_joined(read["facts"]),
         script=_joined(read["script"]),
         ats=made(read["at"]),
         tasks=made(read["task"]),
         until=_until(made((*read["until"], *read["cycles"]))),
         expectations=_joined(e.expectations for e in made(read["expect"])),
-        name_span=ctx.span(name),
-        span=ctx.span(datum),
+        name_span=ctx.span(name or form.items[0]),
+        span=ctx.span(form),
     )
 
 
@@ -74,35 +105,38 @@ def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
     return nodes.Until(time, count, found[-1].span)
 
 
-# --- tasks and times ---------------------------------------------------------------
+# --- what is given ------------------------------------------------------------------
 
 
-def task(ctx: Context, clause: Datum) -> nodes.GivenTask | None:
-    """`(task goal [:priority n] [:deadline t] [:background true])`."""
-    assert isinstance(clause, List)
-    if len(clause.items) == 1:
-        ctx.report("malformed-clause", "`task` lacks its goal", clause)
+def answer(ctx: Context, datum: Datum) -> nodes.Answer | None:
+    """`((function arg...) value)`."""
+    items = datum.items if isinstance(datum, List) else ()
+    asked = pattern(ctx, items[0], nodes.Request) if len(items) == 2 else None
+    value = constant(items[1]) if len(items) == 2 else None
+    if asked is None or value is None:
+        if len(items) != 2 or asked is not None:
+            message = "an answer is a question to a function, and a value"
+            help = "write `((function argument...) value)`"
+            ctx.report("malformed-clause", message, datum, help=help)
         return None
-    asked = asked_goal(ctx, clause.items[1], ground=True)
-    given = options(ctx, clause.items[2:], "`task`", _TASK_OPTIONS)
+    asked = plain(ctx, asked)
     if asked is None:
         return None
-    priority = given.get(":priority")
-    deadline = given.get(":deadline")
-    background = given.get(":background")
-    if background is not None and ctx.text(background).lower() not in _TRUTHS:
-        message = "`:background` takes `true` or `false`"
-        ctx.report("malformed-clause", message, background)
-    return nodes.GivenTask(
-        goal=asked,
-        priority=0 if priority is None else whole(ctx, priority, "a priority") or 0,
-        deadline=None if deadline is None else number(ctx, deadline, "a time"),
-        background=background is not None and ctx.text(background).lower() == "true",
-        span=ctx.span(clause),
-    )
+    call = nodes.Call(asked.name, asked.args, asked.span)
+    return nodes.Answer(call, nodes.Const(value, ctx.span(items[1])), ctx.span(datum))
 
 
-_TRUTHS = ("true", "false")
+def world_option(ctx: Context, datum: Datum) -> nodes.WorldOption | None:
+    """`(name value)`."""
+    items = datum.items if isinstance(datum, List) else ()
+    name = items[0] if len(items) == 2 else None
+    value = constant(items[1]) if len(items) == 2 else None
+    if not isinstance(name, Symbol) or value is None:
+        message = "an option of the world is its name and a value"
+        help = "write `(name value)`"
+        ctx.report("malformed-clause", message, datum, help=help)
+        return None
+    return nodes.WorldOption(name.name, value, ctx.span(datum))
 
 
 def at(ctx: Context, datum: Datum) -> nodes.At | None:
