@@ -72,16 +72,23 @@ def choose_method(run: Run, task: Task) -> None:
         return
     least = min(task.failures.get(method.position, 0) for method, _ in held)
     held = [row for row in held if task.failures.get(row[0].position, 0) == least]
-    least = min(task.chosen.get(choice(*row), 0) for row in held)
-    held = [row for row in held if task.chosen.get(choice(*row), 0) == least]
+    least = min(tries(task, method) for method, _ in held)
+    held = [row for row in held if tries(task, row[0]) == least]
     method, found = held[0]
     if len(held) > 1:
         method, found = held[run.random.randrange(len(held))]
-    if least >= run.limits.futile_limit:
+    times = task.chosen.get(choice(method, found), 0)
+    if times >= run.limits.futile_limit:
         fail(run, task, "futile-loop")
         return
-    task.chosen[choice(method, found)] = least + 1
+    task.chosen[choice(method, found)] = times + 1
     start(run, task, method, found)
+
+
+def tries(task: Task, method: nodes.Method) -> int:
+    """How often a task has chosen a method, whatever was bound."""
+    same = (times for seen, times in task.chosen.items() if seen[0] == method.position)
+    return sum(same)
 
 
 def choice(method: nodes.Method, env: Bindings) -> tuple[object, ...]:

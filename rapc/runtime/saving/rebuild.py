@@ -172,6 +172,8 @@ class Rebuilt:
     def _history(self, record: HistoryRecord) -> History:
         history = History()
         history.choices = {_tuple(key): count for key, count in record.choices}
+        for key, count in history.choices.items():
+            history.tries[key[0]] = history.tries.get(key[0], 0) + count
         history.results = dict(record.results)
         history.failures = dict(record.failures)
         history.failure = record.failure

@@ -105,11 +105,13 @@ class WaitState:
 class History:
     """What the methods of a task have come to."""
 
-    __slots__ = ("choices", "failure", "failures", "results", "success")
+    __slots__ = ("choices", "failure", "failures", "results", "success", "tries")
 
     def __init__(self) -> None:
         #: What the futile-loop detector has seen, from the second choice on.
         self.choices: dict[tuple[object, ...], int] = {}
+        #: How often each method was chosen, whatever was bound: `choices` by index.
+        self.tries: dict[object, int] = {}
         #: The last result of each method tried, by name.
         self.results: dict[object, str | None] = {}
         #: How often each method has ended badly, by index.
@@ -294,21 +296,30 @@ class Task:
             return sum(self.history.choices.values())
         return 0 if self.choice is None else 1
 
+    def times_tried(self, method: MethodPlan) -> int:
+        """How often a method was chosen since the detector started afresh."""
+        if self.history is not None and self.history.choices:
+            return self.history.tries.get(method.index, 0)
+        return 1 if self.choice is not None and self.choice[0] == method.index else 0
+
     def note_choice(self, key: tuple[object, ...]) -> None:
         """A choice is made; only from the second on they need a table."""
         if self.choice is None:
             self.choice = key
             return
-        choices = self.remember().choices
+        history = self.remember()
+        choices, tries = history.choices, history.tries
         if not choices:
-            choices[self.choice] = 1
+            choices[self.choice] = tries[self.choice[0]] = 1
         choices[key] = choices.get(key, 0) + 1
+        tries[key[0]] = tries.get(key[0], 0) + 1
 
     def forget_choices(self) -> None:
         """The detector starts afresh."""
         self.choice = None
         if self.history is not None:
             self.history.choices.clear()
+            self.history.tries.clear()
 
     # --- as events tell of it ----------------------------------------------------
 

@@ -1,6 +1,6 @@
 """Which method a task tries: what holds, what failed least, what was chosen least.
 
-Semantics 3, steps 5 to 7 (T 3.2.2, 3.2.5, 7.4.1).
+[L 3.27] to [L 3.40] (T 3.2.2, 3.2.5, 7.4.1).
 """
 
 from __future__ import annotations
@@ -69,13 +69,11 @@ def _choose_among(
 ) -> tuple[MethodPlan, Env, Key]:
     """One of several: failed least, then chosen least, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
-    keys = [key_of(method, task.env, found) for method, found in holding]
-    choices = [(m, f, key) for (m, f), key in zip(holding, keys, strict=True)]
-    if len(choices) > 1:
-        choices = _least(choices, [task.times_chosen(key) for key in keys])
-    if len(choices) > 1:
-        return choices[machine.rng.randrange(len(choices))]
-    return choices[0]
+    if len(holding) > 1:
+        holding = _least(holding, [task.times_tried(method) for method, _ in holding])
+    at = machine.rng.randrange(len(holding)) if len(holding) > 1 else 0
+    method, found = holding[at]
+    return method, found, key_of(method, task.env, found)
 
 
 def key_of(method: MethodPlan, env: Env, found: Env) -> Key:
