@@ -14,6 +14,7 @@ from rapc.compiler.program import Program
 from rapc.library.library import Library
 from rapc.library.saved import SavedLibrary, Suite, encode
 from rapc.runtime.events.events import Event
+from rapc.runtime.events.trace import record
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
 from rapc.world import (
@@ -79,7 +80,7 @@ class Recorded(Coverage):
 
     def __call__(self, event: Event) -> None:
         """Keep an event as its line of JSON."""
-        self.trace.append(msgspec.json.encode(event))
+        self.trace.append(msgspec.json.encode(record(event)))
 
 
 class YesWorld(World):
