@@ -86,7 +86,12 @@ class Walker:
 
         Returns False if it can have no solution.
         """
-        return _VISITS[type(formula)](self, formula, bound)
+        return _VISITS.get(type(formula), _word)(self, formula, bound)
+
+
+def _word(walker: Walker, formula: nodes.Formula, bound: Bound) -> bool:
+    """A word alone needs nothing, binds nothing, and may hold."""
+    return True
 
 
 def _truth(walker: Walker, formula: nodes.Truth, bound: Bound) -> bool:

@@ -38,12 +38,17 @@ def format_goal(goal: nodes.Goal, bindings: Bindings | None = None) -> str:
 def format_formula(
     formula: nodes.Formula | nodes.Pattern, bindings: Bindings | None = None
 ) -> str:
-    """A formula on one line, or any name with its arguments."""
+    """A formula on one line, or any name with its arguments.
+
+    A formula that is a word alone is written as its node is called.
+    """
     parts: Sequence[nodes.Formula] = ()
     args: Sequence[nodes.Term] = ()
     match formula:
         case nodes.Truth(value):
             return "true" if value else "false"
+        case nodes.Thing(word, ()):
+            return word
         case nodes.And(parts):
             word = "and"
         case nodes.Or(parts):
@@ -62,6 +67,8 @@ def format_formula(
             pass
         case nodes.HistoryTest(word, args):
             pass
+        case _:
+            return type(formula).__name__.lower()
     words = [word, *(format_formula(part, bindings) for part in parts)]
     return f"({' '.join((*words, *(format_term(arg, bindings) for arg in args)))})"
 

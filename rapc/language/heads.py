@@ -66,7 +66,14 @@ CALLS = heads("call")
 TRUTHS = {"t": True, "true": True, "nil": False, "false": False}
 """The constants that are formulas."""
 
-QUERIES = tuple([word for word in heads("formula") if word not in TRUTHS])
+ALONE = {
+    word: rule
+    for word, rule in rules_by_head("formula").items()
+    if RULES[rule][0] != "list"
+}
+"""The words that are formulas by themselves, with their rules."""
+
+QUERIES = tuple([word for word in heads("formula") if word not in ALONE])
 """Words that head a formula and are no propositions."""
 
 ARROW = "=>"

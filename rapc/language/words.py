@@ -92,6 +92,8 @@ WORDS: Mapping[str, Words] = {
     ),
     "context": Words("when a method may be chosen", "one formula", "[T 4.5.1]"),
     "notations": Words("facts that hold while it runs", "", "[T 4.9.1]"),
+    "claims": Words("what nobody else may use while it runs", "", "[T 7.2.1]"),
+    "skills": Words("what is switched on while it runs", "", "[S 3.2]"),
     "task_net": Words("steps, in an order as loose as wanted", "", "[T 4.5.2]"),
     "primitive": Words("a request to the world, or skills", "one request", "[T 4.5.3]"),
     "enable": Words("skills to be switched on", "", "[S 3.2]"),
@@ -176,8 +178,15 @@ WORDS: Mapping[str, Words] = {
     "action": Words(
         "puts a fact into memory or takes it out", "one proposition", "[S 4.2]"
     ),
+    # Named formulas, and what is to be done
+    "define_query": Words("a formula with a name"),
+    "define_agenda": Words("what a robot is to do from the start", "", "[T 5.4]"),
     # Tests
     "world": Words("the world the test runs in", "the name of a world"),
+    "options": Words("options of that world"),
+    "seed": Words("the seed of all chance", "a whole number"),
+    "agenda": Words("an agenda whose tasks are given", "the name of an agenda"),
+    "answers": Words("what memory functions return"),
     "facts": Words("what memory holds at first"),
     "script": Words("what the world answers"),
     "script_row": Words("a request and its answer"),
@@ -214,7 +223,11 @@ WORDS: Mapping[str, Words] = {
     "declare_event": Words("what a skill may signal", "", "[S 2]"),
     "define_memory_rule": Words("what a task's end does to memory", "", "[S 4.2]"),
     "define_event_rule": Words("what a signal does to memory", "", "[S 4.3]"),
+    "declare_kind": Words("values of one kind", "", ""),
     "define_test": Words("what a library is to do, tried", "", "docs/testing.md"),
+    "define_test_defaults": Words(
+        "what is said of all tests of a file", "", "docs/testing.md"
+    ),
 }
 """What is said of each rule, group by group in the order of the grammar."""
 
@@ -230,11 +243,22 @@ OPERANDS: Mapping[str, str] = {
     "skill": "(:skill argument...)",
     "event_pattern": "(event :key value...)",
     "step": "(tag (goal) annotation...)",
+    "query_head": "(name ?argument...)",
+    "kind_values": "(value...)",
+    "_primitive_option": "option",
+    "_once_skill_option": "option",
+    "datum_effects": ":on (effect...)",
+    "_test_clause": "clause",
+    "argument": "?variable",
+    "answer": "((function argument...) value)",
+    "world_option": "(name value)",
+    "agenda_task": "(task (goal) option...)",
     "cycles": "(cycles n)",
     "resource": "(set|counter ?name [start])",
     "negated": "(not (fact))",
     "_once_method_clause": "clause",
-    "_body": "body",
+    "_acts": "body clause...",
+    "_spawns": "body clause...",
     "index": "(name ?input... => ?output...)",
 }
 """How operands are written in short; others by the name of their rule or terminal."""
@@ -266,6 +290,8 @@ def _headless(group: str) -> dict[str, None]:
 def _spelt(shape: Shape) -> str:
     if isinstance(shape, tuple):
         texts = [_spelt(part) for part in shape[1:]]
+        if shape[0] == "or":
+            texts = list(dict.fromkeys(texts))
         return _JOINED[shape[0]].format("|".join(texts), " ".join(texts))
     if is_word(shape):
         return shape[1:-1]

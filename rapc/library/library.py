@@ -16,10 +16,10 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
-from rapc.language.heads import CALLS, QUERIES, TRUTHS
+from rapc.language.heads import ALONE, CALLS, QUERIES
 from rapc.parser.unit import SourceUnit
 
-BUILTIN_NAMES = frozenset((*TRUTHS, *QUERIES, *CALLS))
+BUILTIN_NAMES = frozenset((*ALONE, *QUERIES, *CALLS))
 """What formulas and terms may begin with that no library can declare (semantics 2)."""
 
 DUPLICATE = Rule(

@@ -195,7 +195,8 @@ def _content(kind: type[nodes.Node]) -> Callable[[Any], Iterable[Any]]:
     """Takes from a node of a kind all that there is to look at."""
     if kind is nodes.Require:
         return lambda node: (node.span,)
-    return attrgetter(*[name for name in kind.__struct_fields__ if name != "doc"])
+    names = [name for name in kind.__struct_fields__ if name != "doc"]
+    return attrgetter(*names) if len(names) > 1 else lambda node: (node.span,)
 
 
 def _word(word: str) -> str:

@@ -70,16 +70,22 @@ class Readers(dict[str, Read]):
     def __missing__(self, rule: str) -> Read:
         """Make the reader of a rule."""
         shape = RULES[rule]
-        self[rule] = made = (
-            self._list(rule, shape) if shape[0] == "list" else self._choice(rule)
-        )
+        made: Read
+        if is_word(shape):
+            made = _alone(self.makers.get(rule) or _named_like(rule))
+        elif shape[0] == "list":
+            made = self._list(rule, shape)
+        else:
+            made = self._choice(rule)
+        self[rule] = made
         return made
 
     def group(self, rule: str) -> dict[str, Read]:
         """Return the readers of the lists in a group by the words that head them."""
         found = self._groups.get(rule)
         if found is None:
-            found = {head: self[one] for head, one in rules_by_head(rule).items()}
+            heads = rules_by_head(rule).items()
+            found = {h: self[one] for h, one in heads if RULES[one][0] == "list"}
             self._groups[rule] = found
         return found
 
@@ -195,6 +201,11 @@ def _named_like(rule: str) -> Maker:
     """What makes the node of the same name, operands in the order of its fields."""
     kind = getattr(nodes, "".join(map(str.capitalize, rule.split("_"))))
     return lambda head, values, span: kind(*values, span)
+
+
+def _alone(make: Maker) -> Read:
+    """The reader of a word that is a whole by itself."""
+    return lambda ctx, datum: make(ctx.text(datum).lower(), (), ctx.span(datum))
 
 
 def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.language.heads import ARROW, CALLS, TRUTHS
+from rapc.language.heads import ALONE, ARROW, CALLS, TRUTHS
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.elaborate import wrong
 from rapc.parser.syntax import Datum, List, Symbol
@@ -53,27 +53,34 @@ def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
             if name not in _NO_PROPOSITIONS:
                 place = Span(ctx.file, datum.start, datum.end)
                 return nodes.Proposition(name, terms(ctx, datum.items[1:]), place)
-    elif type(datum) is Symbol and datum.name in TRUTHS:
-        return nodes.Truth(TRUTHS[datum.name], ctx.span(datum))
-    no_formula(ctx, datum)
+    elif type(datum) is Symbol and datum.name in ALONE:
+        alone: nodes.Formula = ctx.readers[ALONE[datum.name]](ctx, datum)
+        return alone
+    _no_formula(ctx, datum)
     return None
 
 
-_NO_PROPOSITIONS = frozenset((*CALLS, ARROW))
+def truth(ctx: Context, datum: Datum) -> nodes.Truth:
+    """`t`, `true`, `nil` or `false`."""
+    assert type(datum) is Symbol
+    return nodes.Truth(TRUTHS[datum.name], ctx.span(datum))
+
+
+_NO_PROPOSITIONS = frozenset((*CALLS, *ALONE, ARROW))
 """Words that head lists which are no formulas; formulas have readers."""
 
 
-def no_formula(ctx: Context, datum: Datum) -> None:
+def _no_formula(ctx: Context, datum: Datum) -> None:
     """Report a datum that is no formula."""
     name = head_of(datum)
     fix = None
     if name in CALLS:
         message = f"`{name}` computes a value, it is no test"
         help = "compare the value with another, as in `(< (value ?count) 3)`"
-    elif name in TRUTHS and isinstance(datum, List) and len(datum.items) == 1:
+    elif name in ALONE and isinstance(datum, List) and len(datum.items) == 1:
         message = f"`{name}` stands without parentheses"
         help, fix = "", ctx.replace(datum, name or "")
-    elif name in TRUTHS:
+    elif name in ALONE:
         message, help = f"`{name}` heads no proposition", ""
     elif isinstance(datum, Symbol):
         message = f"the symbol `{datum.name}` alone is no formula"

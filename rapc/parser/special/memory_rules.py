@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Literal, cast
 
 from rapc.ir import nodes
-from rapc.language.heads import TRUTHS
+from rapc.language.heads import ALONE
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
@@ -113,7 +113,7 @@ def _rule(ctx: Context, datum: Datum) -> nodes.Rule | None:
 
 def _alternative(ctx: Context, datum: Datum) -> nodes.Alternative | None:
     """`(query action...)`, or actions alone, which run always."""
-    named = head_of(datum) not in (None, *TRUTHS)
+    named = head_of(datum) not in (None, *ALONE)
     if not isinstance(datum, List) or not datum.items or named:
         ctx.report(
             "malformed-rule",

@@ -73,7 +73,7 @@ SPECIAL: Mapping[str, Read] = {
     "not": formulas.negation,
     "believe": formulas.believe,
     "know_sensor_name": formulas.know_sensor_name,
-    "truth": formulas.no_formula,
+    "truth": formulas.truth,
     "term": terms.term,
     "proposition": terms.proposition,
     "goal": terms.goal,
