@@ -28,6 +28,7 @@ class MethodPlan:
         "name",
         "node",
         "notations",
+        "otherwise",
         "raps",
         "request",
         "size",
@@ -46,8 +47,11 @@ class MethodPlan:
         self.key = (index,)
         #: What the trace prints.
         self.name = f"#{index + 1}" if node.name is None else str(node.name)
-        parts = [f for f in (rap.repeat_while, node.context) if f is not None]
-        #: `repeat-while` and context as one query.
+        context = _without_otherwise(node.context)
+        #: Whether the context asks that no method before this one holds.
+        self.otherwise = context is not node.context
+        parts = [f for f in (rap.repeat_while, context) if f is not None]
+        #: `repeat-while` and context, `otherwise` left out of it, as one query.
         self.choice: Query | None = None
         if parts:
             formula = parts[0] if len(parts) == 1 else nodes.And(tuple(parts))
@@ -171,6 +175,18 @@ class RapPlan:
         single = len(self.methods) == 1 and node.repeat_while is None
         #: The one method, if there is one and no `repeat-while`.
         self.only = self.methods[0] if single else None
+
+
+def _without_otherwise(context: nodes.Formula | None) -> nodes.Formula | None:
+    """Return a context itself or, if `otherwise` is among its conjuncts, the others."""
+    if isinstance(context, nodes.Otherwise):
+        return None
+    if not isinstance(context, nodes.And):
+        return context
+    kept = [_without_otherwise(part) for part in context.parts]
+    if all(one is part for one, part in zip(kept, context.parts, strict=True)):
+        return context
+    return nodes.And(tuple([one for one in kept if one is not None]), context.span)
 
 
 def _steady(compiler: Compiler, constraints: nodes.Formula | None) -> bool:

@@ -191,8 +191,15 @@ class Count(Node, frozen=True, eq=False):
     span: Span = NOWHERE
 
 
+class Otherwise(Node, frozen=True, eq=False):
+    """`otherwise` in a context: no method before this one in the text holds now."""
+
+    span: Span = NOWHERE
+
+
 Formula = (
     Truth
+    | Otherwise
     | Proposition
     | And
     | Or

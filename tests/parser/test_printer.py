@@ -42,6 +42,7 @@ OPS = st.sampled_from(["=", "n=", "<", ">", "<=", ">="])
 LEAVES = st.one_of(
     PATTERNS,
     st.booleans().map(nodes.Truth),
+    st.just(nodes.Otherwise()),
     st.builds(nodes.Compare, OPS, TERMS, TERMS),
     st.builds(nodes.Believe, PATTERNS, TERMS),
     st.builds(nodes.SetTest, st.just("member"), st.tuples(TERMS, TERMS).map(tuple)),

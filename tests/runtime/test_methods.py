@@ -30,6 +30,48 @@ def test_a_method_without_context_always_holds() -> None:
     assert chosen(play("(define-rap (top) (method a (task-net)))", "(top)")) == "a"
 
 
+ORDERED = """
+    (define-rap (top) (repeat-while (color ?x lit)) (succeed (p done))
+      (method a (context (q ?x ?)) (primitive (act a)))
+      (method b (context (and (q ?y ?) (and otherwise (p ?y)))) (primitive (act b)))
+      (method c (context otherwise) (primitive (act c)))
+      (method d (context (p up)) (primitive (act d))))
+    """
+
+
+@pytest.mark.parametrize(
+    ("facts", "method"),
+    [
+        (("(q one 1)", "(p one)"), "a"),
+        (("(q two 1)", "(p two)"), "b"),
+        (("(q two 1)", "(p one)"), "c"),
+        (("(q one 1)", "(p up)"), "ad"),
+        (("(p up)",), "cd"),
+        ((), "c"),
+    ],
+)
+def test_otherwise_holds_if_no_method_before_does(
+    facts: tuple[str, ...], method: str
+) -> None:
+    """Apart from what the method binds: `?y` need not have the value of `?x`."""
+    for seed in range(4):
+        told = ["(color one lit)", *facts]
+        assert chosen(play(ORDERED, "(top)", facts=told, seed=seed))[0] in method
+
+
+def test_otherwise_does_not_ask_what_has_failed() -> None:
+    text = """
+        (define-rap (top)
+          (method a (context (p up)) (primitive (act a)))
+          (method b (context otherwise) (primitive (act b))))
+        """
+    failing = [row("(act a)", "jammed")]
+    ran = play(text, "(top)", facts=["(p up)"], rows=failing)
+    assert chosen(ran) == "aa"
+    assert ran.told("failed") == ["failed (top) futile-loop jammed"]
+    assert chosen(play(text, "(top)")) == "b"
+
+
 def test_the_method_that_failed_least_is_chosen() -> None:
     """After one failure of each both are as good: so all are tried twice."""
     text = """

@@ -97,10 +97,13 @@ def _holding(machine: Machine, task: Task) -> list[_Held]:
     context.task = task
     held: list[_Held] = []
     for method in machine.state.methods(task.plan):
-        if method.choice is None:
-            held.append((method, {}))
-            continue
-        found = method.choice.first(context, env)
+        found: Env | None
+        if method.otherwise and held:
+            found = None
+        elif method.choice is None:
+            found = {}
+        else:
+            found = method.choice.first(context, env)
         if found is not None:
             held.append((method, found))
         if machine.context_asked is not None and method.node.context is not None:
