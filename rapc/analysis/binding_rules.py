@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Mapping
 
 from rapc.ir import nodes
+from rapc.ir.operands import operands
 
 
 class Bound(Container[str]):
@@ -86,12 +87,7 @@ class Walker:
 
         Returns False if it can have no solution.
         """
-        return _VISITS.get(type(formula), _word)(self, formula, bound)
-
-
-def _word(walker: Walker, formula: nodes.Formula, bound: Bound) -> bool:
-    """A word alone needs nothing, binds nothing, and may hold."""
-    return True
+        return _VISITS.get(type(formula), _as_declared)(self, formula, bound)
 
 
 def _truth(walker: Walker, formula: nodes.Truth, bound: Bound) -> bool:
@@ -106,9 +102,15 @@ def _pattern(walker: Walker, formula: nodes.Proposition, bound: Bound) -> bool:
     return True
 
 
-def _and(walker: Walker, formula: nodes.And, bound: Bound) -> bool:
+def _as_declared(walker: Walker, formula: nodes.Formula, bound: Bound) -> bool:
+    """A formula of which its operands say all there is to know."""
+    inner = operands(formula)
+    walker.values(inner.used, bound)
+    walker.match(inner.matched, bound)
+    for part in inner.closed:
+        walker.formula(part, Bound(bound))
     possible = True
-    for part in formula.parts:
+    for part in inner.parts:
         possible = walker.formula(part, bound) and possible
     return possible
 
@@ -128,11 +130,6 @@ def _not(walker: Walker, formula: nodes.Not, bound: Bound) -> bool:
     return not (type(formula.part) is nodes.Truth and formula.part.value)
 
 
-def _compare(walker: Walker, formula: nodes.Compare, bound: Bound) -> bool:
-    walker.values((formula.left, formula.right), bound)
-    return True
-
-
 def _believe(walker: Walker, formula: nodes.Believe, bound: Bound) -> bool:
     walker.match(formula.pattern.args, bound)
     age = formula.age
@@ -142,45 +139,11 @@ def _believe(walker: Walker, formula: nodes.Believe, bound: Bound) -> bool:
     return True
 
 
-def _set_test(walker: Walker, formula: nodes.SetTest, bound: Bound) -> bool:
-    walker.values(formula.args, bound)
-    return True
-
-
-def _history(walker: Walker, formula: nodes.HistoryTest, bound: Bound) -> bool:
-    if formula.query == "method-tried":
-        walker.values(formula.args, bound)
-    else:
-        walker.values(formula.args[:-1], bound)
-        walker.match(formula.args[-1:], bound)
-    return True
-
-
-def _sensor_name(walker: Walker, formula: nodes.SensorName, bound: Bound) -> bool:
-    value = formula.value
-    if type(value) is nodes.Const and value.value == "false":
-        walker.value(formula.item, bound)
-    else:
-        walker.match((formula.item, value), bound)
-    return True
-
-
-def _count(walker: Walker, formula: nodes.Count, bound: Bound) -> bool:
-    walker.values((formula.kind, formula.place), bound)
-    walker.match((formula.number,), bound)
-    return True
-
-
 _VISITS: Mapping[type, Callable[..., bool]] = {
     nodes.Truth: _truth,
     nodes.Proposition: _pattern,
-    nodes.And: _and,
     nodes.Or: _or,
     nodes.Not: _not,
-    nodes.Compare: _compare,
     nodes.Believe: _believe,
-    nodes.SetTest: _set_test,
-    nodes.HistoryTest: _history,
-    nodes.SensorName: _sensor_name,
-    nodes.Count: _count,
 }
+"""Kinds of formulas of which there is more to know than their operands say."""

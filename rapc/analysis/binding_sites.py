@@ -13,6 +13,7 @@ import msgspec
 
 from rapc.base.source import Span
 from rapc.ir import nodes
+from rapc.ir.operands import operands
 
 
 class Site(msgspec.Struct, frozen=True):
@@ -88,27 +89,17 @@ def _step(place: Site, step: nodes.Step, functions: Container[str]) -> Iterator[
 def _formula(
     place: Site, formula: nodes.Formula, functions: Container[str]
 ) -> Iterator[Site]:
-    match formula:
-        case nodes.Proposition() if formula.name not in functions:
-            yield from _terms(place, formula.args)
-        case nodes.And():
-            for part in formula.parts:
-                yield from _formula(place, part, functions)
-        case nodes.Or():
-            inner = msgspec.structs.replace(place, branch=True)
-            for part in formula.parts:
-                yield from _formula(inner, part, functions)
-        case nodes.Not():
-            inner = msgspec.structs.replace(place, negated=True)
-            yield from _formula(inner, formula.part, functions)
-        case nodes.Believe():
-            yield from _terms(place, (*formula.pattern.args, formula.age))
-        case nodes.HistoryTest() if formula.query != "method-tried":
-            yield from _terms(place, formula.args[-1:])
-        case nodes.SensorName():
-            yield from _terms(place, (formula.item, formula.value))
-        case nodes.Count():
-            yield from _terms(place, (formula.number,))
+    if isinstance(formula, nodes.Proposition) and formula.name in functions:
+        return
+    inner = operands(formula)
+    within = msgspec.structs.replace(place, branch=True)
+    for part in inner.parts:
+        branch = isinstance(formula, nodes.Or)
+        yield from _formula(within if branch else place, part, functions)
+    denied = msgspec.structs.replace(place, negated=True)
+    for part in inner.closed:
+        yield from _formula(denied, part, functions)
+    yield from _terms(place, inner.matched)
 
 
 def _terms(place: Site, terms: tuple[nodes.Term, ...]) -> Iterator[Site]:

@@ -16,7 +16,7 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
-from rapc.ir.walk import CHILDREN
+from rapc.ir.fields import CHILDREN
 from rapc.language.heads import CALLS
 from rapc.library.library import Library, word_span
 from rapc.library.signatures import Use

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from rapc.compiler.compiler import Compiler, RequestPlan, variables_of
 from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, steps_using
+from rapc.compiler.query.formulas import watches
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
-from rapc.compiler.watches import ANYTHING, Watch, watches
+from rapc.compiler.watches import ANYTHING, Watch
 from rapc.ir import nodes
 from rapc.ir.walk import subformulas
 

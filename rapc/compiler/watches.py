@@ -55,44 +55,24 @@ class Watch(msgspec.Struct, frozen=True):
         return self.key or None
 
 
-def watches(formula: nodes.Formula, signatures: Signatures) -> tuple[Watch, ...]:
-    """All that can change the answer to a formula, each thing once."""
-    found: dict[Watch, None] = {}
-    stack: list[object] = [formula]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, tuple):
-            stack.extend(reversed(node))
-        elif isinstance(node, nodes.Node):
-            found.update((watch, None) for watch in _of(node, signatures))
-            names = node.__struct_fields__
-            stack.extend(getattr(node, n) for n in reversed(names) if n != "span")
-    return tuple(found)
+def of_call(node: nodes.Call, signatures: Signatures) -> Iterator[Watch]:
+    """Watches of a computed term, its arguments left out."""
+    if node.function in ("value", "size-of"):
+        yield from of_resources(node.args)
+    elif node.function in signatures.functions:
+        yield from _function(node.function, node.args, signatures)
 
 
-def _of(node: nodes.Node, signatures: Signatures) -> Iterator[Watch]:
-    if isinstance(node, nodes.Proposition):
-        relation = signatures.relations.get(node.name)
-        if relation is not None:
-            yield from _pattern(node, relation)
-        elif node.name in signatures.functions:
-            yield from _function(node.name, node.args, signatures)
-    elif isinstance(node, nodes.Call):
-        if node.function in ("value", "size-of"):
-            yield from _resources(node.args)
-        elif node.function in signatures.functions:
-            yield from _function(node.function, node.args, signatures)
-    elif isinstance(node, nodes.SetTest):
-        yield from _resources(node.args[:1])
-    elif isinstance(node, nodes.SensorName):
-        yield Watch(("know-sensor-name",))
-    elif isinstance(node, nodes.Count):
-        yield from (Watch((word,)) for word in ("location", "class", "external"))
-    elif isinstance(node, nodes.Believe) and isinstance(node.age, nodes.Var):
-        yield Watch(age=node.age.name)
+def of_proposition(node: nodes.Proposition, signatures: Signatures) -> Iterator[Watch]:
+    """Watches of a fact, or of a function used as a test."""
+    relation = signatures.relations.get(node.name)
+    if relation is not None:
+        yield from _fact(node, relation)
+    elif node.name in signatures.functions:
+        yield from _function(node.name, node.args, signatures)
 
 
-def _pattern(node: nodes.Proposition, relation: Signature) -> Iterator[Watch]:
+def _fact(node: nodes.Proposition, relation: Signature) -> Iterator[Watch]:
     if relation.default_function is not None and relation.is_property:
         yield Watch(ANYTHING)
     args = dict(enumerate(relation.full(node.args), 1))
@@ -124,7 +104,7 @@ def _may_be_default(relation: Signature, value: nodes.Term) -> bool:
 def _function(
     name: str, args: tuple[nodes.Term, ...], signatures: Signatures
 ) -> Iterator[Watch]:
-    yield from _resources(args)
+    yield from of_resources(args)
     reads = signatures.functions[name].reads
     if reads is None:
         yield Watch(ANYTHING)
@@ -132,7 +112,14 @@ def _function(
         yield from (Watch((predicate,)) for predicate in reads)
 
 
-def _resources(args: tuple[nodes.Term, ...]) -> Iterator[Watch]:
+def of_resources(args: tuple[nodes.Term, ...]) -> Iterator[Watch]:
+    """Watches of the resources among some arguments."""
     for arg in args:
         if isinstance(arg, nodes.Var):
             yield Watch(resource=arg.name)
+
+
+def of_age(age: nodes.Term) -> Iterator[Watch]:
+    """The watch of a `believe` that may ask for an age."""
+    if isinstance(age, nodes.Var):
+        yield Watch(age=age.name)

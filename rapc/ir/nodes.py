@@ -73,6 +73,12 @@ class Call(Node, frozen=True, eq=False):
 
 Term = Const | Var | Call
 
+Used = Term
+"""An operand that needs its value: unbound variables in it are a fault."""
+
+Matched = Term
+"""An operand that is held against a value: an unbound variable takes it."""
+
 
 # --- formulas (semantics 2) ----------------------------------------------------
 
@@ -137,7 +143,7 @@ class Or(Node, frozen=True, eq=False):
 class Not(Node, frozen=True, eq=False):
     """The part has no solution (negation as failure)."""
 
-    part: Formula
+    part: Closed
     span: Span = NOWHERE
 
 
@@ -145,8 +151,8 @@ class Compare(Node, frozen=True, eq=False):
     """`=`, `n=`, `<`, `>`, `<=` or `>=` between two terms; binds nothing."""
 
     op: Literal["=", "n=", "<", ">", "<=", ">="]
-    left: Term
-    right: Term
+    left: Used
+    right: Used
     span: Span = NOWHERE
 
 
@@ -154,7 +160,7 @@ class Believe(Node, frozen=True, eq=False):
     """`(believe p n)`: p is believed with an age below n, or n becomes its age."""
 
     pattern: Proposition
-    age: Term
+    age: Matched
     span: Span = NOWHERE
 
 
@@ -162,7 +168,7 @@ class SetTest(Node, frozen=True, eq=False):
     """`(member ?set thing)` or `(empty ?set)`."""
 
     test: Literal["member", "empty"]
-    args: tuple[Term, ...]
+    args: tuple[Used, ...]
     span: Span = NOWHERE
 
 
@@ -177,17 +183,17 @@ class HistoryTest(Node, frozen=True, eq=False):
 class SensorName(Node, frozen=True, eq=False):
     """`(know-sensor-name x)`, `(know-sensor-name x true)` or `... false)`."""
 
-    item: Term
-    value: Term
+    item: Matched
+    value: Matched
     span: Span = NOWHERE
 
 
 class Count(Node, frozen=True, eq=False):
     """`(count class place ?n)`: the size all layers of a set share (semantics 7)."""
 
-    kind: Term
-    place: Term
-    number: Term
+    kind: Used
+    place: Used
+    number: Matched
     span: Span = NOWHERE
 
 
@@ -211,6 +217,9 @@ Formula = (
     | SensorName
     | Count
 )
+
+Closed = Formula
+"""A part that hands nothing out: what is bound in it is known in it alone."""
 
 
 # --- RAPs: clauses, methods, task-nets, annotations [T 4], [S 3] ----------------

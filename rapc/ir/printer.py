@@ -5,10 +5,12 @@ The text reads back as what was printed. Whole definitions are not printed here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
 from rapc.base.values import format_atom
 from rapc.ir import nodes
+from rapc.ir.fields import CHILDREN, declared
+from rapc.language.heads import ALONE, heads, rule_named
 
 Bindings = Mapping[str, object]
 """Values by variable name (with its question mark): atoms, or what `str` writes."""
@@ -38,40 +40,45 @@ def format_goal(goal: nodes.Goal, bindings: Bindings | None = None) -> str:
 def format_formula(
     formula: nodes.Formula | nodes.Pattern, bindings: Bindings | None = None
 ) -> str:
-    """A formula on one line, or any name with its arguments.
-
-    A formula that is a word alone is written as its node is called.
-    """
-    parts: Sequence[nodes.Formula] = ()
-    args: Sequence[nodes.Term] = ()
-    match formula:
-        case nodes.Truth(value):
-            return "true" if value else "false"
-        case nodes.Thing(word, ()):
-            return word
-        case nodes.And(parts):
-            word = "and"
-        case nodes.Or(parts):
-            word = "or"
-        case nodes.Not(part):
-            word, parts = "not", (part,)
-        case nodes.Believe(pattern, age):
-            word, parts, args = "believe", (pattern,), (age,)
-        case nodes.Compare(word, left, right):
-            args = (left, right)
-        case nodes.SensorName(item, known):
-            word, args = "know-sensor-name", (item, known)
-        case nodes.Count(kind, place, number):
-            word, args = "count", (kind, place, number)
-        case nodes.Pattern(word, args) | nodes.SetTest(word, args):
-            pass
-        case nodes.HistoryTest(word, args):
-            pass
-        case _:
-            return type(formula).__name__.lower()
-    words = [word, *(format_formula(part, bindings) for part in parts)]
-    return f"({' '.join((*words, *(format_term(arg, bindings) for arg in args)))})"
+    """A formula on one line, or any name with its arguments."""
+    if isinstance(formula, nodes.Truth):
+        return "true" if formula.value else "false"
+    if isinstance(formula, nodes.Thing) and not formula.args:
+        return formula.name
+    if isinstance(formula, nodes.Pattern):
+        return _list(formula.name, formula.args, bindings)
+    word, field = _WORDS[type(formula)]
+    if type(formula) in _ALONE:
+        return word
+    words = [getattr(formula, field) if field else word]
+    for field in CHILDREN[type(formula)]:
+        value = getattr(formula, field)
+        for part in value if type(value) is tuple else (value,):
+            is_term = isinstance(part, nodes.Term)
+            words.append((format_term if is_term else format_formula)(part, bindings))
+    return f"({' '.join(words)})"
 
 
 def _list(name: str, args: Iterable[nodes.Term], bindings: Bindings | None) -> str:
     return f"({' '.join((name, *(format_term(arg, bindings) for arg in args)))})"
+
+
+def _word(kind: type[nodes.Node]) -> tuple[str, str]:
+    """The word that heads a kind of formula, or else the field that holds the word."""
+    for field in kind.__struct_fields__:
+        if declared(kind, field).startswith("Literal["):
+            return "", field
+    return heads(rule_named(kind.__name__))[0], ""
+
+
+_SAID: frozenset[type] = frozenset((nodes.Truth, nodes.Proposition))
+"""Kinds of formulas whose nodes say what they begin with."""
+
+_KINDS = [kind for kind in nodes.Formula.__args__ if kind not in _SAID]
+
+_WORDS = {kind: _word(kind) for kind in _KINDS}
+
+_ALONE = frozenset(
+    kind for kind in _KINDS if rule_named(kind.__name__) in ALONE.values()
+)
+"""Kinds of formulas that are a word without parentheses."""

@@ -1,4 +1,4 @@
-"""Walks over the IR: formulas of a RAP, parts of a formula, terms with their roles.
+"""Walks over the IR: formulas of a RAP, parts of a formula, terms.
 
 Everything comes in the order of the text. Which variable is bound where is not known
 here: that depends on declarations and on the order of evaluation (`rapc.analysis`).
@@ -6,21 +6,14 @@ here: that depends on declarations and on the order of evaluation (`rapc.analysi
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping
-from types import UnionType
+from collections.abc import Iterator
 from typing import Literal
 
 import msgspec
 
 from rapc.ir import nodes
-
-Role = Literal["match", "use"]
-"""How a term stands: `match` may give an unbound variable its value, `use` needs it.
-
-The arguments of a proposition match; a declared function used as a test looks like
-one, so whoever knows the declarations takes its arguments as `use`.
-"""
+from rapc.ir.fields import CHILDREN
+from rapc.ir.operands import PARTS
 
 Clause = Literal[
     "monitor-state",
@@ -32,49 +25,6 @@ Clause = Literal[
     "for",
 ]
 """Where a formula of a RAP stands."""
-
-
-def _children(kind: type[nodes.Node]) -> tuple[str, ...]:
-    """The fields of a type of node whose declared types name nodes."""
-    return tuple(
-        field
-        for field in kind.__struct_fields__
-        if _NODES & set(_WORD.findall(_declared(kind, field))) and field not in _PAIRS
-    )
-
-
-def _declared(kind: type, field: str) -> str:
-    """The type of a field as it is written in its class or one above."""
-    found = (vars(above).get("__annotations__", {}) for above in kind.__mro__)
-    return next(str(types[field]) for types in found if field in types)
-
-
-_WORD = re.compile(r"\w+")
-_PAIRS = ("keys",)
-"""Fields of pairs of a word and a node, which are no nodes themselves."""
-
-_NODES = {
-    name
-    for name, value in vars(nodes).items()
-    if (isinstance(value, UnionType) and name not in {"Atom", "Number"})
-    or (isinstance(value, type) and issubclass(value, nodes.Node))
-}
-
-CHILDREN: Mapping[type, tuple[str, ...]] = {
-    kind: _children(kind)
-    for kind in vars(nodes).values()
-    if isinstance(kind, type) and issubclass(kind, nodes.Node)
-    if kind not in (nodes.Node, nodes.Pattern)
-}
-"""For each type of node, the fields that hold nodes, in the order of the text."""
-
-
-class TermAt(msgspec.Struct, frozen=True):
-    """A term directly in a formula, with the formula and the term's role."""
-
-    term: nodes.Term
-    role: Role
-    formula: nodes.Formula
 
 
 class FormulaAt(msgspec.Struct, frozen=True):
@@ -124,40 +74,19 @@ def subformulas(formula: nodes.Formula) -> Iterator[nodes.Formula]:
     while stack:
         here = stack.pop()
         yield here
-        if type(here) is nodes.And or type(here) is nodes.Or:
-            stack.extend(reversed(here.parts))
-        elif type(here) is nodes.Not:
-            stack.append(here.part)
-        elif type(here) is nodes.Believe:
-            stack.append(here.pattern)
+        for field in PARTS[type(here)]:
+            part = getattr(here, field)
+            stack.extend(reversed(part) if type(part) is tuple else (part,))
 
 
-def terms(formula: nodes.Formula) -> Iterator[TermAt]:
+def terms(formula: nodes.Formula) -> Iterator[nodes.Term]:
     """The terms of a formula and all formulas in it, outermost terms only."""
     for here in subformulas(formula):
-        for term, role in _own_terms(here):
-            yield TermAt(term, role, here)
-
-
-def _own_terms(formula: nodes.Formula) -> Iterator[tuple[nodes.Term, Role]]:
-    pairs: Iterable[tuple[nodes.Term, Role]] = ()
-    match formula:
-        case nodes.Proposition(_, args) | nodes.HistoryTest(_, args):
-            pairs = ((arg, "match") for arg in args)
-        case nodes.Compare(_, left, right):
-            pairs = ((left, "use"), (right, "use"))
-        case nodes.Believe(_, age):
-            pairs = ((age, "match"),)
-        case nodes.SetTest(_, args):
-            pairs = ((arg, "use") for arg in args)
-        case nodes.SensorName(item, value):
-            pairs = ((item, "match"), (value, "match"))
-        case nodes.Count(kind, place, number):
-            pairs = ((kind, "match"), (place, "match"), (number, "match"))
-        case _:
-            pass
-    for term, role in pairs:
-        yield term, "use" if isinstance(term, nodes.Call) else role
+        for field in CHILDREN[type(here)]:
+            value = getattr(here, field)
+            for part in value if type(value) is tuple else (value,):
+                if isinstance(part, nodes.Term):
+                    yield part
 
 
 def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
@@ -170,9 +99,9 @@ def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
             stack.extend(reversed(here.args))
 
 
-def variables(formula: nodes.Formula) -> Iterator[tuple[nodes.Var, Role]]:
-    """The variables of a formula with their roles; inside a computed term, `use`."""
-    for at in terms(formula):
-        for part in subterms(at.term):
+def variables(formula: nodes.Formula) -> Iterator[nodes.Var]:
+    """The variables of a formula, those in computed terms among them."""
+    for term in terms(formula):
+        for part in subterms(term):
             if isinstance(part, nodes.Var):
-                yield part, at.role
+                yield part

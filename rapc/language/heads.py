@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
+
 from rapc.language.grammar import RULES
-from rapc.language.shapes import Shape, is_rule, is_word, leaves
+from rapc.language.shapes import Shape, is_list, is_rule, is_word, leaves
 
 
 def words(shape: Shape) -> tuple[str, ...]:
@@ -45,6 +47,11 @@ def rules_by_head(group: str) -> dict[str, str]:
     return found
 
 
+def rule_named(node: str) -> str:
+    """The rule that a class of nodes is named after: `last_result` of `LastResult`."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", node).lower()
+
+
 FORMS = heads("_form")
 """What may stand at the top level."""
 
@@ -69,7 +76,7 @@ TRUTHS = {"t": True, "true": True, "nil": False, "false": False}
 ALONE = {
     word: rule
     for word, rule in rules_by_head("formula").items()
-    if RULES[rule][0] != "list"
+    if not is_list(RULES[rule])
 }
 """The words that are formulas by themselves, with their rules."""
 

@@ -21,6 +21,11 @@ def is_word(shape: Shape) -> bool:
     return isinstance(shape, str) and shape[0] == '"'
 
 
+def is_list(shape: Shape) -> bool:
+    """Whether a shape is that of a list."""
+    return isinstance(shape, tuple) and shape[0] == "list"
+
+
 def is_terminal(shape: Shape) -> bool:
     """Whether a shape is the name of a terminal."""
     return isinstance(shape, str) and shape.isupper()

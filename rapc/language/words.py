@@ -163,7 +163,7 @@ WORDS: Mapping[str, Words] = {
     "result_with_method": Words(
         "how a method ended", "the name of a method and a result", "[T 4.1.2]"
     ),
-    "know_sensor_name": Words(
+    "sensor_name": Words(
         "an item is in sight", "an item and, if wanted, `true` or `false`", "[T A.4]"
     ),
     "count": Words("how many there are", "a class, a place and a number", ""),

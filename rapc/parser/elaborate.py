@@ -22,7 +22,7 @@ from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.language.grammar import RULES, TERMINALS
 from rapc.language.heads import ARROW, heads, rules_by_head
-from rapc.language.shapes import Shape, is_rule, is_terminal, is_word, leaves
+from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
 from rapc.language.words import WORDS, spelling
 from rapc.parser.context import Context, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
@@ -73,7 +73,7 @@ class Readers(dict[str, Read]):
         made: Read
         if is_word(shape):
             made = _alone(self.makers.get(rule) or _named_like(rule))
-        elif shape[0] == "list":
+        elif is_list(shape):
             made = self._list(rule, shape)
         else:
             made = self._choice(rule)
@@ -85,7 +85,7 @@ class Readers(dict[str, Read]):
         found = self._groups.get(rule)
         if found is None:
             heads = rules_by_head(rule).items()
-            found = {h: self[one] for h, one in heads if RULES[one][0] == "list"}
+            found = {head: self[one] for head, one in heads if is_list(RULES[one])}
             self._groups[rule] = found
         return found
 

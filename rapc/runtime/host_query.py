@@ -107,7 +107,7 @@ def _check_names(formula: Formula, signatures: Signatures) -> None:
     for part in subformulas(formula):
         if isinstance(part, nodes.Proposition):
             _refuse(signatures.fault("test", part.name, len(part.args)))
-    for term in (inner for at in terms(formula) for inner in subterms(at.term)):
+    for term in (inner for outer in terms(formula) for inner in subterms(outer)):
         if isinstance(term, nodes.Call) and term.function not in FUNCTIONS:
             _refuse(signatures.fault("computed", term.function, len(term.args)))
 

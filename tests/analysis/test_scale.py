@@ -11,7 +11,7 @@ import pytest
 
 from rapc.analysis.driver import check_library
 from rapc.ir import nodes
-from rapc.ir.walk import CHILDREN
+from rapc.ir.fields import CHILDREN
 from rapc.library.loader import load_text
 
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Fact
 from rapc.compiler.program import Program
-from rapc.compiler.watches import ANYTHING, watches
+from rapc.compiler.query.formulas import watches
+from rapc.compiler.watches import ANYTHING
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.library.loader import load_text

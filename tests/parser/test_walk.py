@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rapc.ir import nodes, walk
+from rapc.ir.operands import Operands, operands
 from rapc.ir.printer import format_formula, format_term
 from tests.parser.reading import parsed
 
@@ -53,37 +54,37 @@ def test_formulas_within_a_formula() -> None:
     ]
 
 
-def test_terms_with_their_roles() -> None:
+def test_terms_in_formulas() -> None:
     found = [
-        (format_term(at.term), at.role)
+        format_term(term)
         for place in walk.formulas(_rap())
-        for at in walk.terms(place.formula)
+        for term in walk.terms(place.formula)
     ]
     assert found == [
-        ("?x", "use"),
-        ("3", "use"),
-        ("?x", "match"),
-        ("?y", "match"),
-        ("(+ ?y 1)", "use"),
-        ("?n", "match"),
-        ("?z", "match"),
-        ("?x", "match"),
-        ("?set", "use"),
-        ("?x", "use"),
-        ("?x", "match"),
-        ("?x", "match"),
-        ("true", "match"),
+        *("?x", "3", "?x", "?y", "(+ ?y 1)", "?n", "?z", "?x"),
+        *("?set", "?x", "?x", "?x", "true"),
     ]
 
 
-def test_variables_in_computed_terms_are_used() -> None:
-    succeed = _rap().succeed
-    assert succeed is not None
-    roles = [(var.name, role) for var, role in walk.variables(succeed)]
-    assert roles == [
-        ("?x", "match"),
-        ("?y", "match"),
-        ("?y", "use"),
-        ("?n", "match"),
-        ("?z", "match"),
-    ]
+def test_what_becomes_of_variables_is_said_by_the_fields() -> None:
+    """Those of a known class and place are asked; their number is handed out."""
+    kind, place, number = (nodes.Var(name) for name in ("?c", "?p", "?n"))
+    count = nodes.Count(kind, place, number)
+    assert operands(count) == Operands(used=(kind, place), matched=(number,))
+    assert operands(nodes.Not(count)) == Operands(closed=(count,))
+    assert operands(nodes.And((count, count))) == Operands(parts=(count, count))
+
+
+def test_a_result_may_be_asked_for_and_a_method_is_named() -> None:
+    method, result = nodes.Const("lift"), nodes.Var("?r")
+    asked = nodes.HistoryTest("result-with-method", (method, result))
+    assert operands(asked) == Operands(used=(method,), matched=(result,))
+    tried = nodes.HistoryTest("method-tried", (method,))
+    assert operands(tried) == Operands(used=(method,))
+
+
+def test_an_item_out_of_sight_has_to_be_named() -> None:
+    item = nodes.Var("?x")
+    seen, unseen = nodes.Const("true"), nodes.Const("false")
+    assert operands(nodes.SensorName(item, seen)).matched == (item, seen)
+    assert operands(nodes.SensorName(item, unseen)) == Operands(used=(item,))

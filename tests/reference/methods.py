@@ -130,7 +130,7 @@ def in_order(task: Task, method: nodes.Method, env: Bindings) -> list[str]:
     found = list(task.own)
     for formula in (task.rap.repeat_while, method.context):
         if formula is not None:
-            places = sorted((v.span.start, v.name) for v, _ in variables(formula))
+            places = sorted((v.span.start, v.name) for v in variables(formula))
             found += [name for _, name in places if name in env]
     return list(dict.fromkeys(found))
 

@@ -1,25 +1,28 @@
-"""Formulas to generated Python: one function per kind of formula, in `_WRITERS`.
+"""Formulas to generated Python: all that is known of each kind, in `_KINDS`.
 
 How the code looks is told at the head of `rapc.compiler.query.query`. A writer appends
 to a `FunctionWriter` what finds the solutions of its formula; what is appended after
-it runs once for each of them. To add a kind of formula, add its node to `ir/nodes.py`,
-its line to the grammar, its row to the words, a function here, and, if its answer
-depends on more than its terms, a case in `rapc.compiler.watches`.
+it runs once for each of them. What a monitor listens to that waits for a formula is
+gathered by `watches`. To add a kind of formula, add its rule to the grammar, its row to
+the words, its node to `ir/nodes.py`, and a row here.
 
 Not here: facts and properties (`facts`), terms (`term_code`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from rapc.base.values import is_number
 from rapc.compiler.query import facts
 from rapc.compiler.query.code import MAX_LOOPS, FunctionWriter, ResultMode
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.compiler.query.term_code import arguments, attempt, known_value, match
+from rapc.compiler.watches import Watch, of_age, of_call, of_proposition, of_resources
 from rapc.ir import nodes
-from rapc.ir.walk import CHILDREN
+from rapc.ir.fields import CHILDREN
+from rapc.library.signatures import Signatures
 
 
 def solve(
@@ -55,7 +58,7 @@ def write(fn: FunctionWriter, formula: nodes.Formula) -> None:
     if unsure and not fn.maybe.isdisjoint(variables(formula)):
         _in_either_case(fn, formula)
         return
-    _WRITERS[type(formula)](fn, formula)
+    _KINDS[type(formula)].write(fn, formula)
 
 
 def variables(formula: nodes.Formula) -> tuple[str, ...]:
@@ -281,16 +284,46 @@ def _count(fn: FunctionWriter, formula: nodes.Count) -> None:
 
 _CONNECTIVES = (nodes.And, nodes.Or, nodes.Not, nodes.Truth)
 
-_WRITERS: dict[type, Callable[..., None]] = {
-    nodes.Truth: _truth,
-    nodes.And: _and,
-    nodes.Or: _or,
-    nodes.Not: _not,
-    nodes.Compare: _compare,
-    nodes.SetTest: _set_test,
-    nodes.HistoryTest: _history,
-    nodes.SensorName: _sensor_name,
-    nodes.Count: _count,
-    nodes.Proposition: facts.pattern,
-    nodes.Believe: facts.believe,
+
+class _Kind(NamedTuple):
+    """A kind of formula."""
+
+    #: Appends its code.
+    write: Callable[[FunctionWriter, Any], None]
+    #: The changes that can change its answer, but for those that its operands tell of.
+    heard: Callable[[Any, Signatures], Iterable[Watch]] | None = None
+
+
+_KINDS: Mapping[type, _Kind] = {
+    nodes.Truth: _Kind(_truth),
+    nodes.And: _Kind(_and),
+    nodes.Or: _Kind(_or),
+    nodes.Not: _Kind(_not),
+    nodes.Compare: _Kind(_compare),
+    nodes.SetTest: _Kind(_set_test, lambda test, _: of_resources(test.args[:1])),
+    nodes.HistoryTest: _Kind(_history),
+    nodes.SensorName: _Kind(_sensor_name, lambda *_: [Watch(("know-sensor-name",))]),
+    nodes.Count: _Kind(
+        _count,
+        lambda *_: [Watch((word,)) for word in ("location", "class", "external")],
+    ),
+    nodes.Proposition: _Kind(facts.pattern, of_proposition),
+    nodes.Believe: _Kind(facts.believe, lambda believe, _: of_age(believe.age)),
 }
+
+
+def watches(formula: nodes.Formula, signatures: Signatures) -> tuple[Watch, ...]:
+    """All that can change the answer to a formula, each thing once."""
+    found: dict[Watch, None] = {}
+    stack: list[nodes.Node] = [formula]
+    while stack:
+        node = stack.pop()
+        kind = _KINDS.get(type(node))
+        if kind is not None and kind.heard is not None:
+            found.update(dict.fromkeys(kind.heard(node, signatures)))
+        elif isinstance(node, nodes.Call):
+            found.update(dict.fromkeys(of_call(node, signatures)))
+        for field in reversed(CHILDREN[type(node)]):
+            part = getattr(node, field)
+            stack.extend(reversed(part) if type(part) is tuple else (part,))
+    return tuple(found)

@@ -158,12 +158,12 @@ def believe(ctx: Context, datum: Datum) -> nodes.Formula | None:
     return nodes.Believe(inner, age, ctx.span(datum))
 
 
-def know_sensor_name(ctx: Context, datum: Datum) -> nodes.Formula | None:
+def sensor_name(ctx: Context, datum: Datum) -> nodes.Formula | None:
     """`(know-sensor-name item [true|false])`."""
     assert type(datum) is List
     operands = datum.items[1:]
     if not 1 <= len(operands) <= 2:
-        wrong(ctx, "know_sensor_name", datum)
+        wrong(ctx, "sensor_name", datum)
         return None
     args = terms(ctx, operands)
     if len(args) < len(operands):

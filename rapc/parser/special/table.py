@@ -72,7 +72,7 @@ SPECIAL: Mapping[str, Read] = {
     "or": formulas.disjunction,
     "not": formulas.negation,
     "believe": formulas.believe,
-    "know_sensor_name": formulas.know_sensor_name,
+    "sensor_name": formulas.sensor_name,
     "truth": formulas.truth,
     "term": terms.term,
     "proposition": terms.proposition,
