@@ -21,7 +21,9 @@ from rapc.analysis.passes import (
     misspelt_variable,
     not_a_number,
     nothing_awaited,
+    otherwise,
     primitives,
+    query_circles,
     resource_as_value,
     resources,
     signals,
@@ -29,6 +31,7 @@ from rapc.analysis.passes import (
     unbindable_output,
     unbound_variable,
     undeclared_predicate,
+    unknown_agenda,
     unknown_event,
     unknown_method,
     unknown_rap,
@@ -64,6 +67,9 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     age_in_monitor.ANALYZER,
     not_a_number.ANALYZER,
     nothing_awaited.ANALYZER,
+    otherwise.ANALYZER,
+    query_circles.ANALYZER,
+    unknown_agenda.ANALYZER,
 )
 """Every pass."""
 

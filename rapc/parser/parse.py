@@ -17,6 +17,7 @@ from rapc.errors import TextError
 from rapc.ir import nodes
 from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
+from rapc.ir.walk import subformulas
 from rapc.parser.context import ANY_CLAUSE, Context, head_of, kind_of
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
@@ -152,6 +153,8 @@ def parse_formula(text: str) -> nodes.Formula:
     _complain(ctx)
     if made is None or len(data) > 1:
         raise TextError(f"one formula is wanted, not more: {text.strip()}")
+    if any(isinstance(part, nodes.Otherwise) for part in subformulas(made)):
+        raise TextError(f"`otherwise` is asked by methods alone: {text.strip()}")
     return made
 
 

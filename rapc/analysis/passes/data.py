@@ -1,23 +1,25 @@
 """RAP075 and RAP076: sensor data that no declaration knows, or that do not meet it.
 
-Only tests name data: a row of a script sends them with a result, to the handlers of the
-world that the test names.
+Data are named by the `:tells` of primitives and in tests: a row of a script sends them
+with a result, to the handlers of the world that the test names.
 """
 
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.named import MISUSES, report_arguments, report_unknown
+from rapc.analysis.index import INDEX
+from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_arguments
 from rapc.base.diagnostics import Rule, Severity
+from rapc.ir import nodes
 
 UNDECLARED = Rule(
     code="RAP075",
     name="undeclared-datum",
     severity=Severity.ERROR,
-    summary="a test sends a sensor datum that is not declared",
-    why="""A row of a script may send sensor data with `:data`. What a world sends is
-declared in the library that is to take it in; no handler is called for anything
-else.""",
+    summary="a test sends, or a primitive tells, a sensor datum that is not declared",
+    why="""A row of a script may send sensor data with `:data`, and a primitive says
+with `:tells` which may come with it. What a world sends is declared in the library that
+is to take it in; no handler is called for anything else.""",
     example="""\
 (declare-primitive look () (okay))
 (declare-sensor-datum seen (?thing))
@@ -67,14 +69,22 @@ handler takes those and no others.""",
 
 
 def _run(run: Pass) -> None:
-    report_unknown(run, UNDECLARED, ("datum",))
+    unknown = UnknownNames(UNDECLARED)
+    for one in misuses(run, ("datum",), "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    for primitive in run.result(INDEX).of(nodes.DeclarePrimitive):
+        for name in primitive.node.tells:
+            if name not in run.signatures.data:
+                fault = run.signatures.unknown("datum", name)
+                unknown.add(fault, primitive.node.span, primitive.owner)
+    unknown.report(run)
     report_arguments(run, ARITY, ("datum",))
 
 
 ANALYZER = Analyzer(
     name="data",
-    doc="Finds sensor data in tests that are not declared, or declared otherwise.",
+    doc="Finds sensor data that are not declared, or declared otherwise.",
     run=_run,
-    needs=(MISUSES,),
+    needs=(INDEX, MISUSES),
     rules=(UNDECLARED, ARITY),
 )

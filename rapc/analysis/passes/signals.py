@@ -7,8 +7,10 @@ and 4). Their names are written with a colon.
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.named import MISUSES, report_arguments, report_unknown
+from rapc.analysis.index import INDEX
+from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_arguments
 from rapc.base.diagnostics import Rule, Severity
+from rapc.ir import nodes
 
 UNDECLARED = Rule(
     code="RAP023",
@@ -63,7 +65,15 @@ sent with those it was declared with: another number of them never matches.""",
 
 
 def _run(run: Pass) -> None:
-    report_unknown(run, UNDECLARED, ("skill", "event"))
+    unknown = UnknownNames(UNDECLARED)
+    for one in misuses(run, ("skill", "event"), "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    for skill in run.result(INDEX).of(nodes.DeclareSkill):
+        for name in skill.node.events or ():
+            if name not in run.signatures.events:
+                fault = run.signatures.unknown("event", name)
+                unknown.add(fault, skill.node.span, skill.owner)
+    unknown.report(run)
     report_arguments(run, ARITY, ("skill", "event"))
 
 
@@ -71,6 +81,6 @@ ANALYZER = Analyzer(
     name="signals",
     doc="Finds skills and events that are not declared, or declared otherwise.",
     run=_run,
-    needs=(MISUSES,),
+    needs=(INDEX, MISUSES),
     rules=(UNDECLARED, ARITY),
 )

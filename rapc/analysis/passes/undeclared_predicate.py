@@ -1,4 +1,4 @@
-"""RAP015 and RAP073: facts that no declaration knows, and functions taken for facts.
+"""RAP015 and RAP073: facts that no declaration knows, and what is taken for facts.
 
 T A.1: what stands in memory must be declared. Numbers of arguments are the business
 of `wrong-fact-arity`.
@@ -40,9 +40,10 @@ NOT_A_FACT = Rule(
     code="RAP073",
     name="not-a-fact",
     severity=Severity.ERROR,
-    summary="a function is asserted, erased, noted or believed as if it were a fact",
-    why="""A declared function is computed when it is asked. It is not in memory, so
-nothing can put it there or take it away, and it has no age.""",
+    summary="a function or a query is asserted, noted or believed as if it were a fact",
+    why="""A declared function is computed when it is asked, and a named query is a
+formula. Neither is in memory, so nothing can put it there or take it away, be it an
+effect or an `:on`, and it has no age.""",
     example="""\
 (declare-memory-function near (?this ?that) "Whether two things are near.")
 (define-rap (stay ?thing)
@@ -72,7 +73,7 @@ def _run(run: Pass) -> None:
 
 ANALYZER = Analyzer(
     name="undeclared-predicate",
-    doc="Finds facts and tests that are not declared, and functions taken for facts.",
+    doc="Finds facts and tests that are not declared, and what is taken for facts.",
     run=_run,
     needs=(INDEX, MISUSES),
     rules=(UNDECLARED, NOT_A_FACT),

@@ -21,11 +21,12 @@ UNKNOWN = Rule(
     code="RAP022",
     name="unknown-result",
     severity=Severity.ERROR,
-    summary="a result is asked for, or given in a script, that nothing can return",
+    summary="a result is asked for, given or described that nothing can return",
     why="""Results come from primitives, which declare theirs, from events that fail a
 step, and from the interpreter: `okay`, `no-method`, `interference`, `futile-loop` and
 `signal`. A test for any other symbol never holds. In the script of a test a row answers
-a request with one of the results of its primitive.""",
+a request with one of the results of its primitive; an `:on` of that says what one of
+them changes.""",
     example="""\
 (declare-primitive arm-grasp (?thing) (okay arm-dropped))
 (define-rap (grasp ?thing)
@@ -63,6 +64,11 @@ def _run(run: Pass) -> None:
         wrong = run.signatures.no_result(row.node.request.name, result)
         if wrong is not None and answered:
             run.report(_no_result(run, row.node, wrong))
+    for primitive in run.library.primitives.values():
+        for on in primitive.on:
+            wrong = run.signatures.no_result(primitive.name, on.result)
+            if wrong is not None:
+                run.report(_no_result(run, on, wrong))
 
 
 ANALYZER = Analyzer(
@@ -106,13 +112,15 @@ def _asked(index: Index) -> Iterator[tuple[nodes.Const, nodes.Node]]:
             yield fails.node.result, fails.owner
 
 
-def _no_result(run: Pass, row: nodes.ScriptRow, wrong: Fault) -> Diagnostic:
+def _no_result(
+    run: Pass, place: nodes.ScriptRow | nodes.ResultEffects, wrong: Fault
+) -> Diagnostic:
     assert wrong.declared is not None
-    place = declared_at(run, wrong.declared)
+    declared = declared_at(run, wrong.declared)
     return Diagnostic(
         rule=UNKNOWN.name,
         message=wrong.message,
-        span=row.span,
-        labels=(Label(place, "its results are declared here"),),
+        span=place.span,
+        labels=(Label(declared, "its results are declared here"),),
         help=wrong.help,
     )

@@ -1,0 +1,75 @@
+"""RAP078: `otherwise` where it means nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.ir import nodes
+
+MISPLACED = Rule(
+    code="RAP078",
+    name="misplaced-otherwise",
+    severity=Severity.ERROR,
+    summary="`otherwise` stands elsewhere than in a method's context",
+    why="""`otherwise` asks that no method before this one in the text holds now. That
+is a question about a choice between methods: it is asked once, apart from what else the
+context asks, so it stands alone in a context or beside what else has to hold there,
+never under `not` or `or`, and nowhere else.""",
+    example="""\
+(declare-memory-proposition road (?from ?to))
+(declare-primitive drive (?to) (okay))
+(define-rap (go ?from ?to)
+  (method (context (road ?from ?to)) (primitive (drive ?to)))
+  (method (context (not otherwise)) (primitive (drive home))))
+""",
+    better="""\
+(declare-memory-proposition road (?from ?to))
+(declare-primitive drive (?to) (okay))
+(define-rap (go ?from ?to)
+  (method (context (road ?from ?to)) (primitive (drive ?to)))
+  (method (context otherwise) (primitive (drive home))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    index = run.result(INDEX)
+    asked = index.of(nodes.Otherwise)
+    if not asked:
+        return
+    sound = {
+        id(part)
+        for method in index.of(nodes.Method)
+        for part in _conjuncts(method.node.context)
+    }
+    for one in asked:
+        if id(one.node) not in sound:
+            run.report(
+                Diagnostic(
+                    rule=MISPLACED.name,
+                    message="`otherwise` cannot stand here",
+                    span=one.node.span,
+                    help="it stands alone in the context of a method, or is one of the "
+                    "parts of its `and`",
+                )
+            )
+
+
+def _conjuncts(formula: nodes.Formula | None) -> Iterator[nodes.Formula]:
+    if isinstance(formula, nodes.And):
+        for part in formula.parts:
+            yield from _conjuncts(part)
+    elif formula is not None:
+        yield formula
+
+
+ANALYZER = Analyzer(
+    name="otherwise",
+    doc="Finds `otherwise` where no methods are chosen among.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(MISPLACED,),
+)

@@ -1,0 +1,97 @@
+"""RAP079: named queries that ask themselves, through others or at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes, walk
+
+CIRCLE = Rule(
+    code="RAP079",
+    name="query-in-a-circle",
+    severity=Severity.ERROR,
+    summary="a named query asks itself",
+    why="""A named query stands for its formula, wherever its name stands. One that
+asks itself, be it through others, would stand for a formula without end.""",
+    example="""\
+(declare-memory-proposition road (?from ?to))
+(define-query (way ?from ?to)
+  (or (road ?from ?to)
+      (and (road ?from ?between) (way ?between ?to))))
+""",
+    better="""\
+(declare-memory-proposition road (?from ?to))
+(define-query (way ?from ?to)
+  (or (road ?from ?to)
+      (and (road ?from ?between) (road ?between ?to))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    queries = run.library.queries
+    asked = {name: _asked(query, queries) for name, query in queries.items()}
+    done: set[str] = set()
+    for name in queries:
+        circle = _circle(name, asked, done)
+        if circle:
+            run.report(_finding(queries, circle))
+
+
+def _asked(
+    query: nodes.DefineQuery, queries: Mapping[str, nodes.DefineQuery]
+) -> Sequence[str]:
+    """The names of the queries that one asks, in the order of the text."""
+    parts = walk.subformulas(query.formula)
+    names = (part.name for part in parts if isinstance(part, nodes.Proposition))
+    return tuple(dict.fromkeys(name for name in names if name in queries))
+
+
+def _circle(
+    start: str, asked: Mapping[str, Sequence[str]], done: set[str]
+) -> Sequence[str]:
+    """Return a circle that can be reached from a query; nothing if there is none.
+
+    All that has been reached is `done` afterwards.
+    """
+    path: list[tuple[str, Iterator[str]]] = []
+    if start not in done:
+        path.append((start, iter(asked[start])))
+        done.add(start)
+    while path:
+        following = next(path[-1][1], None)
+        names = [name for name, _ in path]
+        if following is None:
+            path.pop()
+        elif following in names:
+            return names[names.index(following) :]
+        elif following not in done:
+            done.add(following)
+            path.append((following, iter(asked[following])))
+    return ()
+
+
+def _finding(
+    queries: Mapping[str, nodes.DefineQuery], circle: Sequence[str]
+) -> Diagnostic:
+    first, *others = circle
+    through = f", through {', '.join(f'`{name}`' for name in others)}" if others else ""
+    return Diagnostic(
+        rule=CIRCLE.name,
+        message=f"the query `{first}` asks itself{through}",
+        span=queries[first].name_span,
+        labels=tuple(
+            [Label(queries[n].name_span, "which stands for this") for n in others]
+        ),
+        help="let a RAP with a `repeat-while` go step by step, or declare a function",
+    )
+
+
+ANALYZER = Analyzer(
+    name="query-circles",
+    doc="Finds named queries that stand for a formula without end.",
+    run=_run,
+    rules=(CIRCLE,),
+)

@@ -1,0 +1,56 @@
+"""RAP080: tests that take the tasks of an agenda that nobody defines."""
+
+from __future__ import annotations
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.named import UnknownNames
+from rapc.base.diagnostics import Rule, Severity
+from rapc.base.names import Suggestions
+from rapc.library.library import word_span
+from rapc.library.signatures import Fault
+
+UNKNOWN = Rule(
+    code="RAP080",
+    name="unknown-agenda",
+    severity=Severity.ERROR,
+    summary="a test names an agenda that the library does not define",
+    why="""The tasks of an agenda are given to the robot as the test begins. Without
+the agenda there would be none of them.""",
+    example="""\
+(define-rap (watch))
+(define-agenda night (task (watch) :background true))
+(define-test the-robot-watches
+  (agenda nigt)
+  (until 10))
+""",
+    better="""\
+(define-rap (watch))
+(define-agenda night (task (watch) :background true))
+(define-test the-robot-watches
+  (agenda night)
+  (until 10))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    known = run.library.agendas
+    unknown = UnknownNames(UNKNOWN)
+    near = Suggestions(known)
+    for test in run.library.tests:
+        name = test.agenda
+        if name is not None and name not in known:
+            advice = "define it with `define-agenda`, or `require` the file that does"
+            help = near.did_you_mean(name, advice)
+            fault = Fault("unknown", f"no agenda is called `{name}`", help)
+            place = word_span(run.library.files, test.span, 1)
+            unknown.add(fault, place, test)
+    unknown.report(run)
+
+
+ANALYZER = Analyzer(
+    name="unknown-agenda",
+    doc="Finds tests that name an agenda that is not defined.",
+    run=_run,
+    rules=(UNKNOWN,),
+)
