@@ -321,7 +321,10 @@ class World(ABC):
         """Return what the world has sent since this was last asked, in order."""
 
     def ended(self) -> str | None:
-        """Return the reason why the world has ended the run, or None."""
+        """Return the reason why the world has ended the run, or None.
+
+        A world whose class does not define it never ends a run.
+        """
         return None
 
 

@@ -15,7 +15,7 @@ from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.start import create_top, release_at_start_time
-from rapc.world import Time
+from rapc.world import Time, World
 
 _QUIET = ""
 """No reason to be over, only for not turning on."""
@@ -28,6 +28,8 @@ class Loop:
         self._machine = machine
         self._cost = machine.settings.cycle_cost
         self._patience = machine.settings.idle_cycles
+        #: Whether the world may end a run: its class says when.
+        self._world_ends = type(machine.world).ended is not World.ended
 
     def run(self, most: int | None, wait: bool) -> str | None:
         """Turn until the run is over, and return why, or `most` cycles are done.
@@ -51,7 +53,7 @@ class Loop:
         to_test, host_timers = monitors.to_test, machine.host_timers
         scheduled = state.scheduled
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
-        ended, limited = machine.world.ended, state.until is not None
+        ends, limited = self._world_ends, state.until is not None
         idle, patience = state.idle, self._patience
         while left != 0 and not state.over:
             now = clock()
@@ -69,7 +71,7 @@ class Loop:
                 self._create_scheduled()
             if to_test or recorder.time >= monitors.next_look:
                 self._wake()
-            if ended() is not None or idle > patience or not state.foreground:
+            if ends or idle > patience or not state.foreground:
                 state.idle = idle
                 reason = self.reason()
                 if reason is not None:

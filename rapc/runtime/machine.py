@@ -15,7 +15,6 @@ from typing import Any
 
 from rapc.base.values import Atom, format_atom, number
 from rapc.compiler.program import Program
-from rapc.compiler.rap_plan import RapPlan
 from rapc.errors import PortError
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
@@ -95,6 +94,9 @@ class Machine:
         #: Whether a sole method may be chosen without further ado: no solver may help,
         #: and nobody is to be told of contexts.
         self.may_choose_sole = fast and not solvers
+        #: Whether any RAP can come up among its own subtasks: a solver may bring it
+        #: in. Without solvers only those whose plans are `recursive` can.
+        self.all_may_recur = bool(solvers)
         self.handlers = world.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
@@ -140,9 +142,7 @@ class Machine:
     def recount_identities(self) -> None:
         """Count anew which identities are at work: items have got other names."""
         at_work = [task for task in self.state.live_tasks() if task.run is not None]
-        counted = [task for task in at_work if self.may_recur(task.plan)]
+        counted = [
+            task for task in at_work if task.plan.recursive or self.all_may_recur
+        ]
         self.state.active_identities = dict(Counter(task.identity for task in counted))
-
-    def may_recur(self, plan: RapPlan) -> bool:
-        """Whether a RAP can come up among its own subtasks; solvers may bring it in."""
-        return plan.recursive or bool(self.solvers)

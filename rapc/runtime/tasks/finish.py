@@ -273,7 +273,7 @@ def end_method(
     """A method ends; steps still live leave, and its task comes up again."""
     task, recorder = run.task, machine.recorder
     task.run = None
-    if machine.may_recur(task.plan):
+    if task.plan.recursive or machine.all_may_recur:
         _discount(machine, task)
     if run.steps_left:
         for step in run.steps:
@@ -336,7 +336,7 @@ def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
 def _stop(machine: Machine, task: Task) -> MethodRun | None:
     """A task is at work no longer; what it was at."""
     run, task.run = task.run, None
-    if run is not None and machine.may_recur(task.plan):
+    if run is not None and (task.plan.recursive or machine.all_may_recur):
         _discount(machine, task)
     return run
 

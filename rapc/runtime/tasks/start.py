@@ -124,7 +124,7 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
     Asked once, when its inputs are first all bound: this is who it is from now.
     """
     identity: tuple[object, ...] = task.plan.identity
-    if not machine.may_recur(task.plan):
+    if not (task.plan.recursive or machine.all_may_recur):
         task.identity = identity
         return False
     if task.goal_args:

@@ -74,7 +74,7 @@ def start_method(machine: Machine, run: MethodRun) -> None:
     """Start the method of `run`; its task waits for it until it ends."""
     task, method = run.task, run.plan
     task.run = run
-    if machine.may_recur(task.plan):
+    if task.plan.recursive or machine.all_may_recur:
         active_identities = machine.state.active_identities
         active_identities[task.identity] = active_identities.get(task.identity, 0) + 1
     task.state = RUNNING
