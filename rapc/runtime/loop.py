@@ -28,8 +28,6 @@ class Loop:
         self._machine = machine
         self._cost = machine.settings.cycle_cost
         self._patience = machine.settings.idle_cycles
-        #: Whether the world may end a run: its class says when.
-        self._world_ends = type(machine.world).ended is not World.ended
 
     def run(self, most: int | None, wait: bool) -> str | None:
         """Turn until the run is over, and return why, or `most` cycles are done.
@@ -53,7 +51,8 @@ class Loop:
         to_test, host_timers = monitors.to_test, machine.host_timers
         scheduled = state.scheduled
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
-        ends, limited = self._world_ends, state.until is not None
+        ends = type(machine.world).ended is not World.ended
+        limited = state.until is not None
         idle, patience = state.idle, self._patience
         while left != 0 and not state.over:
             now = clock()

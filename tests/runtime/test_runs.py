@@ -183,7 +183,9 @@ def test_a_cancelled_task_leaves_with_all_it_spawned() -> None:
 def test_the_world_may_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     ran = Play(USE, "(use a)", "(use b)")
     ran.interpreter.step()
-    monkeypatch.setattr(ran.world, "ended", lambda: "out of fuel")
+    monkeypatch.setattr(
+        type(ran.world), "ended", lambda _: "out of fuel", raising=False
+    )
     ran.run()
     assert ran.told("over") == ["over world"]
     assert len(ran.told("asked")) == 1

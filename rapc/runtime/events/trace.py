@@ -20,7 +20,7 @@ from rapc.world import Time
 
 def record(event: events.Event) -> dict[str, Any]:
     """Return an event as the object that a trace holds, its values as RAP text."""
-    found: dict[str, Any] = msgspec.to_builtins(_in_words(event))
+    found: dict[str, Any] = msgspec.to_builtins(_in_words(event), enc_hook=str)
     return found
 
 
@@ -64,17 +64,9 @@ def _bindings(bindings: Mapping[str, object]) -> dict[str, str]:
     return {name: format_atom(value) for name, value in bindings.items()}
 
 
-def _results(results: Iterable[events.TaskResult]) -> tuple[dict[str, Any], ...]:
-    told = [(msgspec.structs.asdict(one), str(one.goal)) for one in results]
-    return tuple([{**fields, "goal": goal} for fields, goal in told])
-
-
 _WORDS: Mapping[type, Sequence[tuple[str, Callable[[Any], Any]]]] = {
-    events.TaskCreated: [("goal", str)],
-    events.TaskSelected: [("goal", str)],
     events.MethodChosen: [("bindings", _bindings)],
-    events.TaskSucceeded: [("goal", str), ("outputs", _bindings)],
-    events.TaskFailed: [("goal", str)],
+    events.TaskSucceeded: [("outputs", _bindings)],
     events.PrimitiveRequested: [("request", format_list), ("sent", format_list)],
     events.PrimitiveEnded: [("request", format_list), ("data", _facts)],
     events.DataReceived: [("data", format_list)],
@@ -86,10 +78,11 @@ _WORDS: Mapping[type, Sequence[tuple[str, Callable[[Any], Any]]]] = {
     events.ItemMerged: [("location", format_atom)],
     events.ItemMoved: [("location", format_atom)],
     events.ItemLost: [("location", format_atom)],
-    events.SolverCalled: [("goal", str)],
-    events.RunEnded: [("results", _results)],
 }
-"""The keys of each kind of event whose values a trace has as text, and their words."""
+"""The keys of each kind of event whose values a trace has as text, and their words.
+
+Goals need no row: the encoder writes as text what it does not know.
+"""
 
 
 class JsonTrace:
@@ -97,7 +90,7 @@ class JsonTrace:
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
-        self._encode = msgspec.json.Encoder().encode
+        self._encode = msgspec.json.Encoder(enc_hook=str).encode
 
     def __call__(self, event: events.Event) -> None:
         """Write one event."""
@@ -113,11 +106,14 @@ class JsonTrace:
     ) -> None:
         """Write one event that has not been made: see `Recorder.listen`."""
         written, words = _written(kind)
-        if words:
-            keys = keys.copy()
-            for name, write in words:
-                keys[name] = write(keys[name])
-        line = self._encode(written(n=serial, cycle=cycle, time=time, **keys))
+        told = keys
+        for name, write in words:
+            value = keys[name]
+            if value or value == 0:  # what is empty is written as it is
+                if told is keys:
+                    told = keys.copy()
+                told[name] = write(value)
+        line = self._encode(written(n=serial, cycle=cycle, time=time, **told))
         self._stream.write(line.decode() + "\n")
 
 

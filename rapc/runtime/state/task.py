@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from rapc.base.resources import Counter, SetResource, Value
@@ -28,10 +29,18 @@ Env = dict[str, Value]
 
 def as_told(env: Env) -> dict[str, Any]:
     """Return a copy of bindings, with sets and counters as they are now, in words."""
+    if not env:
+        return {}
     return {
         name: str(value) if isinstance(value, _RESOURCES) else value
         for name, value in env.items()
     }
+
+
+@cache
+def _bare_goal(name: str) -> Goal:
+    """Return the goal of a RAP without inputs and outputs: one for all tasks."""
+    return Goal(name)
 
 
 _RESOURCES = (Counter, SetResource)
@@ -330,6 +339,11 @@ class Task:
         return self.told
 
     def _goal(self, outputs: Mapping[str, Value] | None) -> Goal:
+        if not (self.plan.inputs or self.plan.outputs):
+            goal = _bare_goal(self.plan.name)
+            if not self.has_resources():
+                self.told = goal
+            return goal
         inputs = []
         terms = self.step.node.goal.args if self.step is not None else ()
         for at, name in enumerate(self.plan.inputs):
