@@ -63,7 +63,7 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> str | None:
     machine.state.tickets += 1
     run.ticket = ticket = machine.state.tickets
     reply = world.perform(ticket, sent)
-    plain = type(reply) is Reply and type(reply.result) is str and not reply.data
+    plain = type(reply) is Reply and type(reply.result) is str and reply.data == ()
     if not plain and reply is not None and not is_reply(reply):
         raise wrong(world, f"the reply to {format_list(sent)}", reply)
     now = world.now()
