@@ -7,6 +7,7 @@ docs/architecture.md.
 from __future__ import annotations
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ import pytest
 
 CHECKOUT = Path(__file__).parents[1]
 TESTS = CHECKOUT / "tests"
+LANGUAGE = CHECKOUT / "docs" / "language"
 
 LONGEST_MODULE = 500
 """Lines: data, or one algorithm, may take so many."""
@@ -114,3 +116,45 @@ def test_no_two_helpers_of_tests_have_one_name() -> None:
     )
     assert len(helpers) > 20
     assert [name for name, count in helpers.items() if count > 1] == []
+
+
+def _python_files() -> list[Path]:
+    rooms = ("rapc", "tests", "bench")
+    return [path for room in rooms for path in sorted((CHECKOUT / room).rglob("*.py"))]
+
+
+def _sentences() -> set[str]:
+    return {
+        number
+        for page in LANGUAGE.glob("*.md")
+        for number in re.findall(
+            r"^- \*\*(\d+\.\d+)\*\*", page.read_text(encoding="utf-8"), re.M
+        )
+    }
+
+
+def test_references_name_sentences_of_the_language() -> None:
+    """L with two numbers is a sentence of docs/language, with one a page."""
+    sentences = _sentences()
+    known = sentences | {page.name[0] for page in LANGUAGE.glob("*.md")}
+    unknown = [
+        f"{path.relative_to(CHECKOUT).as_posix()}: [L {number}]"
+        for path in _python_files()
+        for cited in re.findall(r"\[L (\d[^\]]*)\]", path.read_text(encoding="utf-8"))
+        for number in re.split(r",\s+", cited)
+        if number not in known
+    ]
+    assert len(sentences) > 100
+    assert unknown == []
+
+
+def test_nothing_cites_a_paper_that_is_not_here() -> None:
+    """The language is told in docs/language: "semantics 3" is no place to look at."""
+    old = re.compile(r"\bsemantics(\.md|,? (section )?\d)", re.I)
+    citing = [
+        f"{path.relative_to(CHECKOUT).as_posix()}: {found.group()}"
+        for path in (*_python_files(), *(CHECKOUT / "docs").rglob("*.md"))
+        if path != Path(__file__)
+        for found in old.finditer(path.read_text(encoding="utf-8"))
+    ]
+    assert citing == []

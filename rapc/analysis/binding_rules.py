@@ -1,4 +1,4 @@
-"""Which variables a formula needs, and which it surely binds (semantics 2).
+"""Which variables a formula needs, and which it surely binds [L 2].
 
 `and` binds from left to right; of `or`, only what every branch that can succeed binds
 is surely bound; `not` exports nothing; comparisons, computed terms, tests of sets and

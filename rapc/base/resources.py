@@ -2,7 +2,7 @@
 
 They are compared by identity; `frozen` gives the value that the futile-loop
 detector and the recursion test see. When they change is for the interpreter to say
-(T 4.8, semantics 6).
+[T 4.8] [L 6.1].
 """
 
 from __future__ import annotations

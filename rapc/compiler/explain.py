@@ -24,7 +24,7 @@ class ClausePlan(msgspec.Struct, frozen=True):
 
     `where` is the clause with its place in the source; `bound` are the variables of
     it that have a value beforehand, `binds` those that its solution adds; `steps`
-    are done from left to right, with backtracking (semantics 2).
+    are done from left to right, with backtracking [L 2.1].
     """
 
     where: str
@@ -34,7 +34,7 @@ class ClausePlan(msgspec.Struct, frozen=True):
 
 
 def explain(library: Program, name: str) -> tuple[ClausePlan, ...]:
-    """How each clause of a RAP is asked, in the order of a task's way (semantics 3).
+    """How each clause of a RAP is asked, in the order of a task's way [L 3].
 
     A step's `for` formulas are shown as they are asked where the environment holds
     inputs, resources and what choosing the method has bound, and no output yet.

@@ -2,7 +2,7 @@
 
 Each proposition in a formula becomes one `Watch`, as narrow as its bound arguments
 allow; a change to memory that matches no watch cannot change the answer
-(semantics 5).
+[L 5].
 """
 
 from __future__ import annotations

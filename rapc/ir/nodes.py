@@ -80,7 +80,7 @@ Matched = Term
 """An operand that is held against a value: an unbound variable takes it."""
 
 
-# --- formulas (semantics 2) ----------------------------------------------------
+# --- formulas [L 2] -----------------------------------------------------------
 
 
 class Truth(Node, frozen=True, eq=False):
@@ -189,7 +189,7 @@ class SensorName(Node, frozen=True, eq=False):
 
 
 class Count(Node, frozen=True, eq=False):
-    """`(count class place ?n)`: the size all layers of a set share (semantics 7)."""
+    """`(count class place ?n)`: the size all layers of a set share [T 2.3.3]."""
 
     kind: Used
     place: Used
@@ -345,7 +345,7 @@ class Primitive(Node, frozen=True, eq=False):
 
 
 class Skills(Node, frozen=True, eq=False):
-    """`(primitive (enable ...) (wait-for ...)... (disable ...))` (S 3.2, semantics 8).
+    """`(primitive (enable ...) (wait-for ...)... (disable ...))` [S 3.2].
 
     Skills are patterns whose names are keywords. Each wait's mode is `succeed` or
     `fail`.
@@ -434,7 +434,7 @@ class DeclareKind(Node, frozen=True, eq=False):
 
 
 class Exclusion(Node, frozen=True, eq=False):
-    """`:excludes value (pattern)` of a property (semantics 7)."""
+    """`:excludes value (pattern)` of a property (docs/memory.md)."""
 
     value: Atom
     pattern: Proposition

@@ -20,7 +20,7 @@ from rapc.language.heads import ALONE, CALLS, QUERIES
 from rapc.parser.unit import SourceUnit
 
 BUILTIN_NAMES = frozenset((*ALONE, *QUERIES, *CALLS))
-"""What formulas and terms may begin with that no library can declare (semantics 2)."""
+"""What formulas and terms may begin with that no library can declare [L 2.69]."""
 
 DUPLICATE = Rule(
     code="RAP060",

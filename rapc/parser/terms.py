@@ -1,4 +1,4 @@
-"""Data to terms, propositions and goals: whatever has arguments (semantics 2)."""
+"""Data to terms, propositions and goals: whatever has arguments [L 2.37]."""
 
 from __future__ import annotations
 

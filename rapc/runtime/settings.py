@@ -21,7 +21,7 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     `futile_limit`: how often one choice is allowed (T 3.2.5). `idle_cycles`: cycles
     without the clock moving after which a run is called off. `cycle_cost`: time
     units that a cycle takes (T 7.2.1). `max_layers`: how many layers an expectation
-    set keeps [L 7].
+    set keeps (docs/memory.md).
     """
 
     futile_limit: _Count = 2

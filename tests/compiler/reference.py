@@ -1,6 +1,6 @@
 """What formulas mean, written plainly: a list of facts, no indexes, no compiling.
 
-The meaning is that of semantics 2. Tests ask this and the compiled queries the same
+The meaning is that of [L 2]. Tests ask this and the compiled queries the same
 questions of the same memory, and compare the answers and their order.
 """
 

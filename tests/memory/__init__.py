@@ -1,1 +1,1 @@
-"""Tests of the memory that recognises items (T 2.3, semantics 7)."""
+"""Tests of the memory that recognises items [T 2.3]."""

@@ -1,4 +1,4 @@
-"""What semantics 7 says beyond the examples of T: comparators, stamps, forgetting."""
+"""docs/memory.md beyond the examples of T: comparators, stamps, forgetting."""
 
 from __future__ import annotations
 

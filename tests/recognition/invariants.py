@@ -1,4 +1,4 @@
-"""What holds of any memory that recognises, whatever happens (T 2.3, semantics 7).
+"""What holds of any memory that recognises, whatever happens [T 2.3].
 
 Each function looks at a memory before and after a batch, and asserts.
 """

@@ -1,4 +1,4 @@
-"""The choice of a task from the agenda, made from scratch each time (semantics 4)."""
+"""The choice of a task from the agenda, made from scratch each time [L 4]."""
 
 from __future__ import annotations
 

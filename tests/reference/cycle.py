@@ -1,4 +1,4 @@
-"""One task's cycle, step by step as semantics 3 numbers them; methods in `methods`."""
+"""One task's cycle, step by step as [L 3] numbers them; methods in `methods`."""
 
 from __future__ import annotations
 

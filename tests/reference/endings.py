@@ -1,4 +1,4 @@
-"""How tasks and methods end, and what happens then, in which order (semantics 3, 6)."""
+"""How tasks and methods end, and what happens then, in which order [L 3, 6]."""
 
 from __future__ import annotations
 

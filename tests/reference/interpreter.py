@@ -1,7 +1,7 @@
 """The reference interpreter: the loop of taking in, looking, choosing, processing.
 
-For tests only: it makes the trace that semantics 2 to 6 ask for, as slowly as it
-likes. Items, rules and skills are not in it.
+For tests only: it makes the trace that pages 2 to 6 of docs/language ask for, as
+slowly as it likes. Items, rules and skills are not in it.
 """
 
 from __future__ import annotations

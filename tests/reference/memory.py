@@ -1,4 +1,4 @@
-"""Memory as a plain list of facts, oldest first (semantics 2 and 6).
+"""Memory as a plain list of facts, oldest first [L 2, 6].
 
 What formulas ask of it is in `queries`.
 """
@@ -41,7 +41,7 @@ def is_short(library: Library, name: str, count: int) -> bool:
 
 
 class Memory:
-    """The facts, by last assertion, and the changes the semantics allow."""
+    """The facts, by last assertion, and the changes that [L 2] allows."""
 
     def __init__(self, library: Library, clock: Callable[[], Time], tell: Tell) -> None:
         self.library = library

@@ -1,4 +1,4 @@
-"""Choosing a method and starting it: steps 6 to 9 of semantics 3."""
+"""Choosing a method and starting it: steps 6 to 9 of [L 3]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests to the world, and what comes back (semantics 3 and 7, handlers)."""
+"""Requests to the world, and what comes back [L 3.69]."""
 
 from __future__ import annotations
 

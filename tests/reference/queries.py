@@ -1,4 +1,4 @@
-"""Formulas as recursive generators over the list of facts (semantics 2).
+"""Formulas as recursive generators over the list of facts [L 2].
 
 Solutions are dictionaries of bindings, made anew at each step; nothing is cleverer
 than walking the formula.

@@ -1,4 +1,4 @@
-"""Signals and the steps that wait for them (semantics 4, `wait-for`)."""
+"""Signals and the steps that wait for them (`wait-for`, [L 4.32])."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tasks, running methods and steps: what each of them holds (semantics 3 to 6)."""
+"""Tasks, running methods and steps: what each of them holds [L 3] to [L 6]."""
 
 from __future__ import annotations
 

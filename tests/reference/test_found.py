@@ -1,6 +1,6 @@
 """What the comparison has found: one small program for each fault it showed in rapc.
 
-Each gives the events that semantics.md asks for, of the kinds that matter; both
+Each gives the events that docs/language asks for, of the kinds that matter; both
 interpreters must make them.
 """
 

@@ -1,6 +1,6 @@
 """What is looked at before each choice: inputs, times, deadlines and monitors.
 
-Everything is looked at anew, for every task, at every choice (semantics 3, 4 and 5).
+Everything is looked at anew, for every task, at every choice [L 3, 4, 5].
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Who is chosen among the eligible (semantics 4, T 3.2.4)."""
+"""Who is chosen among the eligible [L 4] [T 3.2.4]."""
 
 from __future__ import annotations
 

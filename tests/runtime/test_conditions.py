@@ -1,4 +1,4 @@
-"""`for` formulas, preconditions, constraints, `repeat-while` (semantics 3, 4 and 5)."""
+"""`for` formulas, preconditions, constraints, `repeat-while` [L 3, 4, 5]."""
 
 from __future__ import annotations
 

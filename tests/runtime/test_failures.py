@@ -1,4 +1,4 @@
-"""How failures are handed up, and what leaves with what (semantics 3)."""
+"""How failures are handed up, and what leaves with what [L 3]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inputs, `succeed`, outputs (semantics 3, steps 1 and 2)."""
+"""Inputs, `succeed`, outputs [L 3]."""
 
 from __future__ import annotations
 

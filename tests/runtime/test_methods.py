@@ -1,4 +1,4 @@
-"""Choosing methods, and futile loops (semantics 3, steps 6 and 7)."""
+"""Choosing methods, and futile loops [L 3]."""
 
 from __future__ import annotations
 

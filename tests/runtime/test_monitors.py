@@ -1,4 +1,4 @@
-"""Monitors: blocking, standing monitors, what a block forgets (semantics 5, T 4.7)."""
+"""Monitors: blocking, standing monitors, what a block forgets [L 5] [T 4.7]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Notations: in memory as long as their method (semantics 6, T 4.9)."""
+"""Notations: in memory as long as their method [L 6] [T 4.9]."""
 
 from __future__ import annotations
 

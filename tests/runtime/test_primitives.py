@@ -1,4 +1,4 @@
-"""Requests, names of items, results and data (semantics 3 and 7, T 3.3)."""
+"""Requests, names of items, results and data [L 3] [T 3.3]."""
 
 from __future__ import annotations
 

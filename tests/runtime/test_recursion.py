@@ -1,4 +1,4 @@
-"""Tasks that ask for what is being done already (semantics 3, step 8)."""
+"""Tasks that ask for what is being done already [L 3.42]."""
 
 from __future__ import annotations
 

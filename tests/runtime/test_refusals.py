@@ -1,4 +1,4 @@
-"""What is refused before the first cycle, and how it is said (semantics 1)."""
+"""What is refused before the first cycle, and how it is said [L 1]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sets and counters (semantics 6, T 4.8)."""
+"""Sets and counters [L 6] [T 4.8]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs: submissions, how a run ends, and its trace (semantics 4, testing.md)."""
+"""Runs: submissions, how a run ends, and its trace [L 4] (docs/testing.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Problem solvers that add methods (semantics 3, step 6, T 7.4.1)."""
+"""Problem solvers that add methods [L 3.34] [T 7.4.1]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Windows, deadlines, monitor-time, and how time moves on (semantics 4 and 5)."""
+"""Windows, deadlines, monitor-time, and how time moves on [L 4, 5]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`until-start` and `until-end` (semantics 4, T 5.2.1)."""
+"""`until-start` and `until-end` [L 4.27] [T 5.2.1]."""
 
 from __future__ import annotations
 

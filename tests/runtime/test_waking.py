@@ -1,4 +1,4 @@
-"""What wakes a blocked task, and what does not (semantics 5, T 4.7)."""
+"""What wakes a blocked task, and what does not [L 5] [T 4.7]."""
 
 from __future__ import annotations
 

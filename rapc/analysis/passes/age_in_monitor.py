@@ -1,4 +1,4 @@
-"""RAP068: a monitor that binds an age (semantics 5)."""
+"""RAP068: a monitor that binds an age [L 5]."""
 
 from __future__ import annotations
 

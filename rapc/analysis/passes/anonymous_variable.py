@@ -1,4 +1,4 @@
-"""RAP063: a bare `?` where a value is needed (semantics 1)."""
+"""RAP063: a bare `?` where a value is needed [L 2.7]."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Where variables lack a value that is needed, in some order of the steps.
 
-Every clause is walked with what is bound where it stands (semantics 3,
-"Environments"): inputs and resources everywhere; besides, in a method, what
+Every clause is walked with what is bound where it stands [L 3.64]
+to [L 3.68]: inputs and resources everywhere; besides, in a method, what
 `repeat-while` and its context surely bind; in a step, what steps ordered before it
 hand out, what `for` formulas pointing at it or at those bind, and the signals that
 they wait for. A step that an `until` may end early surely hands nothing on, not even
@@ -313,7 +313,7 @@ class _Names(Container[str]):
         return (bit is not None and self.set >> bit & 1 == 1) or name in self._base
 
 
-# --- rules over memory (semantics 8) -------------------------------------------------
+# --- rules over memory --------------------------------------------------------------
 
 
 def _memory_rule(walk: _Walk, rule: nodes.MemoryRule) -> None:

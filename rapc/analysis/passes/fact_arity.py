@@ -1,6 +1,6 @@
 """RAP016 and RAP017: facts with the wrong number of arguments, or one left out.
 
-Semantics 2: a property pattern one argument short means the value `true`, in queries,
+[L 2.25]: a property pattern one argument short means the value `true`, in queries,
 assertions and notations; erasing takes a prefix.
 """
 

@@ -1,4 +1,4 @@
-"""RAP070: a primitive that enables skills and awaits nothing (semantics 8)."""
+"""RAP070: a primitive that enables skills and awaits nothing [S 3.2]."""
 
 from __future__ import annotations
 

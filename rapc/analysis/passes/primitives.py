@@ -1,7 +1,7 @@
 """RAP020 and RAP021: requests to the world that no declaration knows, or that miss it.
 
 What the world offers is declared in the library; no world is imported to find out
-(semantics 1).
+[L 1].
 """
 
 from __future__ import annotations

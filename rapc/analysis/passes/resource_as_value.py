@@ -1,4 +1,4 @@
-"""RAP066: a set or counter where a plain value is needed (T 4.8.1, semantics 6)."""
+"""RAP066: a set or counter where a plain value is needed [T 4.8.1] [L 6]."""
 
 from __future__ import annotations
 

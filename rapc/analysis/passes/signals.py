@@ -1,7 +1,7 @@
 """RAP023 and RAP024: skills and events that no declaration knows, or that miss it.
 
-Skills are enabled and disabled, events awaited and matched by rules (semantics 8, S 3
-and 4). Their names are written with a colon.
+Skills are enabled and disabled, events awaited and matched by rules [S 3, 4].
+Their names are written with a colon.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The order of every task-net: tags, what comes before what, cycles.
 
 Order comes from `for` annotations and from windows that name a step; `until` delays
-nothing (semantics 4). Which variables that order binds is for `bindings` to say.
+nothing [L 4.1, 4.2]. Which variables that order binds is for `bindings` to say.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""RAP028: an output that nothing in its RAP can bind (semantics 3, step 2)."""
+"""RAP028: an output that nothing in its RAP can bind [L 3.8, 3.9]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""RAP012: a variable without a value where one is needed (semantics 2 and 3).
+"""RAP012: a variable without a value where one is needed [L 2.46, 2.49].
 
 Where that is so is worked out by `bindings`; this pass finds the words: where else the
 variable is bound and why that does not help, or which variable was probably meant.

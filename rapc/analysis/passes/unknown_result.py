@@ -1,4 +1,4 @@
-"""RAP022: results that no task can ever see (T 4.1.2, semantics 3).
+"""RAP022: results that no task can ever see [T 4.1.2] [L 3.54].
 
 A task sees `okay`, the reasons of the interpreter, the results of declared primitives
 and, where an event fails a primitive or a step, the event's name without its colon.

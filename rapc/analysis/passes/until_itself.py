@@ -1,4 +1,4 @@
-"""RAP074: a step that is to go on until it ends or starts itself (semantics 4)."""
+"""RAP074: a step that is to go on until it ends or starts itself [L 4.27]."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What compiled queries and terms call at run time: arithmetic, comparison, sets.
 
 A helper that cannot do its work raises `Fault`; who called it says which clause it
-was (semantics 2: such a query fails and that is traced).
+was [L 2.46].
 """
 
 from __future__ import annotations

@@ -76,7 +76,7 @@ def _default(ctx: Context, found: Parts, listed: bool) -> str:
 
 
 def _exclusion(ctx: Context, option: Option) -> nodes.Exclusion | None:
-    """`:excludes value (pattern)` (semantics 7)."""
+    """`:excludes value (pattern)` (docs/memory.md)."""
     first, second = option.operands
     value = constant(first)
     if value is None:

@@ -1,4 +1,4 @@
-"""What a world offers: primitives, sensor data, skills, events (semantics 1, S 2)."""
+"""What a world offers: primitives, sensor data, skills, events [L 1] [S 2]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `:excludes` says of facts: which cannot stand beside which (semantics 7).
+"""What `:excludes` says of facts: which cannot stand beside which (docs/memory.md).
 
 A property that has a value excludes the facts of a pattern; its own arguments are
 the pattern's variables, every other variable is free. It works both ways. What goes

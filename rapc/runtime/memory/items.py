@@ -1,6 +1,6 @@
 """The items that handlers have introduced, and which of them can be sensed now.
 
-Items of distinct classes keep one name and one sensor name for life (semantics 7).
+Items of distinct classes keep one name and one sensor name for life [T 2.3.2].
 The others get their names, and lose them, in `rapc.runtime.memory.recognition`. A name
 that no handler introduced is a plain symbol: it is its own sensor name.
 """

@@ -1,7 +1,7 @@
 """The facts of memory: stored once, by name; indexed by the arguments that are asked.
 
 Every index keeps its facts in the order of their last assertion, so whichever index
-a query takes, answers come in one order (semantics 2). Whether a fact may be
+a query takes, answers come in one order [L 2.11, 2.13]. Whether a fact may be
 asserted is for `rapc.runtime.memory.memory` to say.
 """
 
@@ -15,7 +15,7 @@ from rapc.library.signatures import Signature
 from rapc.world import Time
 
 NEVER: Time = float("-inf")
-"""The stamp of what was never asserted: older than any (semantics 7, moving)."""
+"""The stamp of what was never asserted: older than any (docs/memory.md)."""
 
 Bucket = dict[Fact, None]
 """The facts that have one value in one place, oldest assertion first."""

@@ -39,7 +39,7 @@ class MemoryView:
         return None if fact is None else fact[-1]
 
     def count(self, kind: str, place: Atom) -> int:
-        """How many items of a class memory expects at a place (semantics 7).
+        """How many items of a class memory expects at a place [T 2.3.3].
 
         Of an indistinct class it is the size of its expectation set.
         """

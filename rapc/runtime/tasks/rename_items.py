@@ -1,7 +1,7 @@
 """What live tasks hold gets another name when two items turn out to be one.
 
 Bindings, inputs, sets, the recursion test and the futile-loop detector know an item
-by its older name only, from the moment of the merge [L 7]; a host may still
+by its older name only, from the moment of the merge [T 2.3.3]; a host may still
 ask with the other.
 """
 
