@@ -15,15 +15,16 @@ from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.options import Count, say
+from rapc.console.experiments import output
+from rapc.console.experiments.tables import show
 from rapc.console.progress import bar
-from rapc.experiments import definition, output
+from rapc.experiments import definition
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.definition import ExperimentError
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
 from rapc.experiments.summary import Summary
-from rapc.experiments.tables import show
 
 EXAMPLES = """\b
 Examples:
@@ -246,7 +247,7 @@ def _write(session: Batch, summaries: Sequence[Summary], folder: Path) -> None:
 def _draw(summaries: Sequence[Summary], folder: Path) -> list[str]:
     """Draw the parts that vary something; returns their names."""
     try:
-        from rapc.experiments import plots  # noqa: PLC0415  # an extra
+        from rapc.console.experiments import plots  # noqa: PLC0415  # an extra
     except ModuleNotFoundError as error:
         _see_that_it_is(error, "matplotlib")
         click.echo("no plots: install `rapc[viz]` to have them drawn", err=True)

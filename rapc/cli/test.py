@@ -6,7 +6,6 @@ import shutil
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from textwrap import wrap
 from typing import Any
 
 import click
@@ -21,11 +20,13 @@ from rapc.cli.common import (
     settings,
 )
 from rapc.cli.options import Count
+from rapc.console.testing import coverage_table, explain
+from rapc.console.testing.junit import as_junit
+from rapc.console.wrapping import wrapped
 from rapc.errors import LoadError, SavedError, TextError
-from rapc.testing import coverage_table, discover, explain
+from rapc.testing import discover
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
-from rapc.testing.junit import as_junit
 from rapc.testing.run import Case, Outcome
 from rapc.testing.session import Session, exit_status, summary
 from rapc.worlds.faults import Fault
@@ -208,7 +209,7 @@ def _say(kind: str, text: str) -> None:
     if sys.stdout.isatty():
         width = max(shutil.get_terminal_size().columns, _LEAST_WIDTH)
         if kind == "text":
-            lines = wrap(lines[0], width, subsequent_indent="    ")
+            lines = wrapped(lines[0], width, indent="    ")
         elif len(lines[0]) > width:
             lines = [lines[0][: width - 1] + "…"]
     for line in lines:

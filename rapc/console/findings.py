@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from textwrap import wrap
 from typing import Any, TextIO
 
 import msgspec
@@ -21,6 +20,7 @@ from rapc.analysis.driver import Finding, Report
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label, Severity
 from rapc.base.source import SourceFile, Span
 from rapc.base.visible import visible
+from rapc.console.wrapping import wrapped
 
 Files = Mapping[str, SourceFile]
 
@@ -179,7 +179,7 @@ def _underline(mark: _Mark, shown: _Shown, layout: _Layout) -> Iterator[Text]:
     if message and start + length + 1 + cell_len(message) <= layout.room:
         line, message = f"{line} {message}", ""
     yield layout.bar(line, style)
-    for part in wrap(message, layout.room):
+    for part in wrapped(message, layout.room):
         yield layout.bar(part, style)
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterable, Mapping, Sequence
-from textwrap import wrap
 
 from rapc.base.values import Atom, Text
+from rapc.console.wrapping import wrapped
 from rapc.world import Option, World
 
 _NARROW = 24
@@ -25,7 +25,7 @@ def describe_world(world: World, width: int) -> str:
         (f"{name}/{arity}", ", ".join(results))
         for name, (arity, results) in offer.primitives.items()
     ]
-    lines = wrap(f"{world.name}: {summary(type(world))}", width)
+    lines = wrapped(f"{world.name}: {summary(type(world))}", width)
     lines += _section("primitives / arguments, and results", primitives, width)
     named = (("data", offer.data), ("skills", offer.skills), ("events", offer.events))
     listed: list[tuple[str, Sequence[str]]] = [
@@ -35,9 +35,9 @@ def describe_world(world: World, width: int) -> str:
     listed.insert(0, ("primitives that only look", offer.sensors))
     for title, words in listed:
         if words:
-            lines += ["", *wrap(title, width)]
-            wrapped = wrap("  ".join(words), width - 2, break_on_hyphens=False)
-            lines += ["  " + line for line in wrapped]
+            lines += ["", *wrapped(title, width)]
+            folded = wrapped("  ".join(words), width - 2)
+            lines += ["  " + line for line in folded]
     rows = [(option.name, _option(option)) for option in world.kit.options]
     lines += _section(f"options, as `--set {world.name}.option=value`", rows, width)
     return "\n".join(lines)
@@ -56,13 +56,13 @@ def columns(rows: Iterable[tuple[str, str]], width: int) -> list[str]:
     lines = []
     for name, text in rows:
         room = width - left if beside else width - 4
-        wrapped = wrap(text, max(room, 1), break_on_hyphens=False)
+        folded = wrapped(text, room)
         if beside:
-            first, *rest = wrapped or [""]
+            first, *rest = folded or [""]
             lines.append(f"{name:<{left}}{first}".rstrip())
             lines += [" " * left + line for line in rest]
         else:
-            lines += [name, *("    " + line for line in wrapped)]
+            lines += [name, *("    " + line for line in folded)]
     return lines
 
 
@@ -70,7 +70,7 @@ def _section(title: str, rows: Sequence[tuple[str, str]], width: int) -> list[st
     if not rows:
         return []
     body = ("  " + line for line in columns(rows, width - 2))
-    return ["", *wrap(title, width), *body]
+    return ["", *wrapped(title, width), *body]
 
 
 def _option(option: Option) -> str:

@@ -1,7 +1,7 @@
 """What tests have exercised of libraries: methods, contexts, monitors, failures.
 
 A `Coverage` gathers over any number of runs and sets that against what the files of
-the libraries hold. How it is told is in `rapc.testing.coverage_table`.
+the libraries hold. How it is told is in `rapc.console.testing.coverage_table`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The pytest plug-in: collects `*.test.rap`, one item for each `define-test`.
 
 pytest loads this module in every run, so nothing of rapc is imported before a file is
-found. The items are in `rapc.testing.pytest_items`.
+found. The items are in `rapc.console.testing.pytest_items`.
 """
 
 from __future__ import annotations
@@ -28,6 +28,6 @@ def pytest_collect_file(
     """A collector for a file of tests; None for any other file."""
     if not file_path.name.endswith(SUFFIX):
         return None
-    items = import_module("rapc.testing.pytest_items")
+    items = import_module("rapc.console.testing.pytest_items")
     collector: pytest.Collector = items.RapFile.from_parent(parent, path=file_path)
     return collector

@@ -1,7 +1,7 @@
 """Run one test against the scripted world and say what became of it.
 
 Nothing is read from disk here and nothing is printed: cases come from
-`rapc.testing.discover`, outcomes go to `rapc.testing.explain`.
+`rapc.testing.discover`, outcomes go to `rapc.console.testing.explain`.
 """
 
 from __future__ import annotations

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from rapc.console.testing.coverage_table import COLUMNS
 from rapc.language.heads import TEST_CLAUSES
 from rapc.parser.special import script, tests
 from rapc.parser.special.expectations import EXPECTATIONS
-from rapc.testing.coverage_table import COLUMNS
 
 from ..cli.command import rapc
 

@@ -278,7 +278,8 @@ def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
     )
     reasons = {how: reason for how, reason, _ in faults}
     assert sorted(reasons) == ["error", "for-ever", "killed"]
-    assert reasons["error"] == "KeyError: 'pillow'"
+    told = "PortError: the world `naps` failed at naps.py:17: KeyError: 'pillow'"
+    assert reasons["error"] == told
     assert reasons["for-ever"] == "it took longer than the time limit"
     assert reasons["killed"].startswith("its worker was lost 3 times, at last with ")
     [command] = [command for how, _, command in faults if how == "error"]

@@ -8,12 +8,12 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from rapc.experiments import plots
+from rapc.console.experiments import plots
+from rapc.console.experiments.output import as_text
+from rapc.console.experiments.tables import grid, markdown, remarks
 from rapc.experiments.definition import Mark, Part, Reference
 from rapc.experiments.measures import Measures
-from rapc.experiments.output import as_text
 from rapc.experiments.summary import Summary, summarize
-from rapc.experiments.tables import grid, markdown, remarks
 
 from .small_experiment import session
 

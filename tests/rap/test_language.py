@@ -15,9 +15,9 @@ import pytest
 
 from rapc.analysis.driver import check_library
 from rapc.analysis.suite import rules
+from rapc.console.testing.explain import lines
 from rapc.library.loader import load_text
 from rapc.testing.discover import find
-from rapc.testing.explain import lines
 from rapc.testing.run import Status, run_case
 from tests.cli.command import rapc
 

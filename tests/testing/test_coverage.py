@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from rapc.console.testing.coverage_table import as_json, table
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage, FileCoverage
-from rapc.testing.coverage_table import as_json, table
 from rapc.testing.session import Session
 
 ARMS = """\

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.testing import explain
+from rapc.console.testing import explain
 from rapc.testing.run import Status, run_case
 
 from .small_suite import GRAB, LIBRARY, cases, happened, run

@@ -9,10 +9,10 @@ import pytest
 
 from rapc.analysis.driver import check_library
 from rapc.base.files import TEST_SUFFIX
+from rapc.console.testing.explain import lines
 from rapc.library.loader import load
 from rapc.testing.coverage import Coverage
 from rapc.testing.discover import find
-from rapc.testing.explain import lines
 from rapc.testing.run import Status, run_case
 
 from .runs import STDLIB

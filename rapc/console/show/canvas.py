@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 from operator import itemgetter
-from textwrap import wrap
 
 from rich.cells import cell_len
 from rich.text import Text
+
+from rapc.console.wrapping import wrapped
 
 
 class Canvas:
@@ -62,7 +63,7 @@ def fit(text: str, width: int) -> str:
 
 def folded(text: str, width: int, lines: int) -> list[str]:
     """A text in at most so many lines, with a mark where it was cut."""
-    parts = wrap(text, width, break_on_hyphens=False) if width > 0 else []
+    parts = wrapped(text, width) if width > 0 else []
     if len(parts) <= lines:
         return parts
     return [*parts[: lines - 1], fit(" ".join(parts[lines - 1 :]), width)]

@@ -7,11 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator
 from pathlib import Path
-from textwrap import wrap
 
-from rapc.experiments.session import Batch
-from rapc.experiments.summary import Summary
-from rapc.experiments.tables import (
+from rapc.console.experiments.tables import (
     Kind,
     Line,
     grid,
@@ -21,7 +18,10 @@ from rapc.experiments.tables import (
     show,
     title,
 )
-from rapc.experiments.textplot import plot
+from rapc.console.experiments.textplot import plot
+from rapc.console.wrapping import wrapped
+from rapc.experiments.session import Batch
+from rapc.experiments.summary import Summary
 
 RESULTS = "results.sqlite"
 TABLES = "tables.md"
@@ -39,7 +39,7 @@ def as_text(summary: Summary, width: int) -> Iterator[Line]:
 
 
 def _wrapped(kind: Kind, text: str, width: int) -> Iterator[Line]:
-    return (Line(kind, line) for line in wrap(text, width))
+    return (Line(kind, line) for line in wrapped(text, width))
 
 
 def write_tables(

@@ -9,15 +9,15 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rapc.console.experiments.tables import heading, show
+from rapc.console.wrapping import wrapped
 from rapc.experiments.summary import Summary
-from rapc.experiments.tables import heading, show
 
 _STYLE: Any = {
     "svg.hashsalt": "rapc",
@@ -46,7 +46,7 @@ def draw(drawn: Sequence[Summary], file: Path) -> tuple[Path, Path]:
         warnings.filterwarnings("ignore", "Glyph")  # no font has all characters
         figure = Figure(figsize=(6.4, 5.6), layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-        figure.suptitle(fill(heading(drawn[0].part), _WIDTH))
+        figure.suptitle("\n".join(wrapped(heading(drawn[0].part), _WIDTH)))
         for number, summary in enumerate(drawn):
             _series(above, summary, number, "time-each")
             _series(below, summary, number, "completed")

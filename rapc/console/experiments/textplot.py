@@ -6,10 +6,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from textwrap import wrap
 
+from rapc.console.experiments.tables import Line, show
+from rapc.console.wrapping import wrapped
 from rapc.experiments.summary import Spread, Summary
-from rapc.experiments.tables import Line, show
 
 _LEAST = 10
 """How many columns a plot has at least."""
@@ -32,7 +32,7 @@ def plot(summary: Summary, width: int) -> Iterator[Line]:
     scale = (room - 1) / max(*known, 1)
     told = f", x {reference.title}" if reference and any(theirs) else ""
     head = f"time each: |---| range, o average{told}"
-    yield from (Line("head", line) for line in wrap(head, width))
+    yield from (Line("head", line) for line in wrapped(head, width))
     for label, spread, other in zip(labels, spreads, theirs, strict=True):
         bar = _bar(spread, other, room, scale)
         figure = f"{spread.mean:.0f}" if spread else "-"

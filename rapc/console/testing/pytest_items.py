@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
+from rapc.console.testing import explain
 from rapc.errors import Error
-from rapc.testing import discover, explain
+from rapc.testing import discover
 from rapc.testing.run import Case, Outcome, Status, run_case
 
 

@@ -1,0 +1,1 @@
+"""Figures of experiments as tables and plots: for terminals and for the page."""

@@ -1,0 +1,1 @@
+"""Outcomes and coverage of tests as text: for terminals, pytest, JUnit and JSON."""
