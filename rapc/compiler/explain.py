@@ -101,6 +101,8 @@ def describe(
 
 def describe_step(step: PlanStep, spread: Spread | None = None) -> str:
     """A step in words: the part of the formula, and what is done for it."""
+    if step.way is AccessPath.NAMED:
+        return f"{format_formula(step.formula)}: {step.way.value}:"
     if step.way in (AccessPath.EITHER, AccessPath.NEITHER):
         return f"{step.way.value}:"
     parts = [_how(step)]

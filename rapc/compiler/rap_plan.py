@@ -9,11 +9,11 @@ from __future__ import annotations
 from rapc.compiler.compiler import Compiler, RequestPlan, variables_of
 from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, steps_using
 from rapc.compiler.query.formulas import watches
+from rapc.compiler.query.named import parts_of
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.watches import ANYTHING, Watch
 from rapc.ir import nodes
-from rapc.ir.walk import subformulas
 
 
 class MethodPlan:
@@ -24,6 +24,7 @@ class MethodPlan:
         "choice",
         "computes",
         "conditions",
+        "constraints",
         "index",
         "key",
         "name",
@@ -58,6 +59,11 @@ class MethodPlan:
             formula = parts[0] if len(parts) == 1 else nodes.And(tuple(parts))
             what = f"context of method `{self.name}`"
             self.choice = compiler.query(formula, what, node.span)
+        #: What must hold of all tasks below while the method is under way.
+        self.constraints: Query | None = None
+        if node.constraints is not None:
+            what = f"constraints of method `{self.name}`"
+            self.constraints = compiler.query(node.constraints, what, node.span)
         self.notations = tuple(
             compiler.assertion(p, "notation") for p in node.notations
         )
@@ -138,7 +144,7 @@ class RapPlan:
         #: Whether `monitor-state` asks how old beliefs are.
         self.ages = False
         if node.monitor_state is not None:
-            asked = subformulas(node.monitor_state)
+            asked = parts_of(node.monitor_state, compiler.signatures)
             self.ages = any(isinstance(part, nodes.Believe) for part in asked)
             self.watches = watches(node.monitor_state, compiler.signatures)
         #: Whether constraints depend on memory, resources and the clock alone.
@@ -196,7 +202,8 @@ def _steady(compiler: Compiler, constraints: nodes.Formula | None) -> bool:
         return True
     asked = watches(constraints, compiler.signatures)
     return all(watch.key != ANYTHING for watch in asked) and not any(
-        isinstance(part, nodes.HistoryTest) for part in subformulas(constraints)
+        isinstance(part, nodes.HistoryTest)
+        for part in parts_of(constraints, compiler.signatures)
     )
 
 

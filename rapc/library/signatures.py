@@ -82,6 +82,8 @@ class Signature(msgspec.Struct, frozen=True):
     default: str | None = None
     #: The predicates that a function reads; None where nothing is said of them.
     reads: tuple[str, ...] | None = None
+    #: What a query stands for; None for all else.
+    formula: nodes.Formula | None = None
 
     @property
     def is_property(self) -> bool:
@@ -200,7 +202,7 @@ class Signatures:
             },
             **{n: _property(form) for n, form in library.properties.items()},
             **{n: _function(form) for n, form in library.functions.items()},
-            **{n: _plain("query", form) for n, form in library.queries.items()},
+            **{n: _query(form) for n, form in library.queries.items()},
         }
         return cls(
             _Raps(library.raps) if raps is None else raps,
@@ -321,13 +323,25 @@ class _Raps(Mapping[str, Signature]):
 def _plain(
     kind: Kind,
     form: nodes.DeclareProposition
-    | nodes.DefineQuery
     | nodes.DeclareDatum
     | nodes.DeclareSkill
     | nodes.DeclareEvent,
 ) -> Signature:
     count = None if form.args is None else len(form.args)
     return Signature(kind, form.name, count or 0, count, form.args, form.span)
+
+
+def _query(form: nodes.DefineQuery) -> Signature:
+    count = len(form.args)
+    return Signature(
+        "query",
+        form.name,
+        count,
+        count,
+        form.args,
+        form.name_span,
+        formula=form.formula,
+    )
 
 
 def _property(form: nodes.DeclareProperty) -> Signature:

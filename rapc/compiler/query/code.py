@@ -70,6 +70,8 @@ class CodeWriter:
         self.steps: list[PlanStep] = []
         #: How many `or` and `not` the next step stands in.
         self.depth = 0
+        #: The functions that several places call, by what they are made for.
+        self.shared: dict[object, Any] = {}
         #: The Python locals by variable, in the order in which they came.
         self.locals: dict[str, str] = {}
         self._before: list[str] = []
@@ -85,8 +87,12 @@ class CodeWriter:
 
     def fresh(self, prefix: str) -> str:
         """Return a name that nothing else has."""
+        return f"{prefix}{self.serial()}"
+
+    def serial(self) -> int:
+        """Return a number that nothing else has."""
         self._serial += 1
-        return f"{prefix}{self._serial}"
+        return self._serial
 
     def local(self, variable: str) -> str:
         """Return the local that holds `variable`, the same in all functions."""
@@ -186,6 +192,8 @@ class FunctionWriter:
         self.code = code
         self.name = name
         self.mode = mode
+        #: The constant for the clause's name, and for the query within it.
+        self.where = code.where
         #: The variables that it is handed, in order.
         self.parameters = tuple(bound)
         #: Its first lines, unless it is called with its parameters.
@@ -229,6 +237,7 @@ class FunctionWriter:
             [name for name in dict.fromkeys(needed) if name in known],
             mode,
         )
+        inner.where = self.where
         inner.maybe = self.maybe & inner.bound
         inner.bound -= inner.maybe
         return inner

@@ -276,7 +276,7 @@ def _limit(fn: FunctionWriter, age: nodes.Term) -> str:
         return str(limit)
     what = fn.code.constant("the age of a `believe` is not a number")
     fn.line(f"if type({limit}) not in NUMBERS:")
-    fn.line(f"    ctx.fault({fn.code.where}, {what})")
+    fn.line(f"    ctx.fault({fn.where}, {what})")
     fn.line(f"    {fn.skip}")
     return str(limit)
 

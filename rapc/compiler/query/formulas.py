@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rapc.base.values import is_number
-from rapc.compiler.query import facts
+from rapc.compiler.query import facts, named
 from rapc.compiler.query.code import MAX_LOOPS, FunctionWriter, ResultMode
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.compiler.query.term_code import arguments, attempt, known_value, match
@@ -58,7 +58,11 @@ def write(fn: FunctionWriter, formula: nodes.Formula) -> None:
     if unsure and not fn.maybe.isdisjoint(variables(formula)):
         _in_either_case(fn, formula)
         return
-    _KINDS[type(formula)].write(fn, formula)
+    query = named.query_of(fn.code.signatures, formula)
+    if query is not None and isinstance(formula, nodes.Proposition):
+        named.write_use(fn, formula, query, write)
+    else:
+        _KINDS[type(formula)].write(fn, formula)
 
 
 def variables(formula: nodes.Formula) -> tuple[str, ...]:
@@ -315,7 +319,8 @@ _KINDS: Mapping[type, _Kind] = {
 def watches(formula: nodes.Formula, signatures: Signatures) -> tuple[Watch, ...]:
     """All that can change the answer to a formula, each thing once."""
     found: dict[Watch, None] = {}
-    stack: list[nodes.Node] = [formula]
+    stack: list[nodes.Node] = [*named.spelled_out(formula, signatures)]
+    stack.reverse()
     while stack:
         node = stack.pop()
         kind = _KINDS.get(type(node))

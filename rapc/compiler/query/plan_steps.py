@@ -26,6 +26,7 @@ class AccessPath(Enum):
     EITHER = "each branch in turn"
     NEITHER = "there is no solution of"
     LATER = "compiled when it is asked, for what then is bound"
+    NAMED = "what the query says"
     NEVER = "never holds"
 
 

@@ -15,7 +15,7 @@ from rapc.ir import nodes
 
 def fault(fn: FunctionWriter, what: str) -> None:
     """Trace a fault and give up; `what` is an expression or a constant's name."""
-    fn.line(f"ctx.fault({fn.code.where}, {what})")
+    fn.line(f"ctx.fault({fn.where}, {what})")
     fn.line(fn.skip)
 
 
@@ -42,7 +42,8 @@ def bound_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
     if known is not None:
         return known
     assert isinstance(term, nodes.Var)
-    what = fn.code.constant(f"{term.name} is not bound")
+    own = term.name.partition(" ")[0]  # without the mark of a query's own variables
+    what = fn.code.constant(f"{own} is not bound")
     fault(fn, what)
     return None
 
@@ -80,7 +81,7 @@ def registered(
     called = f"ctx.functions[{fn.code.constant(name)}](ctx.view, {listed})"
     result = attempt(fn, form.format(called))
     fn.line("except Exception as error:")
-    fn.line(f"    error.add_note({fn.code.where})")
+    fn.line(f"    error.add_note({fn.where})")
     fn.line("    raise")
     return result
 
@@ -91,7 +92,7 @@ def attempt(fn: FunctionWriter, expression: str) -> str:
     fn.line("try:")
     fn.line(f"    {result} = {expression}")
     fn.line("except Fault as fault:")
-    fn.line(f"    ctx.fault({fn.code.where}, str(fault))")
+    fn.line(f"    ctx.fault({fn.where}, str(fault))")
     fn.line(f"    {fn.skip}")
     return result
 

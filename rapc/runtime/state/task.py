@@ -230,8 +230,8 @@ class Task:
         return None not in self.goal_args
 
     @property
-    def constrained(self) -> Task | None:
-        """The nearest ancestor that states constraints."""
+    def constrained(self) -> Task | MethodRun | None:
+        """The nearest ancestor, or method of one, that states constraints."""
         return None if self.within is None else self.within.constrained
 
     @property
@@ -421,15 +421,20 @@ class MethodRun:
         self.notations: tuple[Notation, ...] = ()
         #: The number of its request, if it has sent one.
         self.ticket: int | None = None
-        #: The nearest task that states constraints, its own or above it.
-        self.constrained: Task | None
-        outer = task.within
-        if task.plan.constraints is not None:
-            self.constrained = task
+        #: The nearest that states constraints: itself, its task, or what is above.
+        self.constrained: Task | MethodRun | None
+        if plan.constraints is not None:
+            self.constrained = self
         else:
-            self.constrained = None if outer is None else outer.constrained
+            self.constrained = self.constrained_above
         #: Whether these, or conditions of steps, may keep steps from being carried out.
         self.has_conditions = plan.conditions or self.constrained is not None
+
+    @property
+    def constrained_above(self) -> Task | MethodRun | None:
+        """The nearest that states constraints, this method left out."""
+        task = self.task
+        return task if task.plan.constraints is not None else task.constrained
 
     def was_ended_by_until(self, position: int) -> bool:
         """Whether a step was ended by an `until`."""

@@ -10,9 +10,10 @@ from rapc.compiler.query.query import Query
 from rapc.runtime.events.events import FamilySwitched, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import ENDED, INTERFERENCE
-from rapc.runtime.state.task import Env, Task, WaitState
+from rapc.runtime.state.task import Env, MethodRun, Task, WaitState
 from rapc.runtime.tasks.finish import (
     apply_until,
+    end_method,
     fail,
     recheck_bound_steps,
     release_followers,
@@ -132,7 +133,8 @@ def _misses_inputs(machine: Machine, task: Task) -> bool:
 def _conditions_hold(machine: Machine, task: Task) -> bool:
     """Step 4: `for` formulas, preconditions, constraints of the task and above.
 
-    False also if a binding found here has ended the task's method.
+    False also if a binding found here, or a constraint of a method, has ended the
+    method that the task works for.
     """
     run, step, context = task.within, task.step, machine.context
     if run is not None and step is not None:
@@ -155,18 +157,26 @@ def _conditions_hold(machine: Machine, task: Task) -> bool:
     return stated is None or _constraints_hold(machine, stated)
 
 
-def _constraints_hold(machine: Machine, nearest: Task) -> bool:
+def _constraints_hold(machine: Machine, nearest: Task | MethodRun) -> bool:
     """Whether the constraints of `nearest` and of all above it hold now.
 
+    One of a method that does not hold ends the method, and all below leaves.
     Where nothing has changed since they were all found to hold, they still do: so an
     endless descent looks at each of its tasks but once.
     """
     context, changes = machine.context, machine.monitors.changes
     faults, steady = context.faults, True
-    stated: Task | None = nearest
+    stated: Task | MethodRun | None = nearest
     # fast twin of asking all of them: holds when nothing has changed since, and what
     # they ask of are memory, resources and the clock alone
-    while stated is not None and stated.held_at != changes:
+    while stated is not None:
+        if isinstance(stated, MethodRun):
+            if not _method_holds(machine, stated):
+                return False
+            steady, stated = False, stated.constrained_above
+            continue
+        if stated.held_at == changes:
+            break
         plan, context.task = stated.plan, stated
         if plan.constraints is not None:
             if not plan.constraints.holds(context, stated.env):
@@ -174,5 +184,16 @@ def _constraints_hold(machine: Machine, nearest: Task) -> bool:
             steady = steady and plan.steady
         stated = stated.constrained
     if steady and machine.fast and context.faults == faults:
+        assert isinstance(nearest, Task)
         nearest.held_at = changes
     return True
+
+
+def _method_holds(machine: Machine, run: MethodRun) -> bool:
+    """Whether the constraints of a method hold; else it ends, with all below it."""
+    machine.context.task = run.task
+    constraints = run.plan.constraints
+    if constraints is None or constraints.holds(machine.context, run.env):
+        return True
+    end_method(machine, run, INTERFERENCE, "parent-failed")
+    return False
