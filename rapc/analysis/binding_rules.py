@@ -106,7 +106,8 @@ def _as_declared(walker: Walker, formula: nodes.Formula, bound: Bound) -> bool:
     """A formula of which its operands say all there is to know."""
     inner = operands(formula)
     walker.values(inner.used, bound)
-    walker.match(inner.matched, bound)
+    if inner.matched:
+        walker.match(inner.matched, bound)
     for part in inner.closed:
         walker.formula(part, Bound(bound))
     possible = True

@@ -8,6 +8,7 @@ kinds in `_BY_VALUE` the operands have a say, too.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 from rapc.ir import nodes
@@ -33,15 +34,7 @@ def operands(formula: nodes.Formula) -> Operands:
     by_value = _BY_VALUE.get(kind)
     if by_value is not None:
         return by_value(formula)
-    return Operands._make([_held(formula, fields) for fields in _FIELDS[kind]])
-
-
-def _held(formula: nodes.Formula, fields: tuple[str, ...]) -> tuple[Any, ...]:
-    found: tuple[Any, ...] = ()
-    for field in fields:
-        value = getattr(formula, field)
-        found += value if type(value) is tuple else (value,)
-    return found
+    return Operands(*[held(formula) for held in _HELD[kind]])
 
 
 _ROLES: Mapping[str, str] = {
@@ -69,7 +62,28 @@ def _fields(kind: type[nodes.Node]) -> tuple[tuple[str, ...], ...]:
     )
 
 
+def _held(
+    kind: type[nodes.Node], fields: tuple[str, ...]
+) -> Callable[[nodes.Node], tuple[Any, ...]]:
+    """What takes the values of some fields from a node of a kind, as one tuple."""
+    if not fields:
+        return lambda node: ()
+    takes = [attrgetter(field) for field in fields]
+    rows = [declared(kind, field).startswith("tuple[") for field in fields]
+    if len(fields) == 1 and rows[0]:
+        return takes[0]
+    if len(fields) > 1 and not any(rows):
+        return attrgetter(*fields)
+    return lambda node: tuple(
+        one
+        for take, row in zip(takes, rows, strict=True)
+        for one in (take(node) if row else (take(node),))
+    )
+
+
 _FIELDS = {kind: _fields(kind) for kind in nodes.Formula.__args__}
+
+_HELD = {kind: [_held(kind, one) for one in fields] for kind, fields in _FIELDS.items()}
 
 PARTS: Mapping[type, tuple[str, ...]] = {
     kind: (*fields[2], *fields[3]) for kind, fields in _FIELDS.items()
