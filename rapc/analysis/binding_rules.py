@@ -2,7 +2,8 @@
 
 `and` binds from left to right; of `or`, only what every branch that can succeed binds
 is surely bound; `not` exports nothing; comparisons, computed terms, tests of sets and
-functions used as tests bind nothing and need theirs bound. Where these formulas stand
+functions used as tests bind nothing and need theirs bound; a named query does to the
+terms it is given what its formula does. Where these formulas stand
 and what is bound beforehand is for `rapc.analysis.passes.bindings` to say.
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping
 
+from rapc.analysis.named_bindings import Summaries, Summary, arguments
 from rapc.ir import nodes
 from rapc.ir.operands import operands
 
@@ -48,12 +50,23 @@ class Walker:
 
     Args:
         functions: the declared functions; a pattern of that name is a test.
+        queries: the named queries; a pattern of that name stands for a formula.
         findings: where what is noticed goes.
     """
 
-    def __init__(self, functions: Mapping[str, object], findings: Findings) -> None:
+    def __init__(
+        self,
+        functions: Mapping[str, object],
+        queries: Mapping[str, nodes.DefineQuery],
+        findings: Findings,
+    ) -> None:
         self.functions = functions
         self.findings = findings
+        self.summaries = Summaries(queries, self._summarize)
+
+    def apart(self) -> Walker:
+        """Return a walker of the same library with findings of its own."""
+        return Walker(self.functions, self.summaries.queries, Findings())
 
     def value(self, term: nodes.Term, bound: Bound) -> None:
         """A place that needs a value: note what is not bound in it."""
@@ -89,12 +102,51 @@ class Walker:
         """
         return _VISITS.get(type(formula), _as_declared)(self, formula, bound)
 
+    def query(self, use: nodes.Proposition, bound: Bound) -> bool:
+        """Walk the formula that a name stands for, with its terms put in."""
+        query = self.summaries.queries[use.name]
+        terms = dict(zip(arguments(query), use.args, strict=False))
+        unbound = [
+            term.name
+            for term in use.args
+            if isinstance(term, nodes.Var) and term.name not in bound
+        ]
+        given = frozenset(
+            name
+            for name, term in terms.items()
+            if not isinstance(term, nodes.Var) or unbound.count(term.name) != 1
+        )
+        summary = self.summaries.known(use.name, given)
+        fresh = []
+        for name, term in terms.items():
+            if isinstance(term, nodes.Call) or name in summary.needs:
+                self.value(term, bound)
+            binds = name in summary.binds or name in given
+            if isinstance(term, nodes.Var) and binds and not term.anonymous:
+                fresh.append(term.name)
+        bound.names.update(fresh)
+        return summary.possible
+
+    def _summarize(self, query: nodes.DefineQuery, given: frozenset[str]) -> Summary:
+        """Walk the formula of a query where some of its arguments have a value."""
+        kept, self.findings = self.findings, Findings()
+        try:
+            bound = Bound(None, given)
+            possible = self.formula(query.formula, bound)
+            lacking = {variable.name for variable in self.findings.unbound}
+        finally:
+            self.findings = kept
+        names = frozenset(arguments(query))
+        return Summary(names & lacking, names & bound.names, possible)
+
 
 def _truth(walker: Walker, formula: nodes.Truth, bound: Bound) -> bool:
     return formula.value
 
 
 def _pattern(walker: Walker, formula: nodes.Proposition, bound: Bound) -> bool:
+    if formula.name in walker.summaries.queries:
+        return walker.query(formula, bound)
     if formula.name in walker.functions:
         walker.values(formula.args, bound)
     else:

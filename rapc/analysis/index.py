@@ -206,7 +206,8 @@ def _row_uses(row: nodes.ScriptRow, owner: Form) -> Iterator[NameUse]:
 def _use(fact: nodes.Proposition, parent: nodes.Node) -> Use | None:
     """Say how a proposition in `parent` is used; None where `parent` tells better."""
     if type(parent) is nodes.Method:
-        return "test" if fact is parent.context else "asserted"
+        asked = fact is parent.context or fact is parent.constraints
+        return "test" if asked else "asserted"
     if type(parent) is nodes.RuleAction:
         return "asserted" if parent.op == "mem-add" else "erased"
     return _USES.get(type(parent), "test")

@@ -18,6 +18,7 @@ import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import Bound, Findings, Walker
+from rapc.analysis.named_bindings import arguments
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
 from rapc.ir import nodes
 
@@ -49,7 +50,8 @@ class Bindings(msgspec.Struct, frozen=True):
 def _run(run: Pass) -> Bindings:
     nets = run.result(TASK_NETS)
     missing = {}
-    walk = _Walk(Walker(run.library.functions, Findings()), nets)
+    library = run.library
+    walk = _Walk(Walker(library.functions, library.queries, Findings()), nets)
     for form in run.library.forms:
         if type(form) is nodes.DefineRap:
             _rap(walk, form)
@@ -57,6 +59,11 @@ def _run(run: Pass) -> Bindings:
             _memory_rule(walk, form)
         elif type(form) is nodes.EventRule:
             _rules(walk, form.rules, Bound(None, _names(form.args)))
+        elif type(form) is nodes.DefineQuery:
+            walk.walker.formula(form.formula, Bound(None, arguments(form)))
+            walk.note("query")
+        elif isinstance(form, nodes.DeclarePrimitive | nodes.DeclareSkill):
+            _things(walk, form.uses, _declared(form), ":uses")
         else:
             continue
         if walk.missing:
@@ -162,6 +169,11 @@ def _method(walk: _Walk, method: nodes.Method, bound: Bound) -> None:
     for notation in method.notations:
         walk.walker.values(notation.args, bound)
         walk.note("notations", method)
+    if method.constraints is not None:
+        walk.walker.formula(method.constraints, Bound(bound))
+        walk.note("constraints", method)
+    _things(walk, method.claims, bound, "claims", method)
+    _things(walk, method.skills, bound, "skills", method)
     body = method.body
     if type(body) is nodes.TaskNet:
         _task_net(walk, method, body, bound)
@@ -170,6 +182,23 @@ def _method(walk: _Walk, method: nodes.Method, bound: Bound) -> None:
         walk.note("primitive", method)
     elif type(body) is nodes.Skills:
         _skills(walk, method, body, bound)
+
+
+def _things(
+    walk: _Walk,
+    named: Iterable[nodes.Pattern],
+    bound: Bound,
+    clause: str,
+    method: nodes.Method | None = None,
+) -> None:
+    """Walk things, or skills, all arguments of which need a value."""
+    for one in named:
+        walk.walker.values(one.args, bound)
+    walk.note(clause, method)
+
+
+def _declared(form: nodes.DeclarePrimitive | nodes.DeclareSkill) -> Bound:
+    return Bound(None, (arg.variable.name for arg in form.args))
 
 
 def _skills(
@@ -211,7 +240,7 @@ def _cyclic_net(
     """Steps in a circle: each may use what any of them binds, to find the rest."""
     net = walk.nets[id(body)]
     everything = Bound(base)
-    quiet = _Walk(Walker(walk.walker.functions, Findings()), walk.nets)
+    quiet = _Walk(walk.walker.apart(), walk.nets)
     for at, step in enumerate(body.steps):
         _step(quiet, step, everything, net, at)
     for at, step in enumerate(body.steps):

@@ -56,7 +56,7 @@ _TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
     for owner, names in _by_form(run.result(INDEX).of(nodes.Var)):
-        if type(owner) is not nodes.DefineRap:
+        if not isinstance(owner, nodes.DefineRap | nodes.DefineQuery):
             continue
         names.pop("?", None)
         unbound = {m.variable.name for m in missing.get(id(owner), ())}

@@ -56,20 +56,18 @@ def _circle(
 
     All that has been reached is `done` afterwards.
     """
-    path: list[tuple[str, Iterator[str]]] = []
-    if start not in done:
-        path.append((start, iter(asked[start])))
-        done.add(start)
-    while path:
-        following = next(path[-1][1], None)
-        names = [name for name, _ in path]
+    path: dict[str, Iterator[str]] = {}
+    following: str | None = start if start not in done else None
+    while following is not None or path:
         if following is None:
-            path.pop()
-        elif following in names:
+            path.popitem()
+        elif following in path:
+            names = list(path)
             return names[names.index(following) :]
         elif following not in done:
             done.add(following)
-            path.append((following, iter(asked[following])))
+            path[following] = iter(asked[following])
+        following = next(path[next(reversed(path))], None) if path else None
     return ()
 
 
