@@ -18,6 +18,7 @@ from rapc.analysis.passes import (
     data,
     fact_arity,
     functions,
+    kinds,
     misspelt_variable,
     not_a_number,
     nothing_awaited,
@@ -69,6 +70,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     nothing_awaited.ANALYZER,
     otherwise.ANALYZER,
     query_circles.ANALYZER,
+    kinds.ANALYZER,
     unknown_agenda.ANALYZER,
 )
 """Every pass."""

@@ -17,6 +17,7 @@ from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.language.heads import ALONE, CALLS, QUERIES
+from rapc.library.kinds import KNOWN_KINDS
 from rapc.parser.unit import SourceUnit
 
 BUILTIN_NAMES = frozenset((*ALONE, *QUERIES, *CALLS))
@@ -55,9 +56,6 @@ asked for. So do the kinds `number`, `text`, `item` and `symbol`.""",
 (declare-memory-proposition belongs-to (?club ?person))
 """,
 )
-
-KNOWN_KINDS = ("number", "text", "item", "symbol")
-"""Kinds that need no declaration: `item` is any name."""
 
 _RESERVED = {"predicate": BUILTIN_NAMES, "kind": frozenset(KNOWN_KINDS)}
 """The names of the language, by the space that they are taken from."""

@@ -45,11 +45,13 @@ class _WrongError(Exception):
 
 
 class _Rap(msgspec.Struct, frozen=True, array_like=True):
-    """Where a RAP stands among the forms of its source, and its arity."""
+    """Where a RAP stands among the forms of its source, and its index."""
 
     name: str
     form: int
-    inputs: int
+    #: The inputs, each with its kind if one is said.
+    inputs: tuple[tuple[str, str | None], ...]
+    #: How many outputs there are.
     outputs: int
 
 
@@ -145,7 +147,7 @@ def _units(library: Library, units: dict[str, _Unit]) -> tuple[int, ...]:
 def _unit(source: SourceFile, forms: Sequence[nodes.TopForm]) -> _Unit:
     encode = msgspec.json.Encoder().encode
     raps = tuple(
-        _Rap(form.name, at, len(form.inputs), len(form.outputs))
+        _row(form, at)
         for at, form in enumerate(forms)
         if isinstance(form, nodes.DefineRap)
     )
@@ -213,6 +215,11 @@ class SavedLibrary:
         units = [self._body.units[at] for at in places]
         linked, found = link([_parsed(unit, _declarations(unit)) for unit in units])
         rows = {row.name: (row, unit) for unit in units for row in unit.raps}
+        for row, _ in rows.values():
+            if not all(name.isprintable() for name, _ in row.inputs):
+                raise _WrongError(
+                    f"has inputs of `{row.name!a}` that cannot be printed"
+                )
         if found or len(rows) < sum(len(unit.raps) for unit in units):
             raise _WrongError("defines a name twice")
         known = Signatures.of(
@@ -227,7 +234,16 @@ class SavedLibrary:
 
 
 def _signature(row: _Rap) -> Signature:
-    return Signature("RAP", row.name, row.inputs, row.inputs, outputs=row.outputs)
+    args = tuple([nodes.Argument(nodes.Var(name), kind) for name, kind in row.inputs])
+    count = len(args)
+    return Signature("RAP", row.name, count, count, args, outputs=row.outputs)
+
+
+def _row(rap: nodes.DefineRap, at: int) -> _Rap:
+    """The row of a RAP that is so many forms from the first."""
+    kinds = {one.variable: one.kind for one in rap.kinds}
+    inputs = tuple([(one.name, kinds.get(one.name)) for one in rap.inputs])
+    return _Rap(rap.name, at, inputs, len(rap.outputs))
 
 
 class _Raps(Mapping[str, nodes.DefineRap]):
@@ -256,7 +272,7 @@ class _Raps(Mapping[str, nodes.DefineRap]):
         if not 0 <= row.form < len(unit.forms):
             raise _WrongError(f"lacks the RAP `{row.name}`")
         made: nodes.DefineRap = _decode(unit.forms[row.form], nodes.DefineRap)
-        if row != _Rap(made.name, row.form, len(made.inputs), len(made.outputs)):
+        if row != _row(made, row.form):
             raise _WrongError("has a RAP in the place of another")
         self._verifier.rap(made)
         return made

@@ -19,9 +19,10 @@ import msgspec
 
 from rapc.base.names import Suggestions
 from rapc.base.source import NOWHERE, Span
-from rapc.base.values import format_list
+from rapc.base.values import Atom, format_list
 from rapc.ir import nodes
 from rapc.language.heads import CALLS, QUERIES
+from rapc.library.kinds import Kinds, misfits, said_of
 from rapc.library.library import Library
 from rapc.world import Offer
 
@@ -164,6 +165,7 @@ class Signatures:
         data: the sensor data.
         skills: the skills, their names with the colon.
         events: the events, their names with the colon.
+        kinds: the kinds of values.
     """
 
     def __init__(
@@ -174,7 +176,9 @@ class Signatures:
         data: Mapping[str, Signature],
         skills: Mapping[str, Signature],
         events: Mapping[str, Signature],
+        kinds: Kinds,
     ) -> None:
+        self.kinds = kinds
         self.raps = raps
         self.predicates = predicates
         #: The propositions and properties: what may stand in memory.
@@ -211,6 +215,7 @@ class Signatures:
             {n: _plain("sensor datum", form) for n, form in library.data.items()},
             {n: _plain("skill", form) for n, form in library.skills.items()},
             {n: _plain("event", form) for n, form in library.events.items()},
+            Kinds(library.kinds),
         )
 
     @classmethod
@@ -227,6 +232,7 @@ class Signatures:
             _counts("sensor datum", offer.data),
             _counts("skill", offer.skills),
             _counts("event", offer.events),
+            Kinds({}),
         )
 
     def fault(
@@ -255,6 +261,21 @@ class Signatures:
             amount = f"{_number(declared.outputs, 'output')}, not {outputs}"
             message = f"{message} and {amount}" if message else f"`{name}` has {amount}"
         return Fault("arguments", message, "", declared) if message else None
+
+    def wrong_kind(self, use: Use, name: str, values: Sequence[Atom]) -> str | None:
+        """Return what is wrong with the kinds of the values given to a name, or None.
+
+        A name that is not declared, and arguments without kinds, hold nothing.
+        """
+        declared = self.table(use).get(name)
+        args = declared.args if declared is not None else None
+        if declared is None or not args or all(arg.kind is None for arg in args):
+            return None
+        if declared.leaves_value_out(len(values)) and use != "erased":
+            values = (*values, "true")
+        for arg, value in misfits(self.kinds, args, values):
+            return f"{said_of(arg, value)} in `{declared.written}`"
+        return None
 
     def no_result(self, name: str, result: str) -> Fault | None:
         """Return what is wrong with `result` as a result of a primitive, or None.

@@ -126,7 +126,10 @@ def _must_be_numbers(why: str, *terms: nodes.Term | None) -> Found:
             yield term, why
 
 
-_STORED: tuple[Use, ...] = ("test", "believed", "asserted", "erased", "primitive")
+_STORED: tuple[Use, ...] = (
+    *("test", "believed", "asserted", "erased", "computed"),
+    *("goal", "primitive", "datum", "skill", "event"),
+)
 
 
 def _declared(run: Pass, index: Index) -> Found:

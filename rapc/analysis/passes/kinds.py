@@ -1,0 +1,224 @@
+"""RAP081 to RAP083: kinds that nobody declares, and values that are not of theirs.
+
+What is declared is looked at, and nothing is guessed: constants are held against the
+kinds of the arguments they are given for, and variables that were declared with a kind
+against those that they are used as. Numbers are the business of `not-a-number`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX, Index, NameUse
+from rapc.analysis.named import UnknownNames, declared_at
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import Suggestions
+from rapc.base.source import Span
+from rapc.base.values import format_atom
+from rapc.ir import nodes
+from rapc.library.kinds import said_of
+from rapc.library.signatures import Fault, Signature
+
+UNKNOWN = Rule(
+    code="RAP081",
+    name="unknown-kind",
+    severity=Severity.ERROR,
+    summary="a kind of values is not declared, or is of itself",
+    why="""`number`, `text`, `item` and `symbol` are known; other kinds are declared
+with `declare-kind`. A kind that is of itself, through others or at once, says
+nothing.""",
+    example="""\
+(declare-kind door (front back))
+(declare-memory-property open ((?door dor) ?is) unknown)
+""",
+    better="""\
+(declare-kind door (front back))
+(declare-memory-property open ((?door door) ?is) unknown)
+""",
+)
+
+WRONG = Rule(
+    code="RAP082",
+    name="wrong-kind",
+    severity=Severity.ERROR,
+    summary="a constant is not of the kind that is wanted where it stands",
+    why="""An argument that was declared with a kind has values of that kind and no
+others: a closed kind lists them. A fact or a goal with another value means nothing, and
+a question about one finds nothing. `unknown` is of every kind.""",
+    example="""\
+(declare-kind door (front back))
+(declare-memory-property open ((?door door) ?is) unknown)
+(define-rap (pass)
+  (preconditions (open frnt true)))
+""",
+    better="""\
+(declare-kind door (front back))
+(declare-memory-property open ((?door door) ?is) unknown)
+(define-rap (pass)
+  (preconditions (open front true)))
+""",
+)
+
+APART = Rule(
+    code="RAP083",
+    name="kinds-apart",
+    severity=Severity.WARNING,
+    summary="a variable of one kind is used as one of another",
+    why="""No value is meant to be of both kinds, unless one of them `:is` the other:
+most likely two variables were mixed up.""",
+    example="""\
+(declare-kind door)
+(declare-kind room)
+(declare-memory-property open ((?door door) ?is) unknown)
+(define-rap (enter (?door door) (?room room))
+  (preconditions (open ?room true)))
+""",
+    better="""\
+(declare-kind door)
+(declare-kind room)
+(declare-memory-property open ((?door door) ?is) unknown)
+(define-rap (enter (?door door) (?room room))
+  (preconditions (open ?door true)))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    index = run.result(INDEX)
+    _unknown(run, index)
+    _circles(run)
+    declared = _of_forms(index)
+    for used in index.uses():
+        signature = run.signatures.table(used.use).get(used.name)
+        if signature is not None and signature.args:
+            _constants(run, used, signature)
+            own = declared.get(id(used.owner))
+            if own:
+                _variables(run, used, signature, own)
+
+
+ANALYZER = Analyzer(
+    name="kinds",
+    doc="Holds constants and variables against the kinds that were declared.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(UNKNOWN, WRONG, APART),
+)
+
+
+def _unknown(run: Pass, index: Index) -> None:
+    kinds = run.signatures.kinds
+    unknown = UnknownNames(UNKNOWN)
+    near = Suggestions(kinds)
+    for name, place, owner in _named(index):
+        if name not in kinds:
+            advice = "declare it with `declare-kind`, or `require` the file that does"
+            fault = Fault(
+                "unknown",
+                f"no kind is called `{name}`",
+                near.did_you_mean(name, advice),
+            )
+            unknown.add(fault, place, owner)
+    unknown.report(run)
+
+
+def _named(index: Index) -> Iterator[tuple[str, Span, nodes.Node]]:
+    """The places where a kind is named, each with its top-level form."""
+    for argument in index.of(nodes.Argument):
+        if argument.node.kind is not None:
+            yield argument.node.kind, argument.node.span, argument.owner
+    for variable in index.of(nodes.VariableKind):
+        yield variable.node.kind, variable.node.span, variable.owner
+    for declared in index.of(nodes.DeclareKind):
+        if declared.node.above is not None:
+            yield declared.node.above, declared.node.span, declared.owner
+
+
+def _circles(run: Pass) -> None:
+    reported: set[str] = set()
+    for form in run.library.kinds.values():
+        above = run.signatures.kinds.above(form.name)
+        if form.name in above and form.name not in reported:
+            reported.update(above)
+            through = [f"`{name}`" for name in above if name != form.name]
+            said = f", through {', '.join(through)}" if through else ""
+            run.report(
+                Diagnostic(
+                    rule=UNKNOWN.name,
+                    message=f"the kind `{form.name}` is of itself{said}",
+                    span=form.span,
+                )
+            )
+
+
+def _constants(run: Pass, used: NameUse, signature: Signature) -> None:
+    kinds = run.signatures.kinds
+    for term, arg in zip(used.node.args, signature.args or (), strict=False):
+        kind = arg.kind
+        if kind is None or kind == "number" or not isinstance(term, nodes.Const):
+            continue
+        if not kinds.holds(kind, term.value):
+            listed = kinds.values(kind) or ()
+            words = {format_atom(value): None for value in listed}
+            help_ = Suggestions(words).did_you_mean(format_atom(term.value))
+            label = Label(declared_at(run, signature), "declared here")
+            run.report(
+                Diagnostic(
+                    rule=WRONG.name,
+                    message=said_of(arg, term.value),
+                    span=term.span,
+                    labels=(label,),
+                    help=help_ or _listing(words),
+                )
+            )
+
+
+def _listing(words: Mapping[str, None]) -> str:
+    shown = ", ".join(f"`{word}`" for word in list(words)[:_SHOWN])
+    return f"its values are {shown}{', ...' if len(words) > _SHOWN else ''}" * bool(
+        words
+    )
+
+
+_SHOWN = 8
+"""How many values of a kind are listed."""
+
+_Own = Mapping[str, tuple[str, Span]]
+"""The kinds of a form's own variables, with the places that say so."""
+
+
+def _of_forms(index: Index) -> Mapping[int, _Own]:
+    """The variables declared with a kind in each form that has a body."""
+    found: dict[int, dict[str, tuple[str, Span]]] = {}
+    for said in index.of(nodes.VariableKind):
+        own = found.setdefault(id(said.owner), {})
+        own[said.node.variable] = (said.node.kind, said.node.span)
+    bodies = (nodes.DefineQuery, nodes.DeclarePrimitive, nodes.DeclareDatum)
+    for argument in index.of(nodes.Argument):
+        arg = argument.node
+        if arg.kind is not None and isinstance(argument.owner, bodies):
+            own = found.setdefault(id(argument.owner), {})
+            own[arg.variable.name] = (arg.kind, arg.span)
+    return found
+
+
+def _variables(run: Pass, used: NameUse, signature: Signature, own: _Own) -> None:
+    args: Sequence[nodes.Argument] = signature.args or ()
+    for term, arg in zip(used.node.args, args, strict=False):
+        if arg.kind is None or not isinstance(term, nodes.Var):
+            continue
+        kind, place = own.get(term.name, (arg.kind, term.span))
+        if run.signatures.kinds.apart(kind, arg.kind):
+            labels = (
+                Label(place, "declared here"),
+                Label(declared_at(run, signature), f"`{arg.variable.name}` is here"),
+            )
+            run.report(
+                Diagnostic(
+                    rule=APART.name,
+                    message=f"`{term.name}` is a {kind}, and a {arg.kind} is wanted",
+                    span=term.span,
+                    labels=labels,
+                )
+            )

@@ -1,0 +1,140 @@
+"""Kinds of values: which values a declared argument may have.
+
+`number`, `text`, `item` (any name) and `symbol` are known; others are declared, open to
+any symbol or closed to the values listed. The values of a kind that `:is` another are
+of that other too. `unknown` is of every kind.
+
+Kinds are held wherever a fact or a goal comes in from outside; what a library itself
+puts together is looked at by the checker alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeVar
+
+from rapc.base.values import Atom, Text, format_atom, is_number
+from rapc.ir import nodes
+
+T = TypeVar("T")
+
+
+def _is_name(value: object) -> bool:
+    return isinstance(value, str)
+
+
+_KNOWN: Mapping[str, Callable[[object], bool]] = {
+    "number": is_number,
+    "text": lambda value: isinstance(value, Text),
+    "item": _is_name,
+    "symbol": _is_name,
+}
+
+KNOWN_KINDS = tuple(_KNOWN)
+"""Kinds that need no declaration: `item` is any name."""
+
+
+class Kinds:
+    """The kinds that a library declares, and those that are known.
+
+    Args:
+        declared: the declarations by name.
+    """
+
+    def __init__(self, declared: Mapping[str, nodes.DeclareKind]) -> None:
+        self._declared = declared
+        self._below: dict[str, list[str]] = {}
+        for form in declared.values():
+            if form.above is not None:
+                self._below.setdefault(form.above, []).append(form.name)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether a kind is declared or known."""
+        return name in _KNOWN or name in self._declared
+
+    def __iter__(self) -> Iterator[str]:
+        """Return the names of all kinds."""
+        return iter([*_KNOWN, *self._declared])
+
+    def holds(self, kind: str, value: object) -> bool:
+        """Whether a value is of a kind; one that nobody declares has all values."""
+        if value == "unknown" or kind not in self:
+            return True
+        if kind in _KNOWN:
+            return _KNOWN[kind](value)
+        listed = self.values(kind)
+        if listed is not None:
+            return value in listed
+        return self._root(kind)(value)
+
+    def values(self, kind: str) -> Sequence[Atom] | None:
+        """Return the values of a closed kind; None for others.
+
+        The values of kinds below are among them; one that is open opens it.
+        """
+        found: list[Atom] = []
+        for name in self._with_those_below(kind):
+            own = self._declared[name].values if name in self._declared else None
+            if own is None:
+                return None
+            found.extend(own)
+        return list(dict.fromkeys(found))
+
+    def above(self, kind: str) -> Sequence[str]:
+        """Return the kinds that all values of a kind are of too, nearest first.
+
+        In a circle each stands once, the kind itself last.
+        """
+        found: dict[str, None] = {}
+        declared = self._declared.get(kind)
+        while declared is not None and declared.above is not None:
+            if declared.above in found:
+                break
+            found[declared.above] = None
+            declared = self._declared.get(declared.above)
+        return list(found)
+
+    def apart(self, one: str, other: str) -> bool:
+        """Whether two kinds were meant for different values, so that none is both."""
+        if one not in self or other not in self:
+            return False
+        named = ({one, *self.above(one)}, {other, *self.above(other)})
+        if one in named[1] or other in named[0]:
+            return False
+        if "item" in (one, other) or "symbol" in (one, other):
+            return self._root(one) is not self._root(other)
+        listed = (self.values(one), self.values(other))
+        if listed[0] is None or listed[1] is None:
+            return True
+        return set(listed[0]).isdisjoint(listed[1])
+
+    def _root(self, kind: str) -> Callable[[object], bool]:
+        known = (name for name in (kind, *self.above(kind)) if name in _KNOWN)
+        return _KNOWN[next(known, "symbol")]
+
+    def _with_those_below(self, kind: str) -> Iterator[str]:
+        seen: dict[str, None] = {kind: None}
+        stack = [kind]
+        while stack:
+            here = stack.pop()
+            yield here
+            for name in self._below.get(here, ()):
+                if name not in seen:
+                    seen[name] = None
+                    stack.append(name)
+
+
+def misfits(
+    kinds: Kinds, args: Sequence[nodes.Argument], values: Sequence[T]
+) -> Iterator[tuple[nodes.Argument, T]]:
+    """Yield the arguments with a kind whose value is not of it, with the value."""
+    for arg, value in zip(args, values, strict=False):
+        if arg.kind is not None and not kinds.holds(arg.kind, value):
+            yield arg, value
+
+
+def said_of(arg: nodes.Argument, value: Atom) -> str:
+    """Say of a value that it is not of the kind of an argument."""
+    assert arg.kind is not None
+    named = f"`{format_atom(value)}` is no {arg.kind}"
+    return f"{named}, which `{arg.variable.name}` was declared"
