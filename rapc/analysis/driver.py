@@ -186,13 +186,21 @@ def _analyze(loaded: Loaded, damage: Damage) -> Iterator[Diagnostic]:
 def _findings(
     library: Library, complete: bool, unsure: Callable[[Span], bool]
 ) -> Iterator[tuple[Analyzer[Any], Diagnostic]]:
-    """Yield what the passes find in forms and tests, each finding with its pass."""
+    """Yield what the passes find in forms and tests, each finding with its pass.
+
+    What a file says of all its tests is part of each, and reported once.
+    """
     results: dict[str, object] = {}
+    seen: set[tuple[str, Span, str]] = set()
     signatures = Signatures.of(library)
     for analyzer in passes():
         run = Pass(analyzer, library, signatures, results, complete, unsure)
         results[analyzer.name] = analyzer.run(run)
-        yield from ((analyzer, found) for found in run.found)
+        for found in run.found:
+            key = (found.rule, found.span, found.message)
+            if key not in seen:
+                seen.add(key)
+                yield analyzer, found
 
 
 def _suppress(

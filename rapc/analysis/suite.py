@@ -38,6 +38,7 @@ from rapc.analysis.passes import (
     unknown_rap,
     unknown_result,
     until_itself,
+    unused_claim,
 )
 from rapc.base.diagnostics import Rule
 from rapc.library import library, loader
@@ -71,6 +72,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     otherwise.ANALYZER,
     query_circles.ANALYZER,
     kinds.ANALYZER,
+    unused_claim.ANALYZER,
     unknown_agenda.ANALYZER,
 )
 """Every pass."""
