@@ -167,6 +167,11 @@ WORDS: Mapping[str, Words] = {
         "an item is in sight", "an item and, if wanted, `true` or `false`", "[T A.4]"
     ),
     "count": Words("how many there are", "a class, a place and a number", ""),
+    "truth": Words("always holds, or never does", "", "[T 4.1]"),
+    "otherwise": Words("in a context: no method before it holds"),
+    "proposition": Words(
+        "a fact, or a declared function that is a test", "", "[T 4.1]"
+    ),
     # Terms
     "sum": Words("adds", "two or more arguments"),
     "product": Words("multiplies", "two or more arguments"),
@@ -174,6 +179,7 @@ WORDS: Mapping[str, Words] = {
     "difference": Words("subtracts, or changes the sign", "one or more arguments"),
     "size_of": Words("how many are in a set", "one argument"),
     "value_of": Words("the value of a counter", "one argument"),
+    "applied": Words("what a declared function returns"),
     # Rules over memory
     "action": Words(
         "puts a fact into memory or takes it out", "one proposition", "[S 4.2]"
@@ -257,6 +263,18 @@ OPERANDS: Mapping[str, str] = {
     "resource": "(set|counter ?name [start])",
     "negated": "(not (fact))",
     "_once_method_clause": "clause",
+    "_rap_clause": "clause",
+    "_once_task_option": "option",
+    "_action": "action",
+    "index_clause": "(index index)",
+    "arguments": "(?argument...)",
+    "valued": "(?argument... ?value)",
+    "reads": "(predicate...)",
+    "results": "(result...)",
+    "excludes": "[:excludes value (fact)]",
+    "script_row": "row",
+    "goal": "(goal)",
+    "request": "(request)",
     "_acts": "body clause...",
     "_spawns": "body clause...",
     "index": "(name ?input... => ?output...)",
@@ -271,14 +289,17 @@ def spelling(rule: str) -> str:
 
 def table(group: str) -> str:
     """Return a table of the lists in a group of the grammar, as the pages have them."""
-    what = group.rpartition("_")[2]
-    rows = [f"| {what} | what it says | page |", "|---|---|---|"]
-    for rule in dict.fromkeys(rules_by_head(group).values()) | _headless(group):
+    rules = [*dict.fromkeys(rules_by_head(group).values()) | _headless(group)]
+    titles = [group.rpartition("_")[2], "what it says"]
+    paged = any(WORDS[rule].pages for rule in rules)
+    rows = [titles + ["page"] * paged, ["---"] * (len(titles) + paged)]
+    for rule in rules:
         row = WORDS[rule]
         links = ", ".join(f"[{page[0]}]({page})" for page in row.pages)
         spelt = spelling(rule).replace("|", "\\|")
-        rows.append(f"| `{spelt}` | {row.says} | {links} |")
-    return "\n".join(rows) + "\n"
+        rows.append([f"`{spelt}`", row.says] + [links] * paged)
+    lines = [f"| {' | '.join(cells)} |\n" for cells in rows]
+    return "".join(lines).replace(" --- ", "---")
 
 
 def _headless(group: str) -> dict[str, None]:

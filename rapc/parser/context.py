@@ -31,6 +31,9 @@ _KINDS = {
 ANY_CLAUSE = "*"
 """Stands among the names of clauses for any of them."""
 
+PARENTHESES = "()"
+"""Stands among the names of clauses where parentheses had to be guessed at."""
+
 
 class Readers(Protocol):
     """Readers by the name of their rule in the grammar, and by the words of a group."""
@@ -118,9 +121,9 @@ class Context:
     ) -> None:
         """Report a fault whose meaning is clear, so that nothing is left out."""
         if not self.damaged:
-            self._keep(rule, message, at, labels=labels, help=help, fix=fix)
+            self.certain(rule, message, at, labels=labels, help=help, fix=fix)
 
-    def _keep(
+    def certain(
         self,
         rule: str,
         message: str,
@@ -130,6 +133,7 @@ class Context:
         help: str = "",
         fix: Fix | None = None,
     ) -> None:
+        """Report a fault that no parenthesis guessed at can have brought about."""
         if len(self.diagnostics) < self.room:
             shown = tuple(Label(self.span(d), text) for d, text in labels)
             place = self.span(at)
@@ -167,7 +171,7 @@ class Context:
         options = tuple(known)
         printed = SLIPS.get(word.name)
         if printed in options:
-            self._keep(
+            self.certain(
                 rule,
                 f"the {what} is called `{printed}`, not `{word.name}`",
                 word,

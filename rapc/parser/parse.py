@@ -18,7 +18,7 @@ from rapc.ir import nodes
 from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
 from rapc.ir.walk import subformulas
-from rapc.parser.context import ANY_CLAUSE, Context, head_of, kind_of
+from rapc.parser.context import ANY_CLAUSE, PARENTHESES, Context, head_of, kind_of
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.parser.special.formulas import formula
@@ -66,7 +66,7 @@ def parse(source: SourceFile) -> SourceUnit:
             forms.append(form)
         found.extend(ctx.diagnostics)
         if form is not None and (top.damaged or ctx.lost):
-            lost = {ANY_CLAUSE} if top.damaged else ctx.lost
+            lost = {ANY_CLAUSE, PARENTHESES} if top.damaged else ctx.lost
             partial[form] = frozenset(lost)
     found.sort(key=lambda d: d.span.start)
     if len(found) >= MAX_FINDINGS:

@@ -35,5 +35,6 @@ class SourceUnit(msgspec.Struct, frozen=True):
     diagnostics: tuple[Diagnostic, ...] = ()
     #: The forms and tests from which something had to be left out, each with the names
     #: of the clauses that lack it: what is missing there is not the author's fault.
-    #: `*` (`rapc.parser.context.ANY_CLAUSE`) is among them for any clause.
+    #: `*` (`rapc.parser.context.ANY_CLAUSE`) is among them for any clause, `()`
+    #: (`PARENTHESES` there) where parentheses had to be guessed at.
     partial: Partial = NO_PARTIAL

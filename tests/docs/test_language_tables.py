@@ -1,4 +1,4 @@
-"""The tables of docs/language/1-text.md come from the grammar and its words.
+"""The tables of forms, clauses and formulas come from the grammar and its words.
 
 `python -m tests.docs.test_language_tables` writes them anew.
 """
@@ -8,11 +8,20 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 from rapc.language.grammar import RULES
 from rapc.language.heads import rules_by_head
 from rapc.language.words import OPERANDS, WORDS, table
 
-PAGE = Path(__file__).parents[2] / "docs" / "language" / "1-text.md"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = {
+    "language/1-text.md": ["_rap_clause", "annotation", "_form"],
+    "language/2-queries.md": ["formula", "call"],
+    "testing.md": ["_test_clause", "expectation"],
+}
+"""The pages with the groups of the grammar that they have tables of."""
+
 _TABLE = re.compile(r"(<!-- (\w+) -->\n).*?(<!-- end -->)", re.S)
 
 
@@ -20,12 +29,10 @@ def _written(text: str) -> str:
     return _TABLE.sub(lambda found: found[1] + table(found[2]) + found[3], text)
 
 
-def test_tables_are_those_of_the_grammar() -> None:
-    text = PAGE.read_text(encoding="utf-8")
-    assert [found[2] for found in _TABLE.finditer(text)] == [
-        "_rap_clause",
-        "annotation",
-    ]
+@pytest.mark.parametrize("page", PAGES)
+def test_tables_are_those_of_the_grammar(page: str) -> None:
+    text = (DOCS / page).read_text(encoding="utf-8")
+    assert [found[2] for found in _TABLE.finditer(text)] == PAGES[page]
     assert _written(text) == text
 
 
@@ -35,11 +42,21 @@ def test_words_are_of_rules_of_the_grammar() -> None:
 
 
 def test_every_list_that_has_a_head_has_words() -> None:
-    groups = ("_form", "define_rap", "method", "formula", "_test_clause", "expectation")
+    groups = (
+        "_form",
+        "define_rap",
+        "method",
+        "formula",
+        "call",
+        "_test_clause",
+        "expectation",
+    )
     heads = {rule for group in groups for rule in rules_by_head(group).values()}
     lists = {rule for rule in heads if RULES[rule][0] == "list"}
     assert lists <= set(WORDS)
 
 
 if __name__ == "__main__":
-    PAGE.write_text(_written(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for page in PAGES:
+        file = DOCS / page
+        file.write_text(_written(file.read_text(encoding="utf-8")), encoding="utf-8")

@@ -25,6 +25,7 @@ ATTRIBUTES = {
     "clause twice": (("duplicate-clause",), ""),
     "variable twice": (("repeated-variable",), ""),
     "method twice": (("duplicate-method",), ""),
+    "defaults twice": (("malformed-form",), "stands once, before the first of them"),
     "too many parts": (("formula-too-large",), ""),
     "true or false": (("malformed-formula",), "`true` or `false` of an item"),
     "reserved word": (

@@ -83,6 +83,7 @@ EXAMPLES = {
     "clause twice": "(define-rap (a) (duration 1) (duration 2))",
     "variable twice": "(define-rap (a ?x ?x))",
     "method twice": "(define-rap (a) (method m (task-net)) (method m (task-net)))",
+    "defaults twice": "(define-test-defaults) (define-test-defaults)",
     "too many parts": f"(define-rap (a) (succeed (or{' (p)' * 201})))",
     "true or false": "(define-rap (a) (succeed (know-sensor-name ?x maybe)))",
     "reserved word": "(define-rap (a) (succeed (p (and))))",

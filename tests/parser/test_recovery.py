@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import pytest
 
+from rapc.analysis.driver import check_library
+from rapc.library.loader import load_text
 from tests.parser.reading import fixed, only, parsed, rules, shown
 
 BEFORE = "(define-rap (before) (succeed true))\n"
@@ -262,3 +264,28 @@ def test_nearly_all_lost_closing_parentheses_come_back_where_they_were() -> None
     closing = [at for at in PLACES if SAMPLE[at] == ")"]
     back = [at for at in closing if fixed(SAMPLE[:at] + SAMPLE[at + 1 :]) == SAMPLE]
     assert len(back) >= 0.9 * len(closing)
+
+
+TWO_SLIPS = """\
+(define-rap (water-plant)
+  (succeed (wet soil))
+  (method can
+    (context (have can)))
+    (task-net (t1 (pour))))
+  (method can
+    (task-net (t1 (look-for-can)))))
+"""
+
+
+def test_two_methods_of_one_name_are_told_beside_a_parenthesis() -> None:
+    """As in T's figure 5.16: no parenthesis can have made them one name."""
+    assert rules(TWO_SLIPS) == ["surplus-parenthesis", "duplicate-method"]
+
+
+@pytest.mark.parametrize("text", [TWO_SLIPS, TWO_SLIPS.replace("succeed", "success")])
+def test_names_are_not_looked_up_where_parentheses_were_guessed_at(text: str) -> None:
+    """Whatever else is told of the form."""
+    found = check_library(load_text(text)).findings
+    assert {one.diagnostic.rule for one in found} <= {
+        *("surplus-parenthesis", "duplicate-method", "unknown-clause")
+    }

@@ -229,7 +229,8 @@ def _check_method_names(
             continue
         other = first.setdefault(one.name, datum)
         if other is not datum:
-            ctx.report(
+            ctx.lost.add(ctx.clause)
+            ctx.certain(
                 "duplicate-method",
                 f"two methods are named `{one.name}`",
                 datum.items[1],
