@@ -15,6 +15,7 @@ from importlib import import_module
 
 import click
 
+from rapc.base.gc_paused import gc_paused
 from rapc.base.names import nearest
 from rapc.base.visible import visible
 from rapc.cli.options import USAGE, common_options, show_traceback
@@ -56,7 +57,8 @@ class Commands(click.Group):
         """A command by its name, imported."""
         if name not in COMMANDS:
             return None
-        command = getattr(import_module(f"rapc.cli.{name}"), name)
+        with gc_paused():  # what modules make is kept: a search would find nothing
+            command = getattr(import_module(f"rapc.cli.{name}"), name)
         assert isinstance(command, click.Command)
         return command
 

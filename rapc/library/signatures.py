@@ -13,7 +13,7 @@ share a table, for a formula does not say which it means.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import msgspec
 
@@ -24,7 +24,9 @@ from rapc.ir import nodes
 from rapc.language.heads import CALLS, QUERIES
 from rapc.library.kinds import Kinds, misfits, said_of
 from rapc.library.library import Library
-from rapc.world import Offer
+
+if TYPE_CHECKING:
+    from rapc.world import Offer
 
 Kind = Literal[
     "RAP",

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from functools import cache
 
 import msgspec
 
@@ -22,7 +23,12 @@ FORMAT = 1
 _HEAD = re.compile(rb"rapc-run (\d{1,9}) ([0-9a-f]{64})\n")
 
 _encode = msgspec.json.Encoder().encode
-_decode = msgspec.json.Decoder(RunRecord).decode
+
+
+@cache
+def _decoder() -> msgspec.json.Decoder[RunRecord]:
+    """Return what decodes a run; making it takes longer than most decodings."""
+    return msgspec.json.Decoder(RunRecord)
 
 
 def encode(record: RunRecord) -> bytes:
@@ -55,7 +61,7 @@ def decode(saved: bytes) -> RunRecord:
     if hashlib.sha256(body).hexdigest() != head[2].decode():
         raise StateError("the saved run is damaged")
     try:
-        return _decode(body)
+        return _decoder().decode(body)
     except (msgspec.MsgspecError, RecursionError) as error:
         raise wrong(error) from error
 
