@@ -121,7 +121,7 @@ def read_text(path: Path) -> str:
     """
     try:
         with _opened(path) as file:
-            data = _all_of(str(path), file)
+            data = all_there(str(path), file)
     except OSError as error:
         raise LoadError(_unreadable(path, error)) from None
     return _decode(str(path), data)
@@ -140,7 +140,7 @@ def read_compiled(path: str | Path) -> bytes | None:
             if file.read(len(COMPILED)) != COMPILED:
                 return None
             file.seek(0)
-            return _all_of(str(path), file)
+            return all_there(str(path), file)
     except OSError as error:
         raise LoadError(_unreadable(Path(path), error)) from None
 
@@ -155,7 +155,29 @@ def _opened(path: Path) -> BinaryIO:
             f"`{path}` is neither a file nor a folder; RAP on standard input is `-`"
         )
     _measure(str(path), status.st_size)
-    return path.open("rb")
+    return open(path, "rb", opener=_without_waiting)
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Open `path` so that a read with nothing to read returns at once.
+
+    Some files of the system are plain ones to `stat` and wait for what is to come.
+    """
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def all_there(name: str, file: BinaryIO) -> bytes:
+    """Return all of `file`, opened without waiting.
+
+    Raises:
+        LoadError: if it has no end, but more may come later, or is beyond measure.
+    """
+    data: bytes | None = file.read(LARGEST + 1)
+    rest: bytes | None = b"" if data is None else file.read(1)
+    if data is None or rest is None:
+        raise LoadError(f"cannot read `{name}`: it has no end, and waits for more")
+    _measure(name, len(data))
+    return data
 
 
 def _all_of(name: str, file: BinaryIO) -> bytes:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import errno
 import re
+import signal
 import subprocess
 import sys
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,6 +19,7 @@ from .command import COMMAND, rapc
 
 FOREIGN = ("lark", "networkx", "rich", "prompt_toolkit", "pebble", "matplotlib")
 RUNNING = ("host", "compiler", "experiments", "repl", "runtime", "testing", "worlds")
+CHECKOUT = Path(__file__).parents[2]
 CHECKING = ("analysis", "ir", "loader", "parser", "render")
 
 
@@ -199,3 +202,20 @@ def test_full_disk_is_no_fault_of_rapc(
     assert ended.value.code == 2
     said = "error: the output cannot be written: no space left on device\n"
     assert capsys.readouterr().err == said
+
+
+def test_interrupt_while_the_command_starts_ends_without_a_word(tmp_path: Path) -> None:
+    """A module that is met first on the way sends what Ctrl-C sends."""
+    text = "import os, signal; os.kill(os.getpid(), signal.SIGINT)\n"
+    (tmp_path / "click.py").write_text(text)
+    scripts = tomllib.loads((CHECKOUT / "pyproject.toml").read_text())["project"]
+    module, _, function = scripts["scripts"]["rapc"].partition(":")
+    code = f"from {module} import {function} as main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "--help"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")

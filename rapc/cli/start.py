@@ -1,0 +1,20 @@
+"""Where the `rapc` command begins: nothing is imported yet that takes its time.
+
+Apart from `rapc.cli.main` for that reason alone.
+"""
+
+from __future__ import annotations
+
+import signal
+
+
+def main() -> None:
+    """Run the command line; Ctrl-C before it stands ends the process without a word."""
+    wanted = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if wanted:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from rapc.cli.main import main as run  # noqa: PLC0415  # takes its time
+
+    if wanted:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    run()
