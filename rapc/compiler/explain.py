@@ -60,13 +60,26 @@ def _of_rap(plan: RapPlan) -> Iterator[ClausePlan]:
 
 def _of_method(method: MethodPlan, own: tuple[str, ...]) -> Iterator[ClausePlan]:
     known = own
-    if method.choice is not None:
-        choice = _clause_plan(method.choice, own)
-        known = (*own, *choice.binds)
-        yield choice
+    asked = _choice_plan(method, own)
+    if asked is not None:
+        known = (*own, *asked.binds)
+        yield asked
+    if method.constraints is not None:
+        yield _clause_plan(method.constraints, known)
     for step in method.steps:
         for _, condition in step.conditions:
             yield _clause_plan(condition, known)
+
+
+def _choice_plan(method: MethodPlan, own: tuple[str, ...]) -> ClausePlan | None:
+    """How the context of a method is asked, `otherwise` first."""
+    plan = None if method.choice is None else _clause_plan(method.choice, own)
+    if not method.otherwise:
+        return plan
+    first = PlanStep(nodes.Otherwise(), 0, AccessPath.OTHERWISE)
+    if plan is None:
+        return ClausePlan(f"context of method `{method.name}`", (), (), (first,))
+    return msgspec.structs.replace(plan, steps=(first, *plan.steps))
 
 
 def _clause_plan(query: Query, known: Sequence[str]) -> ClausePlan:

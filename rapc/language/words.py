@@ -90,8 +90,18 @@ WORDS: Mapping[str, Words] = {
     "method": Words(
         "a way to do it", "", "[T 4.5]", pages=("3-tasks.md#choosing-a-method",)
     ),
-    "context": Words("when a method may be chosen", "one formula", "[T 4.5.1]"),
-    "notations": Words("facts that hold while it runs", "", "[T 4.9.1]"),
+    "context": Words(
+        "when a method may be chosen",
+        "one formula",
+        "[T 4.5.1]",
+        pages=("3-tasks.md#choosing-a-method",),
+    ),
+    "notations": Words(
+        "facts that hold while it runs",
+        "",
+        "[T 4.9.1]",
+        pages=("6-resources.md#notations",),
+    ),
     "claims": Words("what nobody else may use while it runs", "", "[T 7.2.1]"),
     "skills": Words("what is switched on while it runs", "", "[S 3.2]"),
     "task_net": Words("steps, in an order as loose as wanted", "", "[T 4.5.2]"),

@@ -109,3 +109,38 @@ def test_a_name_that_is_no_rap_is_refused() -> None:
         ValueError, match="no RAP is called `fech`; did you mean `fetch`"
     ):
         explain(library, "fech")
+
+
+CHOICE = """\
+(declare-memory-proposition road (?from ?to))
+(declare-memory-proposition wet (?place))
+(define-query (way ?from ?to) (or (road ?from ?to) (road ?to ?from)))
+(define-rap (go ?from ?to)
+  (method straight (context (way ?from ?to)) (task-net))
+  (method round
+    (context (and (road ?from ?next) otherwise))
+    (constraints (not (wet ?next)))
+    (task-net))
+  (method wait (context otherwise) (task-net)))
+"""
+
+OF_CHOICE = """\
+context of method `straight` at <text>:5 (?from ?to bound)
+  (way ?from ?to): what the query says:
+    each branch in turn:
+      (road ?from ?to): look whether it is in memory
+      (road ?to ?from): look whether it is in memory
+context of method `round` at <text>:7 (?from bound)
+  otherwise: look whether a method before this one holds
+  (road ?from ?next): run through the facts with ?from as argument 1; bind ?next
+constraints of method `round` at <text>:8 (?next bound)
+  there is no solution of:
+    (wet ?next): look whether it is in memory
+context of method `wait`
+  otherwise: look whether a method before this one holds
+"""
+
+
+def test_queries_otherwise_and_constraints_of_methods_are_told() -> None:
+    lines = describe(explain(Program(load_text(CHOICE).library), "go"))
+    assert "".join(f"{line}\n" for line in lines) == OF_CHOICE

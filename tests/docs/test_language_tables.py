@@ -16,7 +16,7 @@ from rapc.language.words import OPERANDS, WORDS, table
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {
-    "language/1-text.md": ["_rap_clause", "annotation", "_form"],
+    "language/1-text.md": ["_rap_clause", "_any_clause", "annotation", "_form"],
     "language/2-queries.md": ["formula", "call"],
     "testing.md": ["_test_clause", "expectation"],
 }

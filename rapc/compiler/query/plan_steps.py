@@ -27,6 +27,7 @@ class AccessPath(Enum):
     NEITHER = "there is no solution of"
     LATER = "compiled when it is asked, for what then is bound"
     NAMED = "what the query says"
+    OTHERWISE = "look whether a method before this one holds"
     NEVER = "never holds"
 
 
