@@ -36,6 +36,7 @@ __all__ = (
     "Offer",
     "Option",
     "Picture",
+    "Refused",
     "Reply",
     "ResultHandler",
     "Savable",
@@ -72,6 +73,17 @@ class Reply(msgspec.Struct, frozen=True):
 
     result: str
     data: tuple[Fact, ...] = ()
+
+
+class Refused(msgspec.Struct, frozen=True):
+    """The answer to a request that cannot be carried out beside others.
+
+    `conflicts` are the tickets of the requests under way that it is in conflict with.
+    The interpreter waits until they have ended, or has them cancelled, and asks again;
+    where it can do neither the request has failed.
+    """
+
+    conflicts: tuple[int, ...] = ()
 
 
 class Finished(msgspec.Struct, frozen=True):
@@ -301,11 +313,19 @@ class World(ABC):
         """Return the time of the clock."""
 
     @abstractmethod
-    def perform(self, ticket: int, request: Fact) -> Reply | None:
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Carry out a request (items by sensor name).
 
         An atomic primitive moves the clock on by what it takes and returns its
         reply; None means that the end comes later as a `Finished` with `ticket`.
+        """
+
+    def cancel(self, ticket: int) -> None:  # noqa: B027  # most worlds may leave it
+        """Stop what was asked under `ticket` and has not ended: nobody wants it now.
+
+        It may be answered once more, with what was done by then, or not at all; no
+        time passes. A world that does nothing here goes on until it has ended. A
+        ticket that was answered already means nothing.
         """
 
     @abstractmethod

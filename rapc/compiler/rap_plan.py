@@ -12,6 +12,7 @@ from rapc.compiler.query.formulas import watches
 from rapc.compiler.query.named import parts_of
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
+from rapc.compiler.things import ThingPlan, things_of
 from rapc.compiler.watches import ANYTHING, Watch
 from rapc.ir import nodes
 
@@ -36,6 +37,7 @@ class MethodPlan:
         "size",
         "steps",
         "steps_by_variable",
+        "things",
         "tracks_step_ends",
     )
 
@@ -73,6 +75,8 @@ class MethodPlan:
             self.request = compiler.assertion(node.body.request, "primitive")
         elif isinstance(node.body, nodes.TaskNet):
             self.steps = steps_of(compiler, node.body)
+        #: What it asks for before it starts.
+        self.things: tuple[ThingPlan, ...] = things_of(compiler, node)
         #: The positions of the steps whose inputs or windows use a variable.
         self.steps_by_variable = steps_using(self.steps)
         #: The RAPs that the steps ask for, once they have been looked up.

@@ -77,6 +77,16 @@ KEYS: Mapping[str, tuple[str, ...]] = {
         "method",
         "result",
     ),
+    "method-suspended": (
+        "task",
+        "method",
+        "for",
+        "by",
+    ),
+    "primitive-cancelled": (
+        "task",
+        "request",
+    ),
     "primitive-ended": (
         "task",
         "request",
@@ -91,6 +101,11 @@ KEYS: Mapping[str, tuple[str, ...]] = {
     "query-faulted": (
         "task",
         "what",
+    ),
+    "request-refused": (
+        "task",
+        "request",
+        "sent",
     ),
     "resource-changed": (
         "task",
@@ -124,6 +139,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
     "task-blocked": (
         "task",
         "on",
+        "holder",
     ),
     "task-created": (
         "task",
@@ -155,6 +171,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
     "task-woken": (
         "task",
         "on",
+        "holder",
     ),
 }
 """For each event the further keys, in the order in which they are written."""

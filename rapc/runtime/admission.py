@@ -146,9 +146,6 @@ def _unsupported(library: Library) -> Iterator[str]:
     """Declarations that would change how all tasks run, and do not yet."""
     found = [("a memory rule", rule.span) for rule in library.memory_rules]
     found += [("an event rule", rule.span) for rule in library.event_rules]
-    for user in (*library.primitives.values(), *library.skills.values()):
-        if isinstance(user, nodes.DeclarePrimitive | nodes.DeclareSkill) and user.uses:
-            found.append((f"what `{user.name}` uses", user.span))
     for what, span in found:
         yield f"{_place(library, span)}{what} cannot be run yet"
 
@@ -217,7 +214,6 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
 
 def _parts(method: nodes.Method) -> Iterator[tuple[str, object]]:
     """The parts of a method that cannot be run yet, where there are any."""
-    yield "a method with claims", method.claims
     yield "a method with skills", method.skills
 
 

@@ -14,10 +14,10 @@ from inspect import signature
 from math import inf
 from pathlib import Path
 from types import CodeType, FrameType, FunctionType, MethodType
-from typing import NoReturn
+from typing import NoReturn, TypeGuard
 
 from rapc.errors import PortError
-from rapc.world import Reply, Text, World
+from rapc.world import Refused, Reply, Text, World
 
 Named = Mapping[str, Callable[..., object]]
 """Python code by the name under which a library knows it."""
@@ -33,6 +33,7 @@ PORT = {
     "advance": 1,
     "messages": 0,
     "ended": 0,
+    "cancel": 1,
 }
 """How many arguments the methods of a world are called with."""
 
@@ -169,11 +170,18 @@ def is_fact(value: object) -> bool:
     return all(type(part) in _ATOMS for part in value)
 
 
-def is_reply(value: object) -> bool:
+def is_reply(value: object) -> TypeGuard[Reply]:
     """Whether `value` is a reply with a result and data that are facts."""
     if type(value) is not Reply or type(value.result) is not str:
         return False
     return isinstance(value.data, tuple | list) and all(map(is_fact, value.data))
+
+
+def is_refusal(value: object) -> TypeGuard[Refused]:
+    """Whether `value` is a refusal that names requests by their tickets."""
+    if type(value) is not Refused or not isinstance(value.conflicts, tuple | list):
+        return False
+    return all(type(ticket) is int for ticket in value.conflicts)
 
 
 def is_time(value: object) -> bool:

@@ -375,6 +375,7 @@ class Interpreter:
         if reason == "runaway" and machine.recorder.on:
             because = snapshot.looping(machine) or None
         waiting = () if reason == "done" else self.waiting()
+        waiting += snapshot.waiting_circles(machine)
         for given in machine.state.top_level:
             if given.task.live:
                 remove(machine, given.task, "run-over")

@@ -49,6 +49,7 @@ class Loop:
         # These stay the same objects for the life of the machine; see where they are.
         monitors, unsettled = machine.monitors, machine.recognizer.unsettled
         to_test, host_timers = monitors.to_test, machine.host_timers
+        changed = machine.things.changed
         scheduled = state.scheduled
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
         ends = type(machine.world).ended is not World.ended
@@ -68,7 +69,7 @@ class Loop:
                 take_in(machine, messages)
             if scheduled:
                 self._create_scheduled()
-            if to_test or recorder.time >= monitors.next_look:
+            if to_test or changed or recorder.time >= monitors.next_look:
                 self._wake()
             if ends or idle > patience or not state.foreground:
                 state.idle = idle

@@ -23,6 +23,7 @@ from rapc.runtime.query_context import QueryContext
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
+from rapc.runtime.state.things import Things
 from rapc.world import ResultHandler, Time, World
 
 ContextListener = Callable[[str, str, bool], None]
@@ -80,7 +81,8 @@ class Machine:
         self.recognizer = parts.recognizer
         self.context = QueryContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng, fast)
-        self.monitors = Monitors(self.context, self.recorder, self.agenda)
+        self.things = Things()
+        self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)
         self.memory.observe(self.monitors)
         #: What the host wants done at a time: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []

@@ -12,8 +12,10 @@ import msgspec
 from rapc.base.values import Fact, format_list, number
 from rapc.runtime.events.events import Goal, RunStarted, TaskResult
 from rapc.runtime.machine import Machine
+from rapc.runtime.state.circles import circles
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import Task, TopLevelTask
+from rapc.runtime.state.things import Hold, ThingWait, words
 from rapc.world import OKAY, Time
 
 FORMAT = 1
@@ -24,10 +26,10 @@ class AgendaEntry(msgspec.Struct, frozen=True):
     """A live task as it stands.
 
     `state` is `waiting` (for order, time or a signal), `eligible`, `blocked` (by its
-    monitors) or `running` (its method is under way). `deadline` is the nearest of its
-    own and its ancestors', None without any; `slack` the time units left until the
-    latest start that could meet it, negative once that has passed. `waits_for` says
-    in words what keeps the task from going on; empty if nothing does.
+    monitors or a thing) or `running` (its method is under way). `deadline` is the
+    nearest of its own and its ancestors', None without any; `slack` the time units left
+    until the latest start that could meet it, negative once that has passed.
+    `waits_for` says in words what keeps the task from going on; empty if nothing does.
     """
 
     task: int
@@ -76,6 +78,8 @@ def _obstacle(machine: Machine, task: Task) -> str:
         return task.wait.blocked_on
     if task.waiting:
         return "steps before it"
+    if task.number in machine.things.waits:
+        return _things_in_the_way(machine, machine.things.waits[task.number])
     if task.state is BLOCKED:
         return machine.monitors.reason(task)
     return "" if task.state in (ELIGIBLE, UNTESTED) else "its time"
@@ -160,6 +164,28 @@ def _request(machine: Machine, task: Task) -> Fact | None:
 def _awaited(machine: Machine, task: Task) -> str:
     obstacle = _obstacle(machine, task)
     return f"waits for {obstacle}" if obstacle else "could go on"
+
+
+def _things_in_the_way(machine: Machine, wait: ThingWait) -> str:
+    hold = machine.things.obstacle_of(wait)
+    return "" if hold is None else _held(hold)
+
+
+def _held(hold: Hold) -> str:
+    task = hold.run.task
+    return f"{words(hold)}, held by {task.goal()} [{task.number}]"
+
+
+def waiting_circles(machine: Machine) -> tuple[str, ...]:
+    """Return each circle of tasks that wait for things of each other, in words."""
+    return tuple(
+        "a circle of waiting: "
+        + "; ".join(
+            f"{wait.task.goal()} [{wait.task.number}] waits for {_held(hold)}"
+            for wait, hold in circle
+        )
+        for circle in circles(machine.things)
+    )
 
 
 _FEW = 10

@@ -62,8 +62,8 @@ def method_names(rap: nodes.DefineRap) -> list[str]:
 
 
 def _row(row: nodes.ScriptRow, handled: Collection[str]) -> Iterator[Problem]:
-    if row.kind != "request" or row.refused:
-        yield Problem(row.span, "skills and conflicts cannot be run yet")
+    if row.kind != "request":
+        yield Problem(row.span, "skills cannot be run yet")
     for datum in row.data:
         if datum.name not in handled:
             message = f"there is no handler for the datum `{datum.name}`"

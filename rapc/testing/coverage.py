@@ -93,9 +93,9 @@ class Coverage:
                 self._count("chosen", event.rap, event.method)
             case events.MethodEnded() if event.result != OKAY:
                 self._count("badly", self._tasks[event.task], event.method)
-            case events.TaskBlocked() if not event.on.startswith("(:"):
+            case events.TaskBlocked() if _is_monitor(event):
                 self._count("blocked", self._tasks[event.task])
-            case events.TaskWoken() if not event.on.startswith("(:"):
+            case events.TaskWoken() if _is_monitor(event):
                 self._count("woken", self._tasks[event.task])
             case events.TaskSucceeded():
                 self._count("succeeded", self._tasks[event.task])
@@ -159,6 +159,11 @@ class Coverage:
             context_true=self._counts["true", *at] if asked else None,
             context_false=self._counts["false", *at] if asked else None,
         )
+
+
+def _is_monitor(event: events.TaskBlocked | events.TaskWoken) -> bool:
+    """Whether a task waits for its monitors, not for a signal or a thing."""
+    return event.holder is None and not event.on.startswith("(:")
 
 
 _MONITOR = ("blocked", "woken")

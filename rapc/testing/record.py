@@ -91,6 +91,8 @@ class Record:
                     task.selected = event.n
             case events.TaskBlocked():
                 task.waits = event.on
+            case events.MethodSuspended():
+                task.waits = event.for_
             case events.TaskWoken():
                 task.waits = ""
             case events.TaskSucceeded():

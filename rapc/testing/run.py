@@ -300,6 +300,7 @@ def row_of(row: nodes.ScriptRow) -> Row:
         erases=tuple(map(flat, row.erases)),
         data=tuple(map(flat, row.data)),
         signals=tuple(map(flat, row.signals)),
+        refused=row.refused,
     )
 
 

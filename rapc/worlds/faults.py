@@ -15,7 +15,7 @@ import msgspec
 
 from rapc.base.values import Fact, match, number
 from rapc.library.signatures import Signatures
-from rapc.world import Drawable, Message, Reply, Savable, Time, Timed, World
+from rapc.world import Drawable, Message, Refused, Reply, Savable, Time, Timed, World
 from rapc.worlds.streams import Stream, stream_in, stream_state
 
 
@@ -93,7 +93,7 @@ class FaultyWorld(World):
         """Return the time of the clock."""
         return self._world.now()
 
-    def perform(self, ticket: int, request: Fact) -> Reply | None:
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Fail as a fault says, or hand the request on."""
         now = self._world.now()
         for fault in self._faults:
@@ -104,6 +104,10 @@ class FaultyWorld(World):
                     behind.advance(number(now + takes))
                 return Reply(fault.result)
         return self._world.perform(ticket, request)
+
+    def cancel(self, ticket: int) -> None:
+        """Have the world behind stop what it does for a request."""
+        self._world.cancel(ticket)
 
     def _hits(self, fault: Fault) -> bool:
         return fault.p >= 1 or self._rng.random() < fault.p

@@ -32,6 +32,8 @@ class Row(msgspec.Struct, frozen=True):
         erases: prefixes erased with the result, before that.
         data: sensor data sent with the result.
         signals: signals sent with the result.
+        refused: whether instead the request is refused, as in conflict with all that
+            are under way.
     """
 
     pattern: Fact
@@ -43,6 +45,7 @@ class Row(msgspec.Struct, frozen=True):
     erases: tuple[Fact, ...] = ()
     data: tuple[Fact, ...] = ()
     signals: tuple[Fact, ...] = ()
+    refused: bool = False
 
 
 class At(msgspec.Struct, frozen=True):

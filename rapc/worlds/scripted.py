@@ -19,6 +19,7 @@ from rapc.world import (
     Handlers,
     Kit,
     Message,
+    Refused,
     Reply,
     Signal,
     Time,
@@ -141,13 +142,15 @@ class ScriptedWorld(World):
         """Return the time of the clock."""
         return self._state.now
 
-    def perform(self, ticket: int, request: Fact) -> Reply | None:
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Do what the first row says that matches and is not used up.
 
         Raises:
             UnansweredRequest: if there is none.
         """
         state, row = self._state, self._answer(request)
+        if row.refused:
+            return Refused(tuple([due.ticket for due in state.coming if due.row]))
         end = number(state.now + row.takes)
         if row.after is not None:
             due = _Due(number(end + row.after), row=row, ticket=ticket)
@@ -161,6 +164,13 @@ class ScriptedWorld(World):
         state.sent += (_Sent(signal=Signal(content)) for content in row.signals)
         state.answered = row
         return Reply(row.result, row.data)
+
+    def cancel(self, ticket: int) -> None:
+        """Let what a row has not done for a request never be done."""
+        state = self._state
+        state.coming = [
+            due for due in state.coming if due.row is None or due.ticket != ticket
+        ]
 
     def usual_time(self, request: Fact) -> Time:
         """Return how long the row that would answer holds the robot; 0 without one."""

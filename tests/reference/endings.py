@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rapc.base.resources import Counter, SetResource, Value, frozen
-from rapc.base.values import format_atom, is_number
+from rapc.base.values import format_atom, format_list, is_number
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.world import OKAY
@@ -169,16 +169,24 @@ def remove(run: Run, task: Task, cause: str) -> None:
 
 
 def clear(run: Run, running: Running, cause: str) -> None:
-    """All that a method spawned and noted goes, and its primitive is nobody's."""
+    """All that a method spawned, noted and has under way goes."""
     for place in running.places:
         if place.task is not None and place.task.live:
             remove(run, place.task, cause)
+    cancel(run, running.task)
     for fact in running.noted:
         run.memory.unnote(fact, running)
-    for index, (request, task) in enumerate(run.tickets):
-        if task is running.task:
-            run.tickets[index] = (request, None)
     running.task.running = None
+
+
+def cancel(run: Run, task: Task) -> None:
+    """What a task has under way in the world ends there, and the world hears of it."""
+    for ticket, (request, asker) in enumerate(run.tickets):
+        if asker is task:
+            run.tickets[ticket] = (request, None)
+            text = format_list(request)
+            run.tell(events.PrimitiveCancelled, task=task.number, request=text)
+            run.world.cancel(ticket)
 
 
 # --- methods ----------------------------------------------------------------------

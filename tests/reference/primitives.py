@@ -54,6 +54,7 @@ def request(run: Run, running: Running, body: nodes.Primitive) -> None:
     run.look_at_clock()
     if reply is not None and not run.late:
         run.keep_appointments()
+        assert isinstance(reply, Reply)
         finish(run, ticket, reply)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from typing import Any
 
 from rapc.base.values import Fact
 from rapc.world import Time
@@ -48,10 +49,8 @@ def _read(datum: Datum) -> Fact:
     return tuple(read_atom(part) for part in datum)
 
 
-def _changes(
-    rng: random.Random, variables: Sequence[str] = ()
-) -> dict[str, tuple[Fact, ...]]:
-    found: dict[str, tuple[Fact, ...]] = {}
+def _changes(rng: random.Random, variables: Sequence[str] = ()) -> dict[str, Any]:
+    found: dict[str, Any] = {}
     if rng.random() < 0.6:
         count = rng.choice((1, 1, 2))
         found["asserts"] = tuple(_read(fact(rng, variables)) for _ in range(count))

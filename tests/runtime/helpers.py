@@ -101,9 +101,10 @@ class Play:
         settings: Settings | None = None,
         functions: Mapping[str, Callable[..., Any]] | None = None,
         solvers: Mapping[str, Callable[..., Any]] | None = None,
+        world: type[ScriptedWorld] = ScriptedWorld,
     ) -> None:
         library = compiled(text)
-        self.world = ScriptedWorld((*rows, *ANY), times, declared=library.library)
+        self.world = world((*rows, *ANY), times, declared=library.library)
         self.interpreter = Interpreter(
             library, self.world, seed, settings, functions, solvers
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from rapc.worlds.scripted import ScriptedWorld
+
 from .helpers import Play, play, row
 
 NEST = """
@@ -116,7 +118,14 @@ def test_siblings_and_all_they_spawned_leave_descendants_first() -> None:
     ]
 
 
-def test_what_a_removed_task_asked_for_still_reaches_memory() -> None:
+class _Deaf(ScriptedWorld):
+    """A world that goes on with what is wanted no more."""
+
+    def cancel(self, ticket: int) -> None:
+        """Do nothing."""
+
+
+def test_what_a_world_answers_after_a_removal_still_reaches_memory() -> None:
     """Its result and data go through the handlers; the trace names no task."""
     ran = Play(
         """
@@ -129,6 +138,7 @@ def test_what_a_removed_task_asked_for_still_reaches_memory() -> None:
         "(stay)",
         rows=[row("(slow a)", after=9, asserts=["(p got)"], times=2)],
         seed=1,
+        world=_Deaf,
     ).run()
     assert ran.told("done", times=True) == [
         "9 done - (slow a) okay",

@@ -23,6 +23,7 @@ from rapc.parser.parse import parse
 from rapc.runtime.monitors.monitors import Monitors
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.task import Task
+from rapc.runtime.state.things import Things
 from tests.compiler.dice import ATOMS, Dice, dice, sizes
 from tests.compiler.memories import SIGNATURES, Memories, apply, memories, query
 from tests.effort import examples
@@ -49,7 +50,7 @@ class Sleepers:
     def __init__(self, thrown: Dice, both: Memories, leaves: int) -> None:
         self.both = both
         self.agenda = Agenda(random.Random(0))
-        self.monitors = Monitors(both.context, both.recorder, self.agenda)
+        self.monitors = Monitors(both.context, both.recorder, self.agenda, Things())
         both.memory.observe(self.monitors)
         self.tasks: list[Task] = []
         for number in range(1, TASKS + 1):

@@ -26,7 +26,6 @@ PROBLEMS = [
         "(script ((grab box) :data ((sighting box))))",
         "there is no handler for the datum `sighting`",
     ),
-    ("(script ((grab box) :refused))", "skills and conflicts cannot be run yet"),
     ("(script ((enable (:roll 1))))", "no skill is called `:roll`"),
     ("(at 1 (asserts (hold box)))", "`hold` is not declared"),
     ("(at 1 (erases (hold)))", "`hold` is not declared"),

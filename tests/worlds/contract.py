@@ -74,6 +74,7 @@ def answer(robot: Robot, request: Fact) -> tuple[object, ...]:
     reply = world.perform(7, request)
     if reply is None:
         reply = wait_for_end(world)
+    assert isinstance(reply, Reply)
     assert world.now() >= before
     assert reply.result in offer.primitives[str(request[0])][1]
     for datum in reply.data:

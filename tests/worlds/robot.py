@@ -12,7 +12,7 @@ from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory
-from rapc.world import Datum, World
+from rapc.world import Datum, Reply, World
 
 TRUCK_WORDS = Path(__file__).parents[2] / "stdlib" / "truck" / "world.rap"
 
@@ -47,7 +47,7 @@ class Robot:
     def perform(self, request: Fact) -> str:
         """The result of a request, its handlers run; what came unasked before it."""
         reply = self.world.perform(1, request)
-        assert reply is not None
+        assert isinstance(reply, Reply)
         self.digest(request, reply.result, reply.data)
         self.listen()
         return reply.result

@@ -36,7 +36,7 @@ WORDS = load_text(
 
 def answers(world: ScriptedWorld, *requests: str) -> list[str]:
     replies = [world.perform(1, tuple(request.split())) for request in requests]
-    return [reply.result if reply else "" for reply in replies]
+    return [r.result if isinstance(r, Reply) else "" for r in replies]
 
 
 def test_rows_are_tried_in_order_and_used_up() -> None:

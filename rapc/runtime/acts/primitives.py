@@ -11,13 +11,18 @@ from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.compiler import RequestPlan
 from rapc.errors import PortError
-from rapc.runtime.authors import is_reply, wrong
-from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
+from rapc.runtime.authors import is_refusal, is_reply, wrong
+from rapc.runtime.events.events import (
+    PrimitiveCancelled,
+    PrimitiveEnded,
+    PrimitiveRequested,
+    RequestRefused,
+)
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
 from rapc.runtime.state.states import INTERFERENCE
-from rapc.runtime.state.task import MethodRun, Task
-from rapc.world import OKAY, Reply
+from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.world import OKAY, Refused, Reply
 
 _RESOURCES = (Counter, SetResource)
 
@@ -40,10 +45,32 @@ def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
     return tuple(parts)
 
 
-def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> str | None:
+def filled_in(machine: Machine, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
+    """Return what `ground` returns for a method of `task`; nothing is traced."""
+    context = machine.context
+    context.task = task
+    parts: list[Atom] = [plan.name]
+    for arg in plan.args:
+        value = arg.value(context, env)
+        if value is None or isinstance(value, _RESOURCES):
+            return None
+        parts.append(value)
+    return tuple(parts)
+
+
+def sendable(machine: Machine, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
+    """Return a request as it would be sent, or None if it cannot be."""
+    asked = filled_in(machine, task, plan, env)
+    return None if asked is None else _sensed(machine.memory.items, asked)
+
+
+def request(
+    machine: Machine, run: MethodRun, plan: RequestPlan
+) -> str | Refused | None:
     """Send the request of the method `run`; return the result that ends the method.
 
-    None: the end comes later, or the method has left meanwhile.
+    None: the end comes later, or the method has left meanwhile. `Refused`: the world
+    will not carry it out beside others.
     """
     asked = ground(machine, run, plan) if plan.args else plan.bare
     sent, items = asked, machine.memory.items
@@ -62,21 +89,63 @@ def request(machine: Machine, run: MethodRun, plan: RequestPlan) -> str | None:
     world = machine.world
     machine.state.tickets += 1
     run.ticket = ticket = machine.state.tickets
-    reply = world.perform(ticket, sent)
-    plain = type(reply) is Reply and type(reply.result) is str and reply.data == ()
-    if not plain and reply is not None and not is_reply(reply):
-        raise wrong(world, f"the reply to {format_list(sent)}", reply)
+    answer = world.perform(ticket, sent)
+    reply: Reply | None = None
+    if (
+        type(answer) is Reply and type(answer.result) is str and answer.data == ()
+    ) or is_reply(answer):
+        reply = answer
+    elif is_refusal(answer):
+        return _refused(machine, task, asked, sent, answer)
+    elif answer is not None:
+        raise wrong(world, f"the reply to {format_list(sent)}", answer)
     now = world.now()
     if now != machine.recorder.time or machine.state.until is not None:
         machine.set_clock(now)
     if reply is None:
-        machine.state.pending[ticket] = (task if task.run is run else None, asked)
+        machine.state.pending[ticket] = task, asked
+        if task.run is not run:
+            cancel(machine, run)
         return None
     if machine.state.past_until:  # it ends when the run is over: nobody will know
+        machine.state.pending[ticket] = task, asked
         return None
     if machine.host_timers:
+        machine.state.pending[ticket] = task, asked  # a host may cancel it now
         machine.run_host_timers()
+        del machine.state.pending[ticket]
     return take_reply(machine, task if task.run is run else None, asked, reply)
+
+
+def _refused(
+    machine: Machine, task: Task, asked: Fact, sent: Fact, reply: Refused
+) -> Refused:
+    """Tell that the world has refused a request; return what it said."""
+    machine.sync_clock()
+    if machine.recorder.on:
+        machine.recorder.emit(
+            RequestRefused, task=task.number, request=asked, sent=sent
+        )
+    return reply
+
+
+def cancel(machine: Machine, run: MethodRun) -> None:
+    """End what a method has under way in the world, if it has anything.
+
+    What the world answers all the same is nobody's.
+    """
+    ticket, pending = run.ticket, machine.state.pending
+    if ticket is None or ticket not in pending or pending[ticket][0] is not run.task:
+        return
+    asked = pending[ticket][1]
+    pending[ticket] = None, asked
+    if machine.recorder.on:
+        machine.recorder.emit(
+            PrimitiveCancelled,
+            task=run.task.number,
+            request=machine.memory.canonical(asked),
+        )
+    machine.world.cancel(ticket)
 
 
 def _sensed(items: Items, request: Fact) -> Fact | None:

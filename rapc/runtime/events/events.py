@@ -131,18 +131,32 @@ class MethodEnded(Event, frozen=True, kw_only=True):
     result: str
 
 
-class TaskBlocked(Event, frozen=True, kw_only=True):
-    """A task cannot go on until what `on` says."""
+class TaskBlocked(Event, frozen=True, kw_only=True, omit_defaults=True):
+    """A task cannot go on until what `on` says; `holder` is who has it, if a thing."""
 
     task: int
     on: str
+    holder: int | None = None
 
 
-class TaskWoken(Event, frozen=True, kw_only=True):
-    """What a task waited for has come."""
+class TaskWoken(Event, frozen=True, kw_only=True, omit_defaults=True):
+    """What a task waited for has come; `holder` had it, if it is a thing."""
 
     task: int
     on: str
+    holder: int | None = None
+
+
+class MethodSuspended(Event, frozen=True, kw_only=True):
+    """A method is gone as if never chosen: the task `by` takes the thing `for`.
+
+    Its task is blocked until it can have again what the method had asked for.
+    """
+
+    task: int
+    method: str
+    for_: str = msgspec.field(name="for")
+    by: int
 
 
 class TaskSucceeded(Event, frozen=True, kw_only=True):
@@ -184,6 +198,21 @@ class PrimitiveEnded(Event, frozen=True, kw_only=True):
     request: Fact
     result: str
     data: tuple[Fact, ...]
+
+
+class PrimitiveCancelled(Event, frozen=True, kw_only=True):
+    """What was under way is wanted no more; told before what follows from it."""
+
+    task: int
+    request: Fact
+
+
+class RequestRefused(Event, frozen=True, kw_only=True):
+    """The world will not carry a request out beside others: names as requested."""
+
+    task: int
+    request: Fact
+    sent: Fact
 
 
 class DataReceived(Event, frozen=True, kw_only=True):

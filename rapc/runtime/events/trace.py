@@ -50,6 +50,7 @@ def _written(
         tag_field=kind.__struct_config__.tag_field,
         tag=kind.__struct_config__.tag,
         rename=keys,
+        omit_defaults=kind.__struct_config__.omit_defaults,
         kw_only=True,
     )
     words = dict(_WORDS.get(kind, ()))
@@ -69,6 +70,8 @@ _WORDS: Mapping[type, Sequence[tuple[str, Callable[[Any], Any]]]] = {
     events.TaskSucceeded: [("outputs", _bindings)],
     events.PrimitiveRequested: [("request", format_list), ("sent", format_list)],
     events.PrimitiveEnded: [("request", format_list), ("data", _facts)],
+    events.PrimitiveCancelled: [("request", format_list)],
+    events.RequestRefused: [("request", format_list), ("sent", format_list)],
     events.DataReceived: [("data", format_list)],
     events.FactAsserted: [("fact", format_list)],
     events.FactErased: [("fact", format_list)],
@@ -188,6 +191,12 @@ def _ended(event: Any) -> str | None:
     return f"    ... primitive operation {format_list(event.request)} - {event.result}"
 
 
+def _blocked(event: Any) -> str:
+    if event.holder is None:
+        return f"    ... blocked until {event.on} [{event.task}]"
+    return f"    ... waits for {event.on}, held by [{event.holder}] [{event.task}]"
+
+
 def _failed(event: Any) -> str:
     return (
         f"    ... goal failed ({event.reason}) - {event.result}: "
@@ -205,7 +214,16 @@ _LINES: Mapping[type, Callable[[Any], str | None]] = {
     events.TaskCreated: _created,
     events.TaskSelected: lambda e: f"--> considering {e.goal} [{e.task}]",
     events.MethodChosen: _chosen,
-    events.TaskBlocked: lambda e: f"    ... blocked until {e.on} [{e.task}]",
+    events.TaskBlocked: _blocked,
+    events.MethodSuspended: lambda e: (
+        f"    ... method {e.method} suspended for {e.for_} of [{e.by}] [{e.task}]"
+    ),
+    events.PrimitiveCancelled: lambda e: (
+        f"    ... primitive operation {format_list(e.request)} - cancelled"
+    ),
+    events.RequestRefused: lambda e: (
+        f"    ... primitive operation {format_list(e.request)} - refused"
+    ),
     events.TaskWoken: lambda e: f"    ... woken by {e.on} [{e.task}]",
     events.TaskSucceeded: lambda e: f"    ... task accomplished {e.goal} [{e.task}]",
     events.TaskFailed: _failed,

@@ -14,7 +14,7 @@ from rapc.base.resources import Resource
 from rapc.base.values import Fact, format_atom, number
 from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_formula
-from rapc.runtime.events.events import DeadlineMissed, TaskBlocked, TaskWoken
+from rapc.runtime.events.events import DeadlineMissed, Event, TaskBlocked, TaskWoken
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.monitors.deadlines import Deadlines
 from rapc.runtime.monitors.listeners import Listeners
@@ -23,6 +23,7 @@ from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import Task, WaitState
+from rapc.runtime.state.things import Things, ThingWait, words
 from rapc.world import Time
 
 _NOW = -math.inf
@@ -38,6 +39,7 @@ class Monitors:
         context: what the formulas of monitors are asked of.
         recorder: is told of tasks that block, wake, and miss deadlines.
         agenda: gets the tasks that wake.
+        things: who holds and waits for what; those who wait are tested here too.
     """
 
     def __init__(
@@ -45,8 +47,10 @@ class Monitors:
         context: QueryContext,
         recorder: Recorder,
         agenda: Agenda,
+        things: Things,
     ) -> None:
         self._context = context
+        self._things = things
         self._recorder = recorder
         self._agenda = agenda
         self._listeners = Listeners()
@@ -200,8 +204,8 @@ class Monitors:
         deadlines = self.deadlines
         if deadlines.heap:
             deadlines.look(self._recorder.time)
-        if deadlines.missed:
-            self._test_with_missed()
+        if deadlines.missed or self._things.changed:
+            self._test_with_others()
         elif len(self.to_test) == 1:
             self._test(self.to_test.popitem()[1])
         elif self.to_test:
@@ -211,12 +215,15 @@ class Monitors:
                 self._test(dirty[tasknumber])
         self._look_ahead()
 
-    def _test_with_missed(self) -> None:
-        dirty = dict(self.to_test)
+    def _test_with_others(self) -> None:
+        """Test monitors, and what is in the way of tasks, and tell what was missed."""
+        dirty, changed = dict(self.to_test), dict(self._things.changed)
         self.to_test.clear()
+        self._things.changed.clear()
         missed = self.deadlines.take_missed()
-        for tasknumber in sorted(dirty.keys() | missed.keys()):
-            if tasknumber in dirty:
+        for tasknumber in sorted(dirty.keys() | missed.keys() | changed.keys()):
+            woken = tasknumber in changed and self._test_way(changed[tasknumber])
+            if tasknumber in dirty and not woken:
                 self._test(dirty[tasknumber])
             for deadline in missed.get(tasknumber, ()):
                 self._tell_missed(tasknumber, deadline)
@@ -243,6 +250,7 @@ class Monitors:
             wait is None
             or wait.after_method
             or not (state is BLOCKED or state is UNTESTED or state is ELIGIBLE)
+            or (state is BLOCKED and task.number in self._things.waits)
         ):
             return
         if self.holds(task):
@@ -256,6 +264,38 @@ class Monitors:
         elif state is not BLOCKED:
             self._agenda.discard(task)
             self.block(task)
+
+    def _test_way(self, task: Task) -> bool:
+        """Wake a task whose way is clear; block a woken one again whose way is not.
+
+        Whether it was woken: then its monitors have been tested too.
+        """
+        wait = self._things.waits.get(task.number)
+        if wait is None:
+            return False
+        obstacle = self._things.obstacle_of(wait)
+        if wait.woken:
+            if obstacle is not None:
+                self._agenda.discard(task)
+                wait.woken, task.state = False, BLOCKED
+                wait.on, wait.holder = words(obstacle), obstacle.run.task.number
+                self._tell_way(TaskBlocked, wait)
+        elif obstacle is None:
+            wait.woken = True
+            self._tell_way(TaskWoken, wait)
+            if task.plan.monitored and not self.holds(task):
+                self.block(task)
+            else:
+                task.state = ELIGIBLE
+                self._agenda.add(task)
+            return True
+        return False
+
+    def _tell_way(self, kind: type[Event], wait: ThingWait) -> None:
+        if self._recorder.on:
+            self._recorder.emit(
+                kind, task=wait.task.number, on=wait.on, holder=wait.holder
+            )
 
     def still_hold(self, task: Task, wait: WaitState) -> bool:
         """Whether the monitors of a task that was selected hold.
@@ -296,6 +336,7 @@ class Monitors:
     def block(self, task: Task) -> None:
         """A task cannot go on until its monitors hold; its loops start afresh."""
         task.state = BLOCKED
+        self._things.stop_waiting(task)
         task.forget_choices()
         if self._recorder.on and task.wait is not None:
             task.wait.blocked_on = on = self.reason(task)

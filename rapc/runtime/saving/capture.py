@@ -15,6 +15,7 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.saving.records import (
     AgendaRecord,
+    AskRecord,
     CounterRecord,
     CountsRecord,
     Frozen,
@@ -28,11 +29,13 @@ from rapc.runtime.saving.records import (
     Saved,
     SetRecord,
     TaskRecord,
+    ThingWaitRecord,
     TopRecord,
     WaitRecord,
 )
 from rapc.runtime.state.states import ENDED
 from rapc.runtime.state.task import Env, History, MethodRun, Task, WaitState
+from rapc.runtime.state.things import Ask
 from rapc.world import Time
 
 
@@ -126,6 +129,8 @@ def _monitors(machine: Machine) -> MonitorsRecord:
         missed=tuple(
             (n, tuple(times)) for n, times in monitors.deadlines.missed.items()
         ),
+        ways=tuple(machine.things.changed),
+        conflicts=machine.things.conflicts,
     )
 
 
@@ -147,6 +152,7 @@ class _Capture:
         self.environments: list[dict[str, Saved]] = []
         self.tasks: list[TaskRecord] = []
         self._notations = machine.memory.notations
+        self._things = machine.things
         self._waiting: list[Task] = []
         self._resource_places: dict[int, int] = {}
         self._environment_places: dict[int, int] = {}
@@ -180,11 +186,15 @@ class _Capture:
             last_result=task.last_result,
             history=None if task.history is None else self._history(task.history),
             wait=None if task.wait is None else self._wait(task, task.wait),
+            things=self._thing_wait(task),
             run=None if task.run is None else self._run(task.run),
         )
 
     def _run(self, run: MethodRun) -> MethodRecord:
         ends = run.ends
+        asks = run.plan.request is not None or bool(run.plan.things)
+        before = run.before if asks else None
+        held = self._things.held.get(run.task.number, ())
         return MethodRecord(
             method=run.plan.index,
             env=self.environment(run.env),
@@ -195,7 +205,17 @@ class _Capture:
             ended_by_until=() if ends is None else tuple(sorted(ends.ended_by_until)),
             notations=tuple(self._notations.facts(run.notations)),
             ticket=run.ticket,
+            key=_parts(run.key) if asks else None,
+            before=None if before is None else before.index,
+            held=tuple([_ask(hold.ask, hold.said) for hold in held]),
         )
+
+    def _thing_wait(self, task: Task) -> ThingWaitRecord | None:
+        wait = self._things.waits.get(task.number)
+        if wait is None:
+            return None
+        ways = [tuple([_ask(ask) for ask in asks]) for asks in wait.alternatives]
+        return ThingWaitRecord(tuple(ways), wait.on, wait.holder, wait.woken)
 
     def _history(self, history: History) -> HistoryRecord:
         success = history.success
@@ -257,6 +277,10 @@ class _Capture:
             else:
                 self.resources.append(SetRecord(tuple(resource.members)))
         return Ref(place)
+
+
+def _ask(ask: Ask, said: str = "") -> AskRecord:
+    return AskRecord(ask.thing, ask.priority, ask.used, said)
 
 
 def _key(key: tuple[object, ...] | None) -> Parts | None:

@@ -15,6 +15,7 @@ from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.runtime.machine import Machine
 from rapc.runtime.saving.records import (
+    AskRecord,
     CounterRecord,
     Frozen,
     HistoryRecord,
@@ -44,6 +45,7 @@ from rapc.runtime.state.task import (
     TopLevelTask,
     WaitState,
 )
+from rapc.runtime.state.things import Ask, ThingWait
 from rapc.world import Time
 
 _STATES = {s: s for s in (WAITING, UNTESTED, ELIGIBLE, BLOCKED, RUNNING, ENDED)}
@@ -82,6 +84,11 @@ class Rebuilt:
             self._make_tasks()
             self._fill_state()
             self._check_numbers()
+            self._held = [
+                (run, [(_ask(one), one.said) for one in saved.held])
+                for run, saved in sorted(self._runs, key=_number)
+            ]
+            self._thing_waits = self._waits_for_things()
         except (LookupError, TypeError, ValueError, OverflowError) as error:
             raise WrongRecordError(f"{type(error).__name__}: {error}") from error
 
@@ -166,6 +173,10 @@ class Rebuilt:
             run.ends.times = list(record.ends)
             run.ends.ended_by_until = set(record.ended_by_until)
         run.ticket = record.ticket
+        if record.key is not None:
+            run.key, run.before = _tuple(record.key), None
+            if record.before is not None:
+                run.before = self.state.methods(task.plan)[record.before]
         self._runs.append((run, record))
         return run
 
@@ -203,6 +214,17 @@ class Rebuilt:
         wait.duration = record.duration
         return wait
 
+    def _waits_for_things(self) -> list[ThingWait]:
+        found = []
+        for task, record in zip(self._tasks, self._record.tasks, strict=True):
+            if record.things is not None:
+                said = record.things
+                ways = [tuple(map(_ask, asks)) for asks in said.alternatives]
+                wait = ThingWait(task, tuple(ways), said.on, said.holder)
+                wait.woken = said.woken
+                found.append(wait)
+        return found
+
     def _watched(self, key: tuple[object, ...] | Ref) -> WatchKey:
         return self._known(key) if isinstance(key, Ref) else key  # type: ignore[return-value]
 
@@ -237,7 +259,7 @@ class Rebuilt:
     def _check_numbers(self) -> None:
         """See that all other numbers of tasks are those of live ones."""
         agenda, monitors = self._record.agenda, self._record.monitors
-        numbers: list[int] = [*monitors.to_test, *monitors.aging]
+        numbers: list[int] = [*monitors.to_test, *monitors.aging, *monitors.ways]
         numbers += [number for _, number in monitors.deadlines]
         numbers += [number for number, _ in monitors.missed]
         numbers += [number for number, _, _ in agenda.sorted]
@@ -274,6 +296,9 @@ class Rebuilt:
             [self._live[number] for number in monitors.aging],
             [(time, self._live[number]) for time, number in monitors.deadlines],
         )
+        machine.things.load(self._held, self._thing_waits)
+        machine.things.changed.update((n, self._live[n]) for n in monitors.ways)
+        machine.things.conflicts = monitors.conflicts
         machine.monitors.tested_at = monitors.tested_at
         machine.monitors.deadlines.missed = {n: list(ts) for n, ts in monitors.missed}
 
@@ -282,6 +307,16 @@ def _resource(record: object) -> Counter | SetResource:
     if isinstance(record, CounterRecord):
         return Counter(record.value)
     return SetResource(dict.fromkeys(record.members))  # type: ignore[attr-defined]
+
+
+def _number(pair: tuple[MethodRun, MethodRecord]) -> int:
+    return pair[0].task.number
+
+
+def _ask(record: AskRecord) -> Ask:
+    if not record.thing:
+        raise WrongRecordError("a thing without a name")
+    return Ask(record.thing, record.priority, record.used)
 
 
 def _time(time: Time | None) -> float:

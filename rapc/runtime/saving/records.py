@@ -77,6 +77,24 @@ class WaitRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     duration: Time = 0
 
 
+class AskRecord(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A thing that is held or waited for; `said` where it has no name."""
+
+    thing: Fact
+    priority: int
+    used: bool
+    said: str = ""
+
+
+class ThingWaitRecord(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A `ThingWait`."""
+
+    alternatives: tuple[tuple[AskRecord, ...], ...]
+    on: str
+    holder: int
+    woken: bool = False
+
+
 class HistoryRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     """A `History`; `success` is an environment by its place."""
 
@@ -100,6 +118,10 @@ class MethodRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     ended_by_until: tuple[int, ...] = ()
     notations: tuple[Fact, ...] = ()
     ticket: int | None = None
+    #: The choice it was, and the method tried before it, by position.
+    key: Parts | None = None
+    before: int | None = None
+    held: tuple[AskRecord, ...] = ()
 
 
 class TaskRecord(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -123,6 +145,8 @@ class TaskRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     last_result: str | None = None
     history: HistoryRecord | None = None
     wait: WaitRecord | None = None
+    #: What a thing keeps it waiting for.
+    things: ThingWaitRecord | None = None
     run: MethodRecord | None = None
 
 
@@ -156,6 +180,10 @@ class MonitorsRecord(msgspec.Struct, frozen=True):
     tested_at: Time
     deadlines: tuple[tuple[Time, int], ...]
     missed: tuple[tuple[int, tuple[Time, ...]], ...]
+    #: The tasks whose way may have become another, and how often a world has told of
+    #: a conflict.
+    ways: tuple[int, ...] = ()
+    conflicts: int = 0
 
 
 class CountsRecord(msgspec.Struct, frozen=True):

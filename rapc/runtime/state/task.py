@@ -323,6 +323,25 @@ class Task:
         choices[key] = choices.get(key, 0) + 1
         tries[key[0]] = tries.get(key[0], 0) + 1
 
+    def forget_choice(self, key: tuple[object, ...]) -> None:
+        """Let a choice that was noted last never have been made."""
+        history = self.history
+        if history is None or not history.choices:
+            self.choice = None
+            return
+        history.choices[key] -= 1
+        history.tries[key[0]] -= 1
+        if not history.choices[key]:
+            del history.choices[key]
+        if not history.choices:
+            self.choice = None
+
+    def forget_method(self, method: MethodPlan, before: MethodPlan | None) -> None:
+        """Let the method under way never have been tried, but the one `before`."""
+        self.method, history, name = before, self.history, method.node.name
+        if history is not None and history.results.get(name, OKAY) is None:
+            del history.results[name]
+
     def forget_choices(self) -> None:
         """The detector starts afresh."""
         self.choice = None
@@ -393,10 +412,12 @@ class MethodRun:
     """A method while it is carried out."""
 
     __slots__ = (
+        "before",
         "constrained",
         "ends",
         "env",
         "has_conditions",
+        "key",
         "notations",
         "plan",
         "started",
@@ -421,6 +442,10 @@ class MethodRun:
         self.notations: tuple[Notation, ...] = ()
         #: The number of its request, if it has sent one.
         self.ticket: int | None = None
+        #: The choice by which it was chosen, as the futile-loop detector sees it, and
+        #: the method tried before: set where the method may have to be undone.
+        self.key: tuple[object, ...]
+        self.before: MethodPlan | None
         #: The nearest that states constraints: itself, its task, or what is above.
         self.constrained: Task | MethodRun | None
         if plan.constraints is not None:

@@ -15,6 +15,7 @@ from rapc.runtime.authors import wrong
 from rapc.runtime.events.events import SolverCalled
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task
+from rapc.runtime.tasks.hold_things import must_wait
 
 _Any = TypeVar("_Any")
 
@@ -27,11 +28,15 @@ Key = tuple[object, ...]
 by value."""
 
 
-def choose(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
-    """The method to try, what it binds, and its key; None if there is none.
+Choice = tuple[MethodPlan, Env, Key, Sequence[_Held]]
+"""The method to try, what its choice binds, its key, and all that it was drawn from."""
 
-    Asks a solver in that case.
-    """
+_SOLE: tuple[_Held, ...] = ()
+"""It was drawn from no others."""
+
+
+def choose(machine: Machine, task: Task) -> Choice | None:
+    """Return what to try, or None if there is nothing; asks a solver in that case."""
     context, plan, env = machine.context, task.plan, task.env
     context.task = task
     repeat = plan.repeat_while
@@ -43,11 +48,11 @@ def choose(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
     if len(holding) > 1:
         return _choose_among(machine, task, holding)
     for method, found in holding:
-        return method, found, key_of(method, env, found)
+        return method, found, key_of(method, env, found), _SOLE
     return None
 
 
-def choose_sole(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | None:
+def choose_sole(machine: Machine, task: Task) -> Choice | None:
     """Return what `choose` returns, sooner where there is but one method to choose."""
     # fast twin of `choose`: holds when no solver may help, nobody is told of contexts,
     # and the RAP has one method and no `repeat-while`
@@ -55,25 +60,27 @@ def choose_sole(machine: Machine, task: Task) -> tuple[MethodPlan, Env, Key] | N
     if method is None:
         return choose(machine, task)
     if method.choice is None:
-        return method, {}, key_of(method, env, {}) if env else method.key
+        return method, {}, key_of(method, env, {}) if env else method.key, _SOLE
     context = machine.context
     context.task = task
     found = context.bound[method.choice].first(env)
     if found is None:
         return None
-    return method, found, key_of(method, env, found) if env or found else method.key
+    key = key_of(method, env, found) if env or found else method.key
+    return method, found, key, _SOLE
 
 
-def _choose_among(
-    machine: Machine, task: Task, holding: list[_Held]
-) -> tuple[MethodPlan, Env, Key]:
-    """One of several: failed least, then chosen least, then by chance."""
+def _choose_among(machine: Machine, task: Task, holding: list[_Held]) -> Choice:
+    """One of several: failed least, chosen least, not kept waiting, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
     if len(holding) > 1:
         holding = _least(holding, [task.times_tried(method) for method, _ in holding])
+    if len(holding) > 1 and any(method.things for method, _ in holding):
+        free = [held for held in holding if not must_wait(machine, task, *held)]
+        holding = free or holding
     at = machine.rng.randrange(len(holding)) if len(holding) > 1 else 0
     method, found = holding[at]
-    return method, found, key_of(method, task.env, found)
+    return method, found, key_of(method, task.env, found), holding
 
 
 def key_of(method: MethodPlan, env: Env, found: Env) -> Key:

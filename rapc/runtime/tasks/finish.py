@@ -11,6 +11,7 @@ from collections.abc import Iterable
 
 from rapc.base.resources import Value
 from rapc.compiler.net_plan import OutputTarget, StepPlan
+from rapc.runtime.acts.primitives import cancel
 from rapc.runtime.events.events import (
     MethodEnded,
     TaskFailed,
@@ -280,6 +281,8 @@ def end_method(
             if step.state is not ENDED:
                 remove(machine, step, cause)
     run.steps = ()
+    if machine.things.held:
+        machine.things.release(task)
     for notation in run.notations:
         machine.memory.release_notation(notation)
     if recorder.on:
@@ -308,7 +311,7 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
         if top.run is not None:
             stack.extend(step for step in top.run.steps if step.live)
     for gone in reversed(leaving):
-        run = _stop(machine, gone)
+        run = stop(machine, gone)
         machine.agenda.discard(gone)
         _leave(machine, gone)
         if run is not None:
@@ -320,7 +323,7 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
 
 def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
     """A signal ends a step, waiting or running; what it spawned leaves."""
-    run = _stop(machine, task)
+    run = stop(machine, task)
     if run is not None:
         for step in run.steps:
             if step.live:
@@ -333,8 +336,8 @@ def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
         fail(machine, task, SIGNAL)
 
 
-def _stop(machine: Machine, task: Task) -> MethodRun | None:
-    """A task is at work no longer; what it was at."""
+def stop(machine: Machine, task: Task) -> MethodRun | None:
+    """Let a task be at work no longer; return the method it was at."""
     run, task.run = task.run, None
     if run is not None and (task.plan.recursive or machine.all_may_recur):
         _discount(machine, task)
@@ -350,16 +353,20 @@ def _discount(machine: Machine, task: Task) -> None:
 
 
 def _drop(machine: Machine, run: MethodRun) -> None:
-    """A method leaves without ending: its request and notations are nobody's."""
+    """Let a method leave without ending: its request, things and notations go."""
     run.steps = ()
-    if run.ticket is not None and run.ticket in machine.state.pending:
-        machine.state.pending[run.ticket] = (None, machine.state.pending[run.ticket][1])
+    if run.ticket is not None:
+        cancel(machine, run)
+    if machine.things.held:
+        machine.things.release(run.task)
     for notation in run.notations:
         machine.memory.release_notation(notation)
 
 
 def _leave(machine: Machine, task: Task) -> None:
     task.state = ENDED
+    if machine.things.waits:
+        machine.things.stop_waiting(task)
     if task.step is None:
         machine.state.foreground -= not machine.state.live_top.pop(
             task.number

@@ -30,6 +30,7 @@ def rename(machine: Machine, lost: str, kept: str) -> None:
             sets.update((id(v), v) for v in env.values() if isinstance(v, SetResource))
         if _in_task(task, environments, lost, kept):
             machine.monitors.rebind(task)
+    machine.things.rename(lost, kept)
     machine.recount_identities()
     for resource in sets.values():
         if lost in resource.members:
@@ -43,6 +44,8 @@ def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
     task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
     task.identity = _in_value(task.identity, lost, kept)
     task.choice = _in_value(task.choice, lost, kept)
+    if task.run is not None and task.run.plan.request is not None:
+        task.run.key = _in_value(task.run.key, lost, kept)
     if task.history is not None:
         counts: dict[tuple[object, ...], int] = {}
         for key, count in task.history.choices.items():

@@ -15,6 +15,13 @@ from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNN
 from rapc.runtime.state.task import MethodRun, Task, as_told
 from rapc.runtime.tasks.choose import choose, choose_sole
 from rapc.runtime.tasks.finish import end_method, fail
+from rapc.runtime.tasks.hold_things import (
+    SPOILT,
+    WAITS,
+    can_claim,
+    hold_or_wait,
+    settle_refusal,
+)
 from rapc.runtime.tasks.start import (
     create,
     read_inputs,
@@ -22,7 +29,7 @@ from rapc.runtime.tasks.start import (
     release,
     repeats_ancestor,
 )
-from rapc.world import OKAY
+from rapc.world import OKAY, Refused
 
 
 def try_method(machine: Machine, task: Task) -> None:
@@ -32,7 +39,7 @@ def try_method(machine: Machine, task: Task) -> None:
     if choice is None:
         fail(machine, task, NO_METHOD)
         return
-    method, found, key = choice
+    method, found, key, others = choice
     if task.choice is None:
         task.choice = key
     elif task.times_chosen(key) < machine.settings.futile_limit:
@@ -49,7 +56,14 @@ def try_method(machine: Machine, task: Task) -> None:
     if method.steps and not _spawn(machine, run):
         fail(machine, task, FUTILE_LOOP)
         return
-    start_method(machine, run)
+    if method.things or method.request is not None:
+        run.key, run.before = key, task.method
+    if not method.things:
+        start_method(machine, run)
+        return
+    come = hold_or_wait(machine, run, others)
+    if come is not WAITS:
+        start_method(machine, run, spoilt=come is SPOILT)
 
 
 def _spawn(machine: Machine, run: MethodRun) -> bool:
@@ -70,8 +84,11 @@ def _spawn(machine: Machine, run: MethodRun) -> bool:
     return True
 
 
-def start_method(machine: Machine, run: MethodRun) -> None:
-    """Start the method of `run`; its task waits for it until it ends."""
+def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None:
+    """Start the method of `run`; its task waits for it until it ends.
+
+    One that is `spoilt` ends badly at once: what it asks for cannot be filled in.
+    """
     task, method = run.task, run.plan
     task.run = run
     if task.plan.recursive or machine.all_may_recur:
@@ -90,13 +107,20 @@ def start_method(machine: Machine, run: MethodRun) -> None:
             method=method.name,
             bindings=as_told(run.env),
         )
-    if method.notations and not _note(machine, run, method):
+    if (spoilt and not can_claim(machine, run)) or (
+        method.notations and not _note(machine, run, method)
+    ):
         run.steps = ()
         end_method(machine, run, INTERFERENCE)
+    elif spoilt and method.request is not None:
+        ground(machine, run, method.request)  # traces what it lacks
+        end_method(machine, run, INTERFERENCE)
     elif method.request is not None:
-        result = request(machine, run, method.request)
-        if result is not None and task.run is not None:
-            end_method(machine, task.run, result)
+        answer = request(machine, run, method.request)
+        if type(answer) is Refused:
+            answer = settle_refusal(machine, run, method.request, answer)
+        if answer is not None and task.run is not None:
+            end_method(machine, task.run, str(answer))
     else:
         _release_steps(machine, run)
 

@@ -1,0 +1,59 @@
+"""What a method asks for before it starts: things it uses and things it claims.
+
+What its request uses is said where the primitive is declared; the terms of the request
+stand for the variables of the declaration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from rapc.compiler.compiler import Compiler, RequestPlan
+from rapc.ir import nodes
+
+
+class ThingPlan:
+    """A thing to be filled in; `used` by the request itself, or else claimed."""
+
+    __slots__ = ("plan", "used")
+
+    def __init__(self, plan: RequestPlan, used: bool) -> None:
+        self.plan = plan
+        self.used = used
+
+
+def things_of(compiler: Compiler, method: nodes.Method) -> tuple[ThingPlan, ...]:
+    """Return what `method` asks for: what its request uses, then what it claims."""
+    found = [(thing, True) for thing in _used(compiler, method.body)]
+    found += [(thing, False) for thing in method.claims]
+    return tuple(
+        [
+            ThingPlan(compiler.assertion(one, "use" if used else "claim"), used)
+            for one, used in found
+        ]
+    )
+
+
+def _used(compiler: Compiler, body: nodes.Body) -> Iterator[nodes.Thing]:
+    """Yield what the request of a method uses, in the order of its declaration."""
+    if not isinstance(body, nodes.Primitive):
+        return
+    request = body.request
+    declared = compiler.library.primitives.get(request.name)
+    if declared is None:
+        return
+    names = [arg.variable.name for arg in declared.args]
+    given = dict(zip(names, request.args, strict=False))
+    for thing in declared.uses:
+        args = [_filled_in(arg, given) for arg in thing.args]
+        yield nodes.Thing(thing.name, tuple(args), thing.span)
+
+
+def _filled_in(term: nodes.Term, given: Mapping[str, nodes.Term]) -> nodes.Term:
+    """Return `term` with terms in the place of variables; terms nest a few levels."""
+    if isinstance(term, nodes.Var):
+        return given.get(term.name, term)
+    if isinstance(term, nodes.Call):
+        args: Sequence[nodes.Term] = [_filled_in(arg, given) for arg in term.args]
+        return nodes.Call(term.function, tuple(args), term.span)
+    return term

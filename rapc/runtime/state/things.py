@@ -1,0 +1,267 @@
+"""Things: who holds what, who waits for whom, and what stands in whose way [T 7.2.1].
+
+A thing is a symbol or a name with values, `wheels` or `(arm left)`. A method holds
+things from its start to its end; a task whose method would have to wait for one is
+blocked. Tables only: what tasks do about it is in `rapc.runtime.tasks.hold_things`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from rapc.base.values import Fact, format_atom, format_list
+from rapc.runtime.state.task import MethodRun, Task
+
+Thing = Fact
+"""A thing, filled in: its name, then its arguments."""
+
+_CONFLICT = "#"
+"""The name of what requests share that a world says are in conflict; no symbol."""
+
+
+class Ask(NamedTuple):
+    """A thing that a method asks for."""
+
+    thing: Thing
+    #: The highest among its task and those ancestors that hold the thing.
+    priority: int
+    #: Whether the request of the method uses it; else the method claims it.
+    used: bool
+
+
+class Hold:
+    """A thing that a method holds."""
+
+    __slots__ = ("ask", "depth", "outer", "run", "said")
+
+    def __init__(
+        self, run: MethodRun, ask: Ask, outer: Hold | None, said: str = ""
+    ) -> None:
+        self.run = run
+        self.ask = ask
+        #: What is said of the thing where it has no name: the request that has it.
+        self.said = said
+        #: What the nearest ancestor has of the same thing, and how many have it.
+        self.outer = outer
+        self.depth: int = 0 if outer is None else outer.depth + 1
+
+
+class ThingWait:
+    """What a task waits for that a thing has blocked."""
+
+    __slots__ = ("alternatives", "holder", "on", "task", "woken")
+
+    def __init__(
+        self,
+        task: Task,
+        alternatives: tuple[tuple[Ask, ...], ...],
+        on: str,
+        holder: int,
+    ) -> None:
+        self.task = task
+        #: What the method would ask for, then each other that it was drawn from.
+        self.alternatives = alternatives
+        #: What stood in the way of the first of them when the task was blocked, in
+        #: words, and the number of the task that held it.
+        self.on = on
+        self.holder = holder
+        #: Whether the task has been woken and not yet been selected.
+        self.woken = False
+
+
+class Things:
+    """All holding of things and waiting for them in a run."""
+
+    __slots__ = ("_holders", "_waiters", "changed", "conflicts", "held", "waits")
+
+    def __init__(self) -> None:
+        #: What each method holds, by the number of its task.
+        self.held: dict[int, tuple[Hold, ...]] = {}
+        #: What blocked and woken tasks wait for, by number.
+        self.waits: dict[int, ThingWait] = {}
+        #: The tasks whose way may have become another since they were last tested.
+        self.changed: dict[int, Task] = {}
+        #: How often a world has refused a request as in conflict with others.
+        self.conflicts = 0
+        self._holders: dict[Thing, dict[int, Hold]] = {}
+        self._waiters: dict[Thing, dict[int, Task]] = {}
+
+    # --- asking -------------------------------------------------------------------
+
+    def ask(self, task: Task, thing: Thing, used: bool) -> Ask:
+        """Return what it is for a method of `task` to ask for `thing` now."""
+        outer = self._outer(task, thing)
+        priority = task.priority
+        if outer is not None:
+            priority = max(priority, outer.ask.priority)
+        return Ask(thing, priority, used)
+
+    def in_the_way(self, task: Task, ask: Ask) -> list[Hold]:
+        """Return what keeps a method of `task` from having what it asks for.
+
+        By the numbers of the tasks that hold it. What ancestors hold, and what is held
+        at a lower priority, does not.
+        """
+        found = self._others(task, ask.thing)
+        return [hold for hold in found if hold.ask.priority >= ask.priority]
+
+    def lower_users(self, task: Task, ask: Ask) -> list[Hold]:
+        """Return who uses, at a lower priority, what a method of `task` asks for."""
+        found = self._others(task, ask.thing)
+        return [h for h in found if h.ask.used and h.ask.priority < ask.priority]
+
+    def obstacle(self, task: Task, asks: Iterable[Ask]) -> Hold | None:
+        """Return what first stands in the way of all that is asked for, or None."""
+        for ask in asks:
+            found = self.in_the_way(task, ask)
+            if found:
+                return found[0]
+        return None
+
+    def obstacle_of(self, wait: ThingWait) -> Hold | None:
+        """Return what is in the way of a waiting task; None if one way is clear."""
+        obstacles = [self.obstacle(wait.task, asks) for asks in wait.alternatives]
+        return obstacles[0] if None not in obstacles else None
+
+    def _outer(self, task: Task, thing: Thing) -> Hold | None:
+        """Return what the nearest ancestor of `task` has of `thing`."""
+        holders = self._holders.get(thing)
+        if not holders:
+            return None
+        above = task.parent
+        while above is not None and above.number not in holders:
+            above = above.parent
+        return None if above is None else holders[above.number]
+
+    def _others(self, task: Task, thing: Thing) -> list[Hold]:
+        """Return what tasks have of `thing` that are no ancestors of `task`."""
+        holders = self._holders.get(thing)
+        if not holders:
+            return []
+        outer = self._outer(task, thing)
+        if outer is not None and outer.depth + 1 == len(holders):
+            return []
+        above = set()
+        while outer is not None:
+            above.add(outer.run.task.number)
+            outer = outer.outer
+        return [
+            holders[number]
+            for number in sorted(holders)
+            if number not in above and number != task.number
+        ]
+
+    # --- holding ------------------------------------------------------------------
+
+    def take(self, run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:
+        """Let a method hold what it has asked for, besides what it holds.
+
+        `said` is said of it where it has no name.
+        """
+        number, holds = run.task.number, []
+        for ask in asks:
+            hold = Hold(run, ask, self._outer(run.task, ask.thing), said)
+            self._holders.setdefault(ask.thing, {})[number] = hold
+            holds.append(hold)
+            self._changed(ask.thing)
+        if holds:
+            self.held[number] = (*self.held.get(number, ()), *holds)
+
+    def release(self, task: Task) -> None:
+        """Free all that the method of `task` holds."""
+        for hold in self.held.pop(task.number, ()):
+            thing = hold.ask.thing
+            holders = self._holders[thing]
+            del holders[task.number]
+            if not holders:
+                del self._holders[thing]
+            self._changed(thing)
+
+    def _changed(self, thing: Thing) -> None:
+        self.changed.update(self._waiters.get(thing, ()))
+
+    # --- waiting ------------------------------------------------------------------
+
+    def wait(self, wait: ThingWait) -> None:
+        """Let a task wait: it is looked at when what is in its way changes."""
+        task = wait.task
+        self.waits[task.number] = wait
+        for asks in wait.alternatives:
+            for ask in asks:
+                self._waiters.setdefault(ask.thing, {})[task.number] = task
+
+    def stop_waiting(self, task: Task) -> None:
+        """A task waits for things no longer; it need not have done so."""
+        wait = self.waits.pop(task.number, None)
+        self.changed.pop(task.number, None)
+        if wait is None:
+            return
+        for ask in (ask for asks in wait.alternatives for ask in asks):
+            waiters = self._waiters.get(ask.thing, {})
+            waiters.pop(task.number, None)
+            if not waiters:
+                self._waiters.pop(ask.thing, None)
+
+    # --- as a whole -----------------------------------------------------------------
+
+    def load(
+        self,
+        held: Iterable[tuple[MethodRun, Iterable[tuple[Ask, str]]]],
+        waits: Iterable[ThingWait],
+    ) -> None:
+        """Hold and wait for this and nothing else; what is held by task number."""
+        self.held, self._holders, self._waiters = {}, {}, {}
+        self.waits.clear()
+        self.changed.clear()
+        for run, holds in held:
+            for ask, said in holds:
+                self.take(run, (ask,), said)
+        for wait in waits:
+            self.wait(wait)
+
+    def rename(self, lost: str, kept: str) -> None:
+        """Call things by another name: two items have turned out to be one."""
+
+        held = [
+            (holds[0].run, _renamed([(h.ask, h.said) for h in holds], lost, kept))
+            for _, holds in sorted(self.held.items())
+        ]
+        waits = list(self.waits.values())
+        for wait in waits:
+            ways = [
+                _renamed([(ask, "") for ask in asks], lost, kept)
+                for asks in wait.alternatives
+            ]
+            wait.alternatives = tuple([tuple([a for a, _ in way]) for way in ways])
+        self.load(held, waits)
+        self.changed.update((wait.task.number, wait.task) for wait in waits)
+
+    def conflict(self) -> Thing:
+        """Return a new thing, for requests that a world says are in conflict."""
+        self.conflicts += 1
+        return (_CONFLICT, self.conflicts)
+
+
+def _renamed(
+    asked: Iterable[tuple[Ask, str]], lost: str, kept: str
+) -> list[tuple[Ask, str]]:
+    """Return what is asked for, and said of it, by another name; each thing once."""
+    found: dict[Thing, tuple[Ask, str]] = {}
+    for ask, said in asked:
+        name, *args = ask.thing
+        thing = (name, *[kept if part == lost else part for part in args])
+        other = found.get(thing, (ask, said))[0]
+        priority, used = max(ask.priority, other.priority), ask.used or other.used
+        found[thing] = Ask(thing, priority, used), said
+    return list(found.values())
+
+
+def words(hold: Hold) -> str:
+    """Return what is said of a thing that is held: itself, or the request."""
+    return hold.said or format_thing(hold.ask.thing)
+
+
+def format_thing(thing: Thing) -> str:
+    """Return a thing as RAP text."""
+    return format_atom(thing[0]) if len(thing) == 1 else format_list(thing)

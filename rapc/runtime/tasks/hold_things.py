@@ -1,0 +1,198 @@
+"""What tasks do about things: ask, hold, wait, and give way to higher ones [T 7.2.1].
+
+A method asks for all its things at once before it starts. Where something stands in
+the way the choice is put back and its task blocked; where nothing does, lower methods
+whose requests use one of the things are suspended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from rapc.base.values import Fact, format_list
+from rapc.compiler.compiler import RequestPlan
+from rapc.compiler.rap_plan import MethodPlan
+from rapc.runtime.acts.primitives import cancel, filled_in, ground, request, sendable
+from rapc.runtime.events.events import MethodSuspended, TaskBlocked
+from rapc.runtime.machine import Machine
+from rapc.runtime.state.states import BLOCKED, INTERFERENCE
+from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.runtime.state.things import Ask, Hold, Thing, ThingWait, format_thing, words
+from rapc.runtime.tasks.finish import stop
+from rapc.world import Refused
+
+HOLDS: Final = "holds"
+WAITS: Final = "waits"
+SPOILT: Final = "spoilt"
+"""What comes of asking for things."""
+
+Asks = tuple[Ask, ...]
+
+
+def asks_of(machine: Machine, task: Task, method: MethodPlan, env: Env) -> Asks | None:
+    """Return what a method of `task` would ask for, with the bindings `env`.
+
+    None if a thing or the request cannot be filled in: then the method asks for
+    nothing, starts and ends badly.
+    """
+    request = method.request
+    if request is not None and sendable(machine, task, request, env) is None:
+        return None
+    found: dict[Thing, Ask] = {}
+    for asked in method.things:
+        thing = filled_in(machine, task, asked.plan, env)
+        if thing is None:
+            return None
+        thing = machine.memory.canonical(thing)
+        if thing not in found:
+            found[thing] = machine.things.ask(task, thing, asked.used)
+    return tuple(found.values())
+
+
+def must_wait(machine: Machine, task: Task, method: MethodPlan, found: Env) -> bool:
+    """Whether a method would have to wait for a thing; `found` binds its choice."""
+    if not method.things:
+        return False
+    asks = asks_of(machine, task, method, {**task.env, **found})
+    return asks is not None and machine.things.obstacle(task, asks) is not None
+
+
+def hold_or_wait(
+    machine: Machine, run: MethodRun, others: Sequence[tuple[MethodPlan, Env]]
+) -> str:
+    """Let a method that is to start hold what it asks for, or block its task.
+
+    Args:
+        machine: the machine.
+        run: the method.
+        others: the methods that its choice was drawn from, with what each binds.
+
+    Returns `HOLDS`, `WAITS`, or `SPOILT` for one that is to start and end badly.
+    """
+    task, method = run.task, run.plan
+    asks = asks_of(machine, task, method, run.env)
+    if asks is None:
+        return SPOILT
+    obstacle = machine.things.obstacle(task, asks)
+    if obstacle is None:
+        give_way(machine, task, asks)
+        machine.things.take(run, asks)
+        return HOLDS
+    alternatives = [asks]
+    for other, found in others:
+        if other is not method:
+            env = {**task.env, **found}
+            alternatives.append(asks_of(machine, task, other, env) or ())
+    task.forget_choice(run.key)
+    _block(machine, task, tuple(alternatives), obstacle)
+    return WAITS
+
+
+def can_claim(machine: Machine, run: MethodRun) -> bool:
+    """Whether all that a method claims can be filled in; what cannot is traced."""
+    claims = [asked.plan for asked in run.plan.things if not asked.used]
+    return all(ground(machine, run, plan) is not None for plan in claims)
+
+
+def give_way(machine: Machine, task: Task, asks: Iterable[Ask], said: str = "") -> None:
+    """Suspend the lower methods whose requests use what `task` takes, by number.
+
+    `said` is said of a thing that has no name.
+    """
+    lower: dict[int, tuple[MethodRun, str]] = {}
+    for ask in asks:
+        for hold in machine.things.lower_users(task, ask):
+            on = said if hold.said else format_thing(ask.thing)
+            lower.setdefault(hold.run.task.number, (hold.run, on))
+    for number in sorted(lower):
+        run, on = lower[number]
+        _suspend(machine, run, on, task.number)
+
+
+def _suspend(machine: Machine, run: MethodRun, on: str, by: int) -> None:
+    """Undo a method whose request is under way, as if it had never been chosen."""
+    task = run.task
+    asks = tuple([hold.ask for hold in machine.things.held[task.number]])
+    cancel(machine, run)
+    _undo(machine, run)
+    if machine.recorder.on:
+        machine.recorder.emit(
+            MethodSuspended, task=task.number, method=run.plan.name, for_=on, by=by
+        )
+    _wait(machine, ThingWait(task, (asks,), on, by))
+
+
+def _undo(machine: Machine, run: MethodRun) -> None:
+    """Let a method that has no steps be gone as if it had never been chosen."""
+    task = run.task
+    stop(machine, task)
+    for notation in run.notations:
+        machine.memory.release_notation(notation)
+    machine.things.release(task)
+    task.forget_choice(run.key)
+    task.forget_method(run.plan, run.before)
+
+
+def _block(
+    machine: Machine, task: Task, alternatives: tuple[Asks, ...], obstacle: Hold
+) -> None:
+    """Block a task until nothing is in the way of an alternative; tell of it."""
+    on, holder = words(obstacle), obstacle.run.task.number
+    _wait(machine, ThingWait(task, alternatives, on, holder))
+    if machine.recorder.on:
+        machine.recorder.emit(TaskBlocked, task=task.number, on=on, holder=holder)
+
+
+def _wait(machine: Machine, wait: ThingWait) -> None:
+    wait.task.state = BLOCKED
+    if wait.task.wait is not None:
+        wait.task.wait.timer = None
+    machine.things.wait(wait)
+
+
+# --- what a world refuses ---------------------------------------------------------
+
+
+def settle_refusal(
+    machine: Machine, run: MethodRun, plan: RequestPlan, reply: Refused
+) -> str | None:
+    """Wait for those that a world names as in conflict, or send the request again.
+
+    Returns what `request` returns. It is as if each of them, and the request, used
+    one thing more.
+    """
+    task, things = run.task, machine.things
+    answer: str | Refused | None = reply
+    while isinstance(answer, Refused):
+        if task.run is not run:
+            return None
+        named = _under_way(machine, answer)
+        if not named:
+            return INTERFERENCE
+        thing = things.conflict()
+        for other, asked in named:
+            ask = Ask(thing, other.task.priority, True)
+            things.take(other, (ask,), format_list(asked))
+        ask = Ask(thing, task.priority, True)
+        obstacle = things.obstacle(task, (ask,))
+        if obstacle is not None:
+            held = tuple([hold.ask for hold in things.held.get(task.number, ())])
+            _undo(machine, run)
+            _block(machine, task, ((*held, ask),), obstacle)
+            return None
+        said = format_list(ground(machine, run, plan) or plan.bare)
+        give_way(machine, task, (ask,), said)
+        things.take(run, (ask,), said)
+        answer = request(machine, run, plan)
+    return answer
+
+
+def _under_way(machine: Machine, refused: Refused) -> list[tuple[MethodRun, Fact]]:
+    """Return the requests under way that a world names, by the number of the task."""
+    found = {}
+    for ticket in refused.conflicts:
+        task, asked = machine.state.pending.get(ticket, (None, ()))
+        if task is not None and task.run is not None:
+            found[task.number] = task.run, asked
+    return [found[number] for number in sorted(found)]
