@@ -179,8 +179,8 @@ WANTED: Mapping[str, str] = {
     "expectation": "an expectation",
     "resource": "a resource",
     "TIME": "a time",
-    "COUNT": "a number, a whole one,",
-    "POSITIVE": "a number, a whole one,",
+    "COUNT": "a whole number",
+    "POSITIVE": "a whole number above 0",
     "INTEGER": "a whole number",
 }
 """What is wanted where something else stands, by rule or terminal."""
@@ -360,7 +360,7 @@ def _number(name: str) -> Read:
         small = value is not None and least is not None and value < least
         if value is None or small or (whole and not isinstance(value, int)):
             message = f"{WANTED[name]} is wanted here"
-            ctx.report("malformed-clause", message.replace(",", ""), datum)
+            ctx.report("malformed-clause", message, datum)
             return None
         return value
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from rapc.parser.rules.table import RULES
 
 PARSER = Path(__file__).parents[2] / "rapc" / "parser"
-REPORTERS = {"report", "slip", "unknown", "Diagnostic", "_unclosed"}
+REPORTERS = {"report", "slip", "certain", "unknown", "Diagnostic", "_unclosed"}
 
 
 def _reported() -> set[str]:

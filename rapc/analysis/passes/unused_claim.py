@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Occurrence
@@ -47,8 +47,14 @@ def _run(run: Pass) -> None:
     lone = [claim for claim in claims if len(users[_sort(claim)]) == 1]
     kept = users.keys() - {_sort(claim) for claim in lone}
     near = Suggestions(sorted({name for name, _ in kept}))
-    for claim in lone if run.complete else ():
+    users_known = not any(run.unsure(one.span) for one in _offers(run))
+    for claim in lone if run.complete and users_known else ():
         run.report(_finding(claim.node, near, users))
+
+
+def _offers(run: Pass) -> Iterable[nodes.DeclarePrimitive | nodes.DeclareSkill]:
+    """What may use things."""
+    return (*run.library.primitives.values(), *run.library.skills.values())
 
 
 def _sort(thing: Occurrence[nodes.Thing]) -> _Sort:
