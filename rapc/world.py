@@ -160,8 +160,11 @@ class HandlerMemory(Protocol):
         """The robot now is at `place`, of which `external` speaks from now on."""
 
 
-ResultHandler = Callable[[HandlerMemory, Fact, str], None]
-"""Called with memory, the request (memory names) and the result symbol."""
+ResultHandler = Callable[[HandlerMemory, Fact, str], str | None]
+"""Called with memory, the request (memory names) and the result symbol.
+
+What it returns, unless None, is the result that the interpreter sees: another one of
+those that are declared [T 3.3.2]."""
 
 DatumHandler = Callable[[HandlerMemory, Fact], None]
 """Called with memory and the datum, known sensor names already replaced."""

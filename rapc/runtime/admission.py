@@ -89,9 +89,21 @@ def _lacking(library: Library, world: World) -> Iterator[str]:
     for use, declared in tables:
         for form in declared.values():
             fault = offered.fault(use, form.name, len(form.args))
+            place = _place(library, form.span)
             if fault is not None:
-                place = _place(library, form.span)
                 yield f"{place}in the world `{world.name}` {fault}"
+            elif isinstance(form, nodes.DeclarePrimitive):
+                offers = offered.primitives[form.name].results
+                more = [result for result in offers if result not in form.results]
+                if more:
+                    yield (
+                        f"{place}the world `{world.name}` may answer `{form.name}` "
+                        f"with {_listed(more)}, not declared here; add what it answers"
+                    )
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
 
 
 def _untellable(
@@ -100,9 +112,12 @@ def _untellable(
     """Yield what the world tells at first that the library does not declare so."""
     unknown: dict[str, None] = {}
     told: set[str] = set()
-    for fact in world.facts():
+    facts = world.facts()
+    if not isinstance(facts, Iterable):
+        raise wrong(world, "facts", "what the robot knows at first", facts)
+    for fact in facts:
         if not is_fact(fact):
-            raise wrong(world, "a first fact", fact)
+            raise wrong(world, "facts", "a first fact", fact)
         name = str(fact[0])
         fault = signatures.fault("asserted", name, len(fact) - 1)
         if fault is None or name in told:

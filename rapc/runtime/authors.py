@@ -150,17 +150,41 @@ def _code(call: object) -> CodeType | None:
 # --- answers of another type ----------------------------------------------------------
 
 
-def wrong(world: World, what: str, value: object) -> PortError:
+def place_of(call: object) -> str:
+    """Return ` (lamps.py:23)`, where the code of `call` begins, or nothing."""
+    return _defined(call) if callable(call) else ""
+
+
+def breach(world: World, call: str, said: str) -> PortError:
+    """Return what to raise for a `world` that does not keep to the port.
+
+    Args:
+        world: the world of the run.
+        call: the method of the world that showed it.
+        said: says what the world did: `sent nothing`.
+    """
+    return PortError(f"the world `{world.name}` {said}; see {_method(world, call)}")
+
+
+def _method(world: World, call: str) -> str:
+    """Return the method of a world, and where its author wrote it."""
+    behind = getattr(world, "__wrapped__", world)
+    return f"`{call}`{place_of(getattr(behind, call))}"
+
+
+def wrong(world: World, call: str, what: str, value: object) -> PortError:
     """Return what to raise for a `value` of the wrong type from an author's code.
 
     Args:
         world: the world of the run.
+        call: the method of the world that returned it.
         what: says what the value should have been: `the reply to (look)`.
         value: the value.
     """
     shown = ascii(value)
     shown = shown if len(shown) <= _MOST_SHOWN else f"{shown[:_MOST_SHOWN]}..."
-    return PortError(f"{what} of the world `{world.name}` is `{shown}`")
+    said = f"{what} of the world `{world.name}` is `{shown}`"
+    return PortError(f"{said}; see {_method(world, call)}")
 
 
 def is_fact(value: object) -> bool:

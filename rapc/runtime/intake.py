@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.errors import PortError
 from rapc.runtime.acts.primitives import handle, take_reply
-from rapc.runtime.authors import is_fact, is_reply, wrong
+from rapc.runtime.authors import breach, wrong
 from rapc.runtime.events.events import DataReceived
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.finish import end_method
@@ -26,23 +25,22 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
     """
     others: list[Message] = []
     if not isinstance(messages, tuple | list):
-        raise wrong(machine.world, "what `messages` returns", messages)
+        raise wrong(machine.world, "messages", "what `messages` returns", messages)
     for message in messages:
         if isinstance(message, Finished):
             finish(machine, message.ticket, message.reply)
         else:
             others.append(message)
     for message in others:
-        if isinstance(message, Datum) and is_fact(message.content):
+        machine.port.check_message(message)
+        if isinstance(message, Datum):
             with machine.access.batch():
                 named = handle(machine, message.content)
             named = machine.memory.canonical(named)
             if machine.recorder.on:
                 machine.recorder.emit(DataReceived, data=named)
-        elif isinstance(message, Signal) and is_fact(message.content):
+        elif isinstance(message, Signal):
             signal(machine, message.content)
-        else:
-            raise wrong(machine.world, "a message", message)
 
 
 def finish(machine: Machine, ticket: int, reply: Reply) -> None:
@@ -52,11 +50,9 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
         PortError: for a ticket that is not under way, or a datum nobody handles.
     """
     if ticket not in machine.state.pending:
-        name = machine.world.name
-        said = f"the world `{name}` ended a request that is not under way: {ticket!r}"
-        raise PortError(said)
-    if not is_reply(reply):
-        raise wrong(machine.world, "the end of a request", reply)
+        said = f"ended a request that is not under way: {ticket!r}"
+        raise breach(machine.world, "messages", said)
+    machine.port.check_end(machine.state.pending[ticket][1], reply)
     task, asked = machine.state.pending.pop(ticket)
     result = take_reply(machine, task, asked, reply)
     if result is not None and task is not None and task.run is not None:

@@ -11,11 +11,11 @@ import heapq
 import random
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NoReturn
 
 from rapc.base.values import Atom, Fact, match
 from rapc.compiler.program import Program
-from rapc.errors import RefusedError
+from rapc.errors import PortError, RefusedError
 from rapc.ir.nodes import Formula
 from rapc.parser.parse import parse_formula
 from rapc.runtime import snapshot
@@ -86,7 +86,7 @@ class Interpreter:
             raise RefusedError(found)
         try:
             if not is_time(now := world.now()):
-                raise wrong(world, "the time", now)
+                raise wrong(world, "now", "the time", now)
             self._machine = Machine(
                 library,
                 world,
@@ -255,7 +255,7 @@ class Interpreter:
             try:
                 reason = self._loop.run(most, wait=True) or self._loop.reason()
             except BaseException as error:
-                blame(error, self._world, self._code)
+                self._break(error)
             self.end(reason or "cycles")
         return self._machine.state.reason or "done"
 
@@ -278,10 +278,22 @@ class Interpreter:
             try:
                 reason = self._loop.run(most, wait)
             except BaseException as error:
-                blame(error, self._world, self._code)
+                self._break(error)
             if reason is not None:
                 self.end(reason)
         return recorder.cycle - before
+
+    def _break(self, error: BaseException) -> NoReturn:
+        """Raise what broke the run off; what is a world's author's also ends it.
+
+        Raises:
+            PortError: see `blame`.
+        """
+        try:
+            blame(error, self._world, self._code)
+        except PortError as told:
+            self.end("broken", told.message)
+            raise
 
     def start(
         self,
@@ -361,8 +373,13 @@ class Interpreter:
 
     # --- the end ------------------------------------------------------------------
 
-    def end(self, reason: str) -> None:
-        """End the run: every live task is removed, the results are told."""
+    def end(self, reason: str, because: str | None = None) -> None:
+        """End the run: every live task is removed, the results are told.
+
+        Args:
+            reason: why it is over, in a word.
+            because: more of it, where somebody knows more.
+        """
         if self._machine.state.reason is not None:
             return
         self._machine.state.reason = reason
@@ -371,7 +388,8 @@ class Interpreter:
         for action in machine.at_end:
             action()
         results = self.results()
-        because = machine.world.ended() if reason == "world" else None
+        if reason == "world":
+            because = machine.world.ended()
         if reason == "runaway" and machine.recorder.on:
             because = snapshot.looping(machine) or None
         waiting = () if reason == "done" else self.waiting()

@@ -13,6 +13,7 @@ from rapc.base.values import number
 from rapc.runtime.authors import is_time, wrong
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
+from rapc.runtime.port import next_in_the_past, no_time_passed
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.start import create_top, release_at_start_time
 from rapc.world import Time, World
@@ -65,7 +66,7 @@ class Loop:
                 machine.run_host_timers()
                 machine.access.recognise()
             messages = receive()
-            if messages:
+            if messages or messages is None:
                 take_in(machine, messages)
             if scheduled:
                 self._create_scheduled()
@@ -97,7 +98,10 @@ class Loop:
         machine, state = self._machine, self._machine.state
         if state.past_until:
             return "until"
-        if machine.world.ended() is not None:
+        ended = machine.world.ended()
+        if ended is not None:
+            if not isinstance(ended, str):
+                raise wrong(machine.world, "ended", "the end", ended)
             return "world"
         if not (state.foreground or state.expected or machine.host_timers):
             return "done"
@@ -143,19 +147,41 @@ class Loop:
             target = until
         machine.world.advance(target)
         state = machine.state
-        state.idle = state.idle + 1 if machine.world.now() == now else 0
+        if machine.world.now() != now:
+            state.idle = 0
+        else:
+            state.idle += 1
+            self._take_what_is_due(target)
         return None
+
+    def _take_what_is_due(self, target: Time) -> None:
+        """Take in what the world has sent where waiting has not moved its clock.
+
+        Raises:
+            PortError: for a world that should have moved it, or sent something.
+        """
+        machine, world = self._machine, self._machine.world
+        messages = world.messages()
+        if messages or messages is None:
+            take_in(machine, messages)
+            return
+        due = world.next_time()
+        announced = due is not None and due <= machine.recorder.time
+        if world.ended() is None and (announced or target > machine.recorder.time):
+            raise no_time_passed(world, target, announced)
 
     def _coming_times(self) -> list[Time]:
         """Return the times at which something is known to come.
 
         Raises:
-            PortError: for a world whose next time is no time.
+            PortError: for a world whose next time is no time, or has been.
         """
         machine = self._machine
         times = [machine.monitors.next_time(), machine.world.next_time()]
         if times[1] is not None and not is_time(times[1]):
-            raise wrong(machine.world, "the next time", times[1])
+            raise wrong(machine.world, "next_time", "the next time", times[1])
+        if times[1] is not None and times[1] < machine.recorder.time:
+            raise next_in_the_past(machine.world, times[1], machine.recorder.time)
         if machine.state.scheduled:
             times.append(machine.state.scheduled[0][0])
         if machine.host_timers:

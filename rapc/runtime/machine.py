@@ -15,10 +15,11 @@ from typing import Any
 
 from rapc.base.values import Atom, format_atom, number
 from rapc.compiler.program import Program
-from rapc.errors import PortError
+from rapc.runtime.authors import breach, is_time, wrong
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
 from rapc.runtime.monitors.monitors import Monitors
+from rapc.runtime.port import Port
 from rapc.runtime.query_context import QueryContext
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.agenda import Agenda
@@ -99,6 +100,8 @@ class Machine:
         #: Whether any RAP can come up among its own subtasks: a solver may bring it
         #: in. Without solvers only those whose plans are `recursive` can.
         self.all_may_recur = bool(solvers)
+        #: Holds the world to what it offers and the library declares.
+        self.port = Port(library.library, library.signatures, world)
         self.handlers = world.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
@@ -116,24 +119,20 @@ class Machine:
             PortError: for what is no time, or before the time it was.
         """
         before, until = self.recorder.time, self.state.until
-        if type(now) is float:
+        if type(now) is not int:
             now = self._in_one_form(now)
         if now < before:
-            raise PortError(
-                f"the clock of the world `{self.world.name}` goes back, "
-                f"from {format_atom(before)} to {format_atom(now)}"
-            )
+            times = f"from {format_atom(before)} to {format_atom(now)}"
+            raise breach(self.world, "now", f"sets its clock back, {times}")
         self.monitors.changes += 1
         self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)
 
-    def _in_one_form(self, now: float) -> Time:
+    def _in_one_form(self, now: object) -> Time:
         """Return a time as the trace has it: a whole one as an integer."""
-        try:
+        if isinstance(now, float) and is_time(now):
             return number(now)
-        except ValueError:
-            message = f"the clock of the world `{self.world.name}` says `{now}`"
-            raise PortError(message) from None
+        raise wrong(self.world, "now", "the time", now)
 
     def run_host_timers(self) -> None:
         """Do what the host wants done by now, in the order of its times."""

@@ -246,6 +246,8 @@ class _Run:
             self._judge(expect.expectations)
 
     def _judge_at_the_end(self) -> None:
+        if self.interpreter.reason == "broken":  # the message says more than all else
+            return
         self._leaving()
         self._judge(self.test.expectations)
         for at in self._unreached.values():

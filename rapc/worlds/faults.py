@@ -75,6 +75,8 @@ class FaultyWorld(World):
         self.name = world.name
         self.kit = world.kit
         self._world = world
+        #: The world whose author answers for it, as Python's own wrappers have it.
+        self.__wrapped__ = world
         self._faults = tuple(faults)
         self._rng = random.Random(f"{seed}:faults")
         if isinstance(world, Drawable):

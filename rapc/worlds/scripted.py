@@ -133,6 +133,7 @@ class ScriptedWorld(World):
         handled = kit.handlers.data
         check_script(self._rows, at, offer, handled)
         results = dict.fromkeys(offer.primitives, self._handle_result)
+        offer = msgspec.structs.replace(offer, data={**offer.data, AT: 0})
         handlers = Handlers(results, {**handled, AT: self._handle_at})
         self.kit = msgspec.structs.replace(kit, offer=offer, handlers=handlers)
         coming = sorted((_Due(entry.time, entry) for entry in at), key=_time)

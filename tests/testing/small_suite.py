@@ -8,7 +8,7 @@ from rapc.testing import discover
 from rapc.testing.run import Case, Outcome, Wrap, run_case
 
 LIBRARY = """\
-(declare-primitive grab (?x) (okay dropped))
+(declare-primitive grab (?x) (okay dropped) :atomic false)
 (declare-primitive look (?x) (okay nothing))
 (declare-primitive say (?what) (okay))
 (declare-sensor-datum sighting (?x))

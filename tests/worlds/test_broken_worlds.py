@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,11 @@ LIBRARY = """
 (declare-memory-function heavy (?thing))
 (declare-indistinct-class box by-eye)
 (declare-primitive look (?thing) (okay))
+(declare-primitive doze () (okay) :atomic false)
 (declare-sensor-datum spotted (?thing))
+(declare-sensor-datum weighed ((?kilos number)))
+(declare-event :bell ())
+(define-rap (rest) (method (primitive (doze))))
 (define-rap (watch ?thing)
   (succeed (seen ?thing))
   (method (context (and (not (heavy ?thing)) (n= ?thing (nobody))))
@@ -55,13 +60,24 @@ def looked(memory: Any, request: Fact, result: str) -> None:
     memory.assert_fact("colour", item, "red")
 
 
+OFFER = Offer(
+    {"look": (1, ("okay",)), "doze": (0, ("okay",))},
+    {"spotted": 1, "weighed": 1},
+    events={":bell": 0},
+)
+
+
+def ignored(memory: Any, datum: Fact) -> None:
+    return None
+
+
 class Good(World):
     """A world in which nothing is wrong; the others differ in one thing."""
 
     name = "good"
     kit = Kit(
-        Offer({"look": (1, ("okay",))}, {"spotted": 1}),
-        Handlers({"look": looked}, {"spotted": lambda memory, datum: None}),
+        OFFER,
+        Handlers({"look": looked}, dict.fromkeys(OFFER.data, ignored)),
         functions={
             "heavy": lambda memory, thing: False,
             "nobody": lambda memory: "nobody",
@@ -123,7 +139,9 @@ def with_kit(**fields: Any) -> type[World]:
 
 
 def handlers(result: Any = looked, datum: Any = boom) -> type[World]:
-    return with_kit(handlers=Handlers({"look": result}, {"spotted": datum}))
+    return with_kit(
+        handlers=Handlers({"look": result}, {"spotted": datum, "weighed": ignored})
+    )
 
 
 def run(world: type[World], task: str = "(compare)") -> rapc.RunResult:
@@ -222,6 +240,37 @@ def answers(value: Any) -> Callable[..., Any]:
     return lambda *args: value
 
 
+def waits(**parts: Any) -> type[World]:
+    """Return a world that does what it was asked later, if ever."""
+    return type("Bad", (Waits,), {"name": "bad", **parts})
+
+
+class Waits(Good):
+    """Takes a request that is not atomic, and sends nothing."""
+
+    def __init__(self, rng: Any, options: Any) -> None:
+        super().__init__(rng, options)
+        self.time = type(self).time
+
+    time: Any = 0
+
+    def perform(self, ticket: int, request: Fact) -> Any:
+        return None
+
+    def messages(self) -> Any:
+        return ()
+
+
+def back(world: Any, ticket: int, request: Fact) -> Any:
+    world.time -= 3
+    return Reply("okay")
+
+
+def lame(world: Any, ticket: int, request: Fact) -> Any:
+    world.time = "noon"
+    return Reply("okay")
+
+
 NONE: Any = None
 NAME: Any = "a"
 NO_DATA: Any = ("spotted",)
@@ -240,11 +289,57 @@ TYPES: dict[str, tuple[type[World], str]] = {
     "an empty datum": (sends(Datum(())), "a message"),
     "a strange ticket": (sends(Finished(NAME, Reply("okay"))), "not under way: 'a'"),
     "a time that is none": (with_(now=answers("noon")), "the time"),
-    "a next time that is none": (
-        with_(next_time=answers("noon"), perform=answers(None)),
-        "the next time",
+    "a next time that is none": (waits(next_time=answers("noon")), "the next time"),
+    "a next time that is no number": (waits(next_time=answers(nan)), "the next time"),
+    "a next time that has been": (
+        waits(next_time=answers(1), time=2, advance=answers(None)),
+        "will next send something at 1, and it is 2 by now",
     ),
+    "a next time at which nothing comes": (
+        waits(next_time=answers(0)),
+        "said that it would send something at 0, and sent nothing",
+    ),
+    "a clock that stands still": (
+        waits(next_time=answers(5), advance=answers(None)),
+        "did not move its clock on to 5",
+    ),
+    "a clock that goes back": (with_(perform=back), "clock back, from 0 to -3"),
+    "a clock that breaks later": (with_(perform=lame), "the time"),
+    "no answer where one is declared": (
+        with_(perform=answers(None)),
+        r"was asked \(look one\) and did not answer it, and it is declared atomic",
+    ),
+    "a result that nobody declares": (
+        with_(perform=answers(Reply("bang"))),
+        r"answered \(look one\) with `bang`, .*those are okay",
+    ),
+    "too much in a datum": (
+        sends(Datum(("spotted", "a", "b"))),
+        r"sent the datum \(spotted a b\): `spotted` takes 1 argument, not 2",
+    ),
+    "too little in a reply's datum": (
+        with_(perform=answers(Reply("okay", (("spotted",),)))),
+        r"`spotted` takes 1 argument, not 0; see `perform`",
+    ),
+    "a datum of another kind": (
+        sends(Datum(("weighed", "heavy"))),
+        r"sent the datum \(weighed heavy\): `heavy` is no number",
+    ),
+    "a datum without a handler": (sends(Datum(("smelt", "a"))), "no handler"),
+    "a signal that is not offered": (sends(Signal((":alarm", "a"))), "does not offer"),
+    "too much in a signal": (
+        sends(Signal((":bell", "a"))),
+        "takes no arguments, not 1",
+    ),
+    "messages that are none": (with_(messages=answers(None)), "what `messages`"),
+    "an end that is no text": (with_(ended=answers(True)), "the end"),
+    "an end of nothing": (sends(Finished(3, Reply("okay"))), "not under way: 3"),
     "facts that are none": (with_(facts=answers([3])), "a first fact"),
+    "no list of facts": (with_(facts=answers(None)), "knows at first"),
+    "a handler that returns no result": (
+        handlers(answers("bang"), lambda m, d: None),
+        "the handler of `look`.* returned `bang`, which is no result of `look`",
+    ),
     "a comparator's text": (with_kit(comparators={"by-eye": answers("so")}), "'so'"),
 }
 
@@ -252,14 +347,53 @@ TYPES: dict[str, tuple[type[World], str]] = {
 @pytest.mark.parametrize("case", TYPES)
 def test_answers_of_the_wrong_type_are_the_worlds_fault(case: str) -> None:
     world, said = TYPES[case]
-    with pytest.raises(rapc.PortError, match=said):
-        run(world)
+    slow = issubclass(world, Waits)
+    with pytest.raises(rapc.PortError, match=said) as caught:
+        run(world, "(rest)" if slow else "(compare)")
+    if "comparator" not in case:
+        assert HERE in caught.value.message
+
+
+def test_a_run_in_a_broken_world_is_ended_in_its_trace() -> None:
+    events: list[Any] = []
+    bad = with_(perform=answers(Reply("bang")))
+    with pytest.raises(rapc.PortError) as caught:
+        rapc.run(rapc.loads(LIBRARY), bad, "(compare)", listeners=[events.append])
+    last = events[-1]
+    assert (type(last).__name__, last.reason) == ("RunEnded", "broken")
+    assert last.because == caught.value.message
+
+
+def test_results_that_only_the_world_knows_of_are_told_beforehand() -> None:
+    more = with_kit(
+        offer=Offer(
+            {**OFFER.primitives, "look": (1, ("okay", "dark"))},
+            OFFER.data,
+            events=OFFER.events,
+        )
+    )
+    with pytest.raises(rapc.RefusedError, match="answer `look` with `dark`, not decl"):
+        run(more)
+
+
+def test_a_handler_may_give_another_result() -> None:
+    library = LIBRARY.replace("(look ?thing) (okay)", "(look ?thing) (okay dark)")
+    library = library.replace("look (?thing) (okay)", "look (?thing) (okay dark)")
+
+    def sees_nothing(memory: Any, request: Fact, result: str) -> str:
+        return "dark"
+
+    world = handlers(sees_nothing, lambda m, d: None)
+    events: list[Any] = []
+    rapc.run(rapc.loads(library), world, "(watch one)", listeners=[events.append])
+    ended = [e for e in events if type(e).__name__ == "PrimitiveEnded"]
+    assert {e.result for e in ended} == {"dark"}
 
 
 @pytest.mark.parametrize("value", ["a text", ["a text"], None])
 def test_a_solver_returns_methods(value: Any) -> None:
     world = with_kit(solvers={"stuck": answers(value)})
-    with pytest.raises(rapc.PortError, match="what the solver of `stuck`"):
+    with pytest.raises(rapc.PortError, match=r"the solver of `stuck`.* returned"):
         run(world, "(stuck a)")
 
 

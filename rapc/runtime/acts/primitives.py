@@ -8,10 +8,9 @@ method that asked is for `rapc.runtime.tasks.try_method` and `rapc.runtime.intak
 from __future__ import annotations
 
 from rapc.base.resources import Counter, SetResource
-from rapc.base.values import Atom, Fact, format_list
+from rapc.base.values import Atom, Fact
 from rapc.compiler.compiler import RequestPlan
-from rapc.errors import PortError
-from rapc.runtime.authors import is_refusal, is_reply, wrong
+from rapc.runtime.authors import is_refusal
 from rapc.runtime.events.events import (
     PrimitiveCancelled,
     PrimitiveEnded,
@@ -90,15 +89,12 @@ def request(
     machine.state.tickets += 1
     run.ticket = ticket = machine.state.tickets
     answer = world.perform(ticket, sent)
-    reply: Reply | None = None
-    if (
-        type(answer) is Reply and type(answer.result) is str and answer.data == ()
-    ) or is_reply(answer):
-        reply = answer
+    if type(answer) is Reply and answer.result == OKAY and answer.data == ():
+        reply: Reply | None = answer
     elif is_refusal(answer):
         return _refused(machine, task, asked, sent, answer)
-    elif answer is not None:
-        raise wrong(world, f"the reply to {format_list(sent)}", answer)
+    else:
+        reply = machine.port.checked(sent, answer)
     now = world.now()
     if now != machine.recorder.time or machine.state.until is not None:
         machine.set_clock(now)
@@ -165,17 +161,19 @@ def take_reply(
     """Run the handlers of a reply to the request `asked`.
 
     `task` is the one that asked, None if it has left. Returns the result if a method
-    of `task` is to end with it, else None.
+    of `task` is to end with it, else None; a handler may have changed it [T 3.3.2].
 
     Raises:
-        PortError: for a datum that the world has no handler for.
+        PortError: for a result of a handler that is not declared.
     """
     handler, result = machine.result_handlers.get(asked[0]), reply.result
     if handler is not None or reply.data or machine.recognizer.unsettled:
         canonical = machine.memory.canonical
         with machine.access.batch():
             if handler is not None:
-                handler(machine.access, canonical(asked), result)
+                told = handler(machine.access, canonical(asked), result)
+                if told is not None:
+                    result = machine.port.result_told(asked, told, handler)
             for content in reply.data:
                 handle(machine, content)
         asked = canonical(asked)
@@ -202,15 +200,7 @@ def _named(machine: Machine, content: Fact) -> Fact:
 
 
 def handle(machine: Machine, content: Fact) -> Fact:
-    """Hand the datum `content` to its handler; return it in memory names.
-
-    Raises:
-        PortError: if the world has no handler for it.
-    """
-    handler = machine.handlers.data.get(str(content[0]))
-    if handler is None:
-        name = machine.world.name
-        raise PortError(f"the world `{name}` has no handler for its datum {content[0]}")
+    """Hand the datum `content` to its handler; return it in memory names."""
     named = _named(machine, content)
-    handler(machine.access, named)
+    machine.handlers.data[str(content[0])](machine.access, named)
     return named

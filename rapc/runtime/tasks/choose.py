@@ -10,8 +10,9 @@ from typing import TypeVar
 
 from rapc.base.resources import frozen
 from rapc.compiler.rap_plan import MethodPlan
+from rapc.errors import PortError
 from rapc.ir import nodes
-from rapc.runtime.authors import wrong
+from rapc.runtime.authors import place_of
 from rapc.runtime.events.events import SolverCalled
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task
@@ -128,7 +129,10 @@ def _ask_solver(machine: Machine, task: Task) -> bool:
     if not isinstance(returned, tuple | list) or not all(
         isinstance(node, nodes.Method) for node in returned
     ):
-        raise wrong(machine.world, f"what the solver of `{task.plan.name}`", returned)
+        name = task.plan.name
+        raise PortError(
+            f"the solver of `{name}`{place_of(solver)} returned {returned!a:.60}"
+        )
     for node in returned:
         if not any(
             _same(node, known.node) for known in machine.state.methods(task.plan)
