@@ -12,7 +12,7 @@ from tests.reference.waking import deadline, may_run
 
 def eligible(run: Run) -> list[Task]:
     """The tasks that may be chosen now, by number."""
-    return [t for t in run.live() if may_run(run, t) and not t.blocked]
+    return [t for t in run.live() if may_run(run, t) and not (t.blocked or t.held_up)]
 
 
 def latest_start(task: Task) -> float:

@@ -20,6 +20,7 @@ from rapc.runtime.events.trace import record
 from tests.reference.case import Case, run_rapc, run_reference
 from tests.reference.generate import generate
 from tests.reference.shrink import shrink
+from tests.reference.vocabulary import FORMS
 
 Row = dict[str, Any]
 
@@ -45,7 +46,7 @@ def rows(
         row.pop("waiting", None)
         if row.get("reason") == "runaway":
             del row["because"]
-        monitor = str(row.get("what")).startswith("monitor-state")
+        monitor = "monitor-state at " in str(row.get("what"))
         if row["event"] != "query-faulted" or not monitor:
             found.append(row)
     return found
@@ -120,6 +121,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int)
     parser.add_argument("--full", action="store_true", help="without fast twins")
     parser.add_argument("--stop-after", type=int, default=5)
+    parser.add_argument("--forms", nargs="*", choices=FORMS, default=FORMS)
     options = parser.parse_args()
     seeds = range(options.start, options.start + options.seeds)
     if options.seed is not None:
@@ -129,7 +131,7 @@ def main() -> None:
     failed: list[int] = []
     begun = time.monotonic()
     for seed in seeds:
-        case = generate(seed)
+        case = generate(seed, options.forms)
         outcome = compare(case, not options.full)
         here = Counter(kind_of(row) for row in outcome.reference)
         kinds.update(here)

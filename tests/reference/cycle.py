@@ -8,11 +8,12 @@ from tests.reference.endings import (
     end_by_until,
     fail,
     follow,
+    method_badly,
     succeed,
 )
 from tests.reference.methods import choose_method
 from tests.reference.run import Run
-from tests.reference.tasks import Task
+from tests.reference.tasks import Running, Task, method_name
 from tests.reference.waking import block, monitors_hold, read_inputs
 
 _DONE = nodes.HistoryTest("last-result", (nodes.Const("okay"),))
@@ -20,6 +21,7 @@ _DONE = nodes.HistoryTest("last-result", (nodes.Const("okay"),))
 
 def process(run: Run, task: Task) -> None:
     """Steps 1 to 5: whatever may end the cycle before a method is chosen."""
+    task.wanted = []
     if not task.begun and not task.monitored:
         until_start(run, task)
     if not inputs_bound(run, task):
@@ -115,6 +117,16 @@ def conditions_hold(run: Run, task: Task) -> bool:
         held = held and (
             run.holds(each, each.rap.constraints, each.own, "constraints") is not None
         )
+        if held and each.parent is not None and not method_holds(run, each.parent):
+            method_badly(run, each.parent, "interference", "parent-failed")
+            return False
     if not held:
         fail(run, task, "interference")
     return held
+
+
+def method_holds(run: Run, running: Running) -> bool:
+    """Whether the constraints of a method hold, over what it has bound by now."""
+    formula = running.method.constraints
+    clause = f"constraints of method `{method_name(running.method)}`"
+    return run.holds(running.task, formula, running.env, clause) is not None

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from rapc.base.resources import Counter, SetResource, Value, frozen
-from rapc.base.values import format_atom, format_list, is_number
+from rapc.base.values import Fact, format_atom, format_list, is_number
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.world import OKAY
 from tests.reference.run import Run
 from tests.reference.tasks import Place, Running, Task, method_name
 from tests.reference.terms import Bindings
+from tests.reference.things import written
 from tests.reference.waking import let_go, read_inputs, read_windows, set_delay
 
 # --- tasks ------------------------------------------------------------------------
@@ -181,12 +182,32 @@ def clear(run: Run, running: Running, cause: str) -> None:
 
 def cancel(run: Run, task: Task) -> None:
     """What a task has under way in the world ends there, and the world hears of it."""
-    for ticket, (request, asker) in enumerate(run.tickets):
+    for ticket, (request, asker) in list(run.tickets.items()):
         if asker is task:
             run.tickets[ticket] = (request, None)
             text = format_list(request)
             run.tell(events.PrimitiveCancelled, task=task.number, request=text)
             run.world.cancel(ticket)
+
+
+def suspend(run: Run, task: Task, thing: Fact, by: Task) -> None:
+    """A method gives a thing to another and is gone as if never chosen."""
+    running = task.running
+    assert running is not None
+    clear(run, running, "parent-removed")
+    task.chosen[running.choice] -= 1
+    if running.first:
+        del task.tried[running.method.name]
+    task.wanted = [running.asked]
+    task.held_up = True
+    task.held_up_by = (written(thing), by.number)
+    run.tell(
+        events.MethodSuspended,
+        task=task.number,
+        method=method_name(running.method),
+        for_=task.held_up_by[0],
+        by=by.number,
+    )
 
 
 # --- methods ----------------------------------------------------------------------

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import random
+from collections.abc import Sequence
+
 from tests.reference.vocabulary import (
     METHODS,
     NUMBERS,
     PROPERTIES,
     PROPOSITIONS,
+    QUERIES,
     RESULTS,
     SYMBOLS,
     VALUES,
@@ -16,6 +20,8 @@ from tests.reference.words import Datum, Words
 
 def formula(words: Words, depth: int = 2) -> Datum:
     """A formula, nested at most so deep."""
+    if words.queries and words.chance(0.25):
+        return named(words)
     roll = words.rng.random()
     if depth > 0 and roll < 0.46:
         return _compound(words, depth - 1, roll)
@@ -25,6 +31,35 @@ def formula(words: Words, depth: int = 2) -> Datum:
         age = words.pick((*NUMBERS, *NUMBERS, "?u", "?w", "?", words.number()))
         return ("believe", pattern(words), age)
     return _odd(words) if roll < 0.72 else pattern(words)
+
+
+def named(words: Words) -> Datum:
+    """A named query, with whatever may stand for its arguments."""
+    name = words.pick(words.queries)
+    resources = (*words.sets, *words.counters)
+    terms = []
+    for _ in range(QUERIES[name]):
+        kind = words.rng.randrange(6)
+        if kind == 0 and resources:
+            terms.append(words.pick(resources))
+        elif kind == 1:
+            terms.append(words.ground())
+        else:
+            terms.append(words.item() if kind < 5 else words.number())
+    return (name, *terms)
+
+
+def query(rng: random.Random, wild: float, name: str, below: Sequence[str]) -> Datum:
+    """The definition of a named query, which may use those below it."""
+    args = ["?i", "?x"][: QUERIES[name]]
+    if args and rng.random() < 0.3:
+        args[0] = "?u"
+    words = Words(rng, wild, args)
+    words.queries = below
+    if args and rng.random() < 0.5:
+        words.sets, words.counters = [args[-1]], [args[-1]]
+    made = words.pick((formula, likely, watched))(words)
+    return ("define-query", (name, *args), made)
 
 
 def _compound(words: Words, depth: int, roll: float) -> Datum:
@@ -37,6 +72,8 @@ def _compound(words: Words, depth: int, roll: float) -> Datum:
 
 def likely(words: Words) -> Datum:
     """A formula that holds more often than not."""
+    if words.queries and words.chance(0.2):
+        return named(words)
     if words.chance(1 - words.wild * 0.5):
         name = words.pick(("p", "b", "g"))
         return (name, words.pick(SYMBOLS), words.pick(words.free))
@@ -47,6 +84,8 @@ def watched(words: Words) -> Datum:
     """A formula that what the script does makes true and false."""
     if words.odd(0.3):
         return formula(words)
+    if words.queries and words.chance(0.3):
+        return named(words)
     if words.chance(0.7 if words.counters else 0.1):
         return _about_resources(words)
     name = words.pick(("p", "p", "q", "q", "b", "mode"))

@@ -8,29 +8,35 @@ than others.
 from __future__ import annotations
 
 import random
+from collections.abc import Collection
 
 from rapc.runtime.settings import Settings
 from tests.reference.case import Case
+from tests.reference.formulas import query
 from tests.reference.nets import Sketch
 from tests.reference.raps import rap
 from tests.reference.scripts import at, fact, host, rows, solvers, task, text
-from tests.reference.vocabulary import DECLARATIONS
+from tests.reference.vocabulary import DECLARATIONS, FORMS, QUERIES, USERS
+from tests.reference.words import Datum
 
 
-def generate(seed: int) -> Case:
-    """The case of a seed, always the same."""
+def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
+    """The case of a seed, always the same; `kinds` of forms may come up in it."""
+    some = random.Random(f"{seed}:forms")
+    forms = [kind for kind in FORMS if some.random() < 0.7 and kind in kinds]
     rng = random.Random(f"{seed}:case")
     wild = rng.choice((0.05, 0.2, 0.5, 1))
     sketches = [_sketch(rng, n) for n in range(rng.randrange(3, 8))]
-    raps = [rap(rng, wild, sketches, n) for n in range(len(sketches))]
+    tasks = rng.choice((3, 4, 5) if "claims" in forms else (1, 2, 2, 3, 4))
+    made = [rap(rng, wild, sketches, n, forms) for n in range(len(sketches))]
     return Case(
         seed=seed,
-        forms=(*DECLARATIONS, *raps),
-        rows=rows(rng, wild),
+        forms=(*DECLARATIONS, *_named(rng, wild, forms), *made),
+        rows=rows(rng, wild, forms),
         at=tuple(at(rng) for _ in range(rng.randrange(9))),
         facts=tuple(text(fact(rng)) for _ in range(rng.randrange(2, 9))),
-        tasks=tuple(task(rng, sketches) for _ in range(rng.choice((1, 2, 2, 3, 4)))),
-        solvers=solvers(rng, wild, sketches),
+        tasks=tuple(task(rng, sketches, forms) for _ in range(tasks)),
+        solvers=solvers(rng, wild, sketches, forms),
         host=tuple(host(rng, sketches) for _ in range(rng.choice((0, 0, 0, 1, 2)))),
         until=rng.choice((20, 60, 60, 100)),
         cycles=rng.choice((40, 120, 120)),
@@ -40,6 +46,16 @@ def generate(seed: int) -> Case:
             cycle_cost=rng.choice((0, 0, 0, 0, 1, 0.5)),
         ),
     )
+
+
+def _named(rng: random.Random, wild: float, forms: Collection[str]) -> list[Datum]:
+    """The queries of a program, and primitives that use things."""
+    made: list[Datum] = list(USERS) if "claims" in forms else []
+    if "queries" in forms:
+        names = tuple(QUERIES)
+        rest = [names[place + 1 :] for place in range(len(names))]
+        made += [query(rng, wild, *each) for each in zip(names, rest, strict=True)]
+    return made
 
 
 def _sketch(rng: random.Random, number: int) -> Sketch:

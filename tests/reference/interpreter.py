@@ -1,6 +1,6 @@
 """The reference interpreter: the loop of taking in, looking, choosing, processing.
 
-For tests only: it makes the trace that pages 2 to 6 of docs/language ask for, as
+For tests only: it makes the trace that pages 2 to 7 of docs/language ask for, as
 slowly as it likes. Items, rules and skills are not in it.
 """
 

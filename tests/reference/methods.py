@@ -9,30 +9,52 @@ from rapc.base.values import Fact, format_atom
 from rapc.ir import nodes
 from rapc.ir.walk import variables
 from rapc.runtime.events import events
-from tests.reference.endings import fail, method_badly, method_well, repeats
-from tests.reference.primitives import request
+from tests.reference.endings import (
+    fail,
+    method_badly,
+    method_well,
+    repeats,
+    suspend,
+)
+from tests.reference.primitives import claim, request
 from tests.reference.run import Run
 from tests.reference.tasks import Place, Running, Task, method_name
 from tests.reference.terms import Bindings
-from tests.reference.waking import let_go, read_inputs, read_windows
+from tests.reference.things import Obstacle, asks, giving_way, obstacles
+from tests.reference.waking import hold_up, let_go, read_inputs, read_windows
 
 Held = list[tuple[nodes.Method, Bindings]]
 """Methods that hold, with their first bindings."""
 
-# --- steps 6 and 7 ----------------------------------------------------------------
+# --- steps 6 to 8 ----------------------------------------------------------------
 
 
 def holding(run: Run, task: Task) -> Held:
     """The methods of a task that hold now."""
     held: Held = []
     for method in run.methods[task.rap.name]:
-        parts = [f for f in (task.rap.repeat_while, method.context) if f is not None]
+        context = plain(method.context)
+        if context is not method.context and held:
+            continue  # `otherwise`: a method before this one holds
+        parts = [f for f in (task.rap.repeat_while, context) if f is not None]
         clause = f"context of method `{method_name(method)}`"
         where = parts[0] if len(parts) == 1 else method
         found = run.holds(task, nodes.And(tuple(parts)), task.own, clause, where)
         if found is not None:
             held.append((method, found))
     return held
+
+
+def plain(formula: nodes.Formula | None) -> nodes.Formula | None:
+    """A context itself or, if `otherwise` is among its conjuncts, what else it asks."""
+    if isinstance(formula, nodes.Otherwise):
+        return None
+    if not isinstance(formula, nodes.And):
+        return formula
+    parts = [plain(part) for part in formula.parts]
+    if all(one is other for one, other in zip(parts, formula.parts, strict=True)):
+        return formula
+    return nodes.And(tuple(p for p in parts if p is not None), formula.span)
 
 
 def solve(run: Run, task: Task) -> bool:
@@ -54,16 +76,17 @@ def solve(run: Run, task: Task) -> bool:
     return bool(returned)
 
 
+SAYS = ("name", "context", "notations", "body", "constraints", "claims", "skills")
+"""What a method says, wherever it stands."""
+
+
 def same(one: nodes.Method, other: nodes.Method) -> bool:
     """Whether two methods are one, wherever they stand."""
-    return all(
-        getattr(one, field) == getattr(other, field)
-        for field in ("name", "context", "notations", "body")
-    )
+    return all(getattr(one, field) == getattr(other, field) for field in SAYS)
 
 
 def choose_method(run: Run, task: Task) -> None:
-    """Step 6: the methods that hold; failed least, chosen least, then chance."""
+    """Step 6: the methods that hold; failed least, chosen least, free, then chance."""
     held = holding(run, task)
     if not held and solve(run, task):
         held = holding(run, task)
@@ -74,15 +97,41 @@ def choose_method(run: Run, task: Task) -> None:
     held = [row for row in held if task.failures.get(row[0].position, 0) == least]
     least = min(tries(task, method) for method, _ in held)
     held = [row for row in held if tries(task, row[0]) == least]
-    method, found = held[0]
+    free = [row for row in held if not in_the_way(run, task, *row)]
+    held = free or held
+    drawn = held[0]
     if len(held) > 1:
-        method, found = held[run.random.randrange(len(held))]
+        drawn = held[run.random.randrange(len(held))]
+    method, found = drawn
     times = task.chosen.get(choice(method, found), 0)
     if times >= run.limits.futile_limit:
         fail(run, task, "futile-loop")
         return
-    task.chosen[choice(method, found)] = times + 1
-    start(run, task, method, found)
+    running = Running(task, method, dict(found), run.time)
+    running.choice = choice(method, found)
+    if any(repeats(run, running, place) for place in running.places):
+        fail(run, task, "futile-loop")
+    elif free:
+        task.chosen[running.choice] = times + 1
+        start(run, running)
+    else:
+        put_back(run, task, drawn, held)
+
+
+def in_the_way(
+    run: Run, task: Task, method: nodes.Method, env: Bindings
+) -> list[Obstacle]:
+    """What stands in the way of a method now."""
+    return obstacles(run, task, asks(run, task, method, env) or [])
+
+
+def put_back(
+    run: Run, task: Task, drawn: tuple[nodes.Method, Bindings], pool: Held
+) -> None:
+    """Nothing was chosen; the task waits for what it would have asked for."""
+    others = [row for row in pool if row is not drawn]
+    task.wanted = [asks(run, task, *row) or [] for row in (drawn, *others)]
+    hold_up(run, task, obstacles(run, task, task.wanted[0])[0])
 
 
 def tries(task: Task, method: nodes.Method) -> int:
@@ -97,16 +146,20 @@ def choice(method: nodes.Method, env: Bindings) -> tuple[object, ...]:
     return (method.position, *bound)
 
 
-# --- steps 8 and 9 ----------------------------------------------------------------
+# --- step 9 ----------------------------------------------------------------
 
 
-def start(run: Run, task: Task, method: nodes.Method, env: Bindings) -> None:
-    """The method starts, unless it would ask for what is being done already."""
-    running = Running(task, method, dict(env), run.time)
-    if any(repeats(run, running, place) for place in running.places):
-        fail(run, task, "futile-loop")
-        return
+def start(run: Run, running: Running) -> None:
+    """The method starts, and what is lower and uses what it takes gives way."""
+    task, method, env = running.task, running.method, running.env
+    wanted = asks(run, task, method, env)
+    for other, thing in giving_way(run, task, wanted or []):
+        suspend(run, other, thing, task)
+    running.asked = wanted or []
+    running.uses = [ask.thing for ask in running.asked if ask.used]
+    running.claims = [ask.thing for ask in running.asked if not ask.used]
     task.running = running
+    running.first = method.name not in task.tried
     task.tried[method.name] = None
     run.tell(
         events.MethodChosen,
@@ -119,6 +172,8 @@ def start(run: Run, task: Task, method: nodes.Method, env: Bindings) -> None:
         method_badly(run, running, "interference", "sibling-failed")
     elif isinstance(method.body, nodes.Primitive):
         request(run, running, method.body)
+    elif not claim(run, running):
+        method_badly(run, running, "interference", "sibling-failed")
     elif not running.places:
         method_well(run, running)
     else:

@@ -48,7 +48,8 @@ def _bound_by(words: Words, notes: list[Datum]) -> list[str]:
 
 
 def _priority(words: Words) -> tuple[str, ...]:
-    return (words.pick(("1", "2", "-1", "0")),) if words.chance(0.2) else ()
+    share = 0.5 if "claims" in words.forms else 0.2
+    return (words.pick(("1", "2", "-1", "0")),) if words.chance(share) else ()
 
 
 def _goal(words: Words, sketches: Sequence[Sketch], at: int, known: list[str]) -> Datum:

@@ -44,18 +44,33 @@ def request(run: Run, running: Running, body: nodes.Primitive) -> None:
             method_badly(run, running, "interference", "sibling-failed")
             return
         values.append(value)
+    if not claim(run, running):
+        method_badly(run, running, "interference", "sibling-failed")
+        return
     fact: Fact = (body.request.name, *values)
     text = format_list(fact)
     number = running.task.number
     run.tell(events.PrimitiveRequested, task=number, request=text, sent=text)
-    run.tickets.append((fact, running.task))
-    ticket = len(run.tickets) - 1
+    ticket = len(run.tickets) + 1
+    run.tickets[ticket] = (fact, running.task)
     reply = run.world.perform(ticket, fact)
     run.look_at_clock()
     if reply is not None and not run.late:
         run.keep_appointments()
         assert isinstance(reply, Reply)
         finish(run, ticket, reply)
+
+
+def claim(run: Run, running: Running) -> bool:
+    """Whether all that a method claims can be filled in; what cannot is traced."""
+    for pattern in running.method.claims:
+        for term in pattern.args:
+            value, why = run.value(running.task, term, running.env)
+            if value is None or isinstance(value, Counter | SetResource):
+                why = why or f"`{format_atom(value)}` is not a symbol, number or string"
+                run.fault(running.task, "claim", pattern, why)
+                return False
+    return True
 
 
 def finish(run: Run, ticket: int, reply: Reply) -> None:

@@ -6,15 +6,18 @@ than walking the formula.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple, Protocol
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+import msgspec
 
 from rapc.base.resources import Value
 from rapc.base.values import number
 from rapc.ir import nodes
 from rapc.world import Time
 from tests.reference.memory import Memory, is_short
-from tests.reference.terms import Bindings, Fault, Functions, Terms, members
+from tests.reference.terms import OWN, Bindings, Fault, Functions, Terms, members
 
 
 class History(Protocol):
@@ -30,6 +33,15 @@ class Known(NamedTuple):
 
     value: Value
 
+
+class Faulted(NamedTuple):
+    """What was unbound or ill-typed, and the queries around it, innermost first."""
+
+    within: str
+    message: str
+
+
+_EXPANSIONS = itertools.count(1)
 
 Slot = Known | nodes.Var
 """A part of a pattern: a value, or a variable that may have one by now."""
@@ -47,7 +59,7 @@ class Asker(Terms):
     ) -> None:
         super().__init__(memory, functions)
         self.history = history
-        self.faults: list[str] = []
+        self.faults: list[Faulted] = []
         self.timers: list[Time] = []
 
     # --- formulas -----------------------------------------------------------------
@@ -74,7 +86,7 @@ class Asker(Terms):
                 case _:
                     yield from self.facts(formula, env)
         except Fault as fault:
-            self.faults.append(str(fault))
+            self.faults.append(Faulted("", str(fault)))
 
     def all_of(
         self, parts: Sequence[nodes.Formula], env: Bindings
@@ -103,6 +115,8 @@ class Asker(Terms):
     def facts(self, formula: nodes.Formula, env: Bindings) -> Iterator[Bindings]:
         """What memory, a declared function or the task's past has to say."""
         match formula:
+            case nodes.Proposition(name, args) if name in self.memory.library.queries:
+                yield from self.named(self.memory.library.queries[name], args, env)
             case nodes.Proposition(name, args) if name in self.memory.library.functions:
                 values = [self.term(arg, env) for arg in args]
                 if self.functions[name](self.memory, *values):
@@ -119,6 +133,30 @@ class Asker(Terms):
                     yield env
             case _:
                 raise AssertionError(f"not in sections 1 to 6: {formula}")
+
+    # --- named queries ------------------------------------------------------------
+
+    def named(
+        self, query: nodes.DefineQuery, args: Sequence[nodes.Term], env: Bindings
+    ) -> Iterator[Bindings]:
+        """The formula of a query with terms put in; its own variables stay its own."""
+        mark = f"{OWN}{next(_EXPANSIONS)}"
+        put: dict[str, nodes.Term] = {}
+        for argument, term in zip(query.args, args, strict=True):
+            bare = isinstance(term, nodes.Var) and term.anonymous
+            name = argument.variable.name
+            put[name] = nodes.Var(name + mark) if bare else term
+        inner = Asker(self.memory, self.functions, self.history)
+        inner.timers = self.timers
+        solutions = inner.solutions(put_in(query.formula, put, mark), env)
+        while True:
+            found = next(solutions, None)
+            within = f"`{query.name}` in "
+            self.faults += [Faulted(f.within + within, f.message) for f in inner.faults]
+            inner.faults.clear()
+            if found is None:
+                return
+            yield {n: v for n, v in found.items() if not is_own(n, mark)}
 
     # --- propositions -------------------------------------------------------------
 
@@ -235,7 +273,7 @@ class Asker(Terms):
                 return value
             raise Fault("the age of a `believe` is not a number")
         except Fault as fault:
-            self.faults.append(str(fault))
+            self.faults.append(Faulted("", str(fault)))
             return None
 
     # --- the task's past ----------------------------------------------------------
@@ -257,6 +295,26 @@ class Asker(Terms):
             found = self.unify([slot], (result,), env)
             if found is not None:
                 yield found
+
+
+def put_in(part: Any, put: Mapping[str, nodes.Term], mark: str) -> Any:
+    """A part of a query with terms put in for its arguments, all else marked as own."""
+    if isinstance(part, tuple):
+        return tuple(put_in(each, put, mark) for each in part)
+    if not isinstance(part, nodes.Node) or (
+        isinstance(part, nodes.Var) and part.anonymous
+    ):
+        return part
+    if isinstance(part, nodes.Var):
+        return put.get(part.name, nodes.Var(part.name + mark))
+    names = part.__struct_fields__
+    made = {name: put_in(getattr(part, name), put, mark) for name in names}
+    return msgspec.structs.replace(part, **made)
+
+
+def is_own(name: str, mark: str) -> bool:
+    """Whether a variable is one that an expansion has made."""
+    return name.endswith(mark)
 
 
 def compare(op: str, left: Value, right: Value) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from tests.reference.formulas import formula, likely, watched
@@ -13,15 +13,26 @@ from tests.reference.vocabulary import (
     PRIMITIVES,
     PROPERTIES,
     PROPOSITIONS,
+    QUERIES,
     SYMBOLS,
+    THINGS,
+    USING,
 )
 from tests.reference.words import Datum, Words
 
 
-def rap(rng: random.Random, wild: float, sketches: Sequence[Sketch], at: int) -> Datum:
+def rap(
+    rng: random.Random,
+    wild: float,
+    sketches: Sequence[Sketch],
+    at: int,
+    forms: Collection[str],
+) -> Datum:
     """The RAP of a sketch; a mild one has a method that can always be chosen."""
     sketch = sketches[at]
     words = Words(rng, wild, sketch.inputs)
+    words.forms = forms
+    words.queries = tuple(QUERIES) if "queries" in forms else ()
     words.counters += [name for name in sketch.inputs if name == "?k"]
     mild = at == 0 or words.chance(1 - wild / 2)
     index: tuple[Any, ...] = (sketch.name, *sketch.inputs)
@@ -100,11 +111,17 @@ def method(
     clauses: list[Datum] = []
     if words.chance(0.8 if sketches[at].outputs else 0.4):
         clauses.append(("context", _context(own, sketches[at])))
+    if words.among("otherwise", 0.25):
+        clauses = [("context", _otherwise(own, clauses))]
+    if words.among("claims", 0.3):
+        clauses.append(("claims", *(_thing(own) for _ in range(own.pick((1, 1, 2))))))
     if words.chance(0.25):
         clauses.append(("notations", *(_note(own) for _ in range(own.pick((1, 2))))))
     if words.chance(0.4 if at < len(sketches) - 1 else 0.8):
         clauses.append(("primitive", _request(own)))
     else:
+        if words.among("constraints", 0.25):
+            clauses.append(("constraints", likely(own)))
         clauses.append(task_net(own, sketches, at))
     return ("method", *((name,) if name else ()), *clauses)
 
@@ -116,10 +133,15 @@ def mild_method(words: Words, sketches: Sequence[Sketch], at: int) -> Datum:
     if sketch.outputs:
         wanted = ("p", words.pick((*SYMBOLS, *sketch.inputs * 3)), sketch.outputs[0])
         clauses.append(("context", wanted))
+    if words.among("claims", 0.25):
+        clauses.append(("claims", *(_thing(own) for _ in range(own.pick((1, 1, 2))))))
     if at < len(sketches) - 1 and words.chance(0.95 if at == 0 else 0.6):
         return ("method", *clauses, task_net(own, sketches, at))
     name = words.pick(("act", "act", "rest", "slow", "slow"))
-    args = (words.pick((*SYMBOLS, *sketch.inputs)) for _ in range(PRIMITIVES[name][0]))
+    if words.among("claims", 0.9):
+        name = words.pick(tuple(USING))
+    items = ("a", "a", "c") if name in USING else (*SYMBOLS, *sketch.inputs)
+    args = (words.pick(items) for _ in range(_arity(name)))
     return ("method", *clauses, ("primitive", (name, *args)))
 
 
@@ -144,4 +166,26 @@ def _note(words: Words) -> Datum:
 
 def _request(words: Words) -> Datum:
     name = words.pick(("act", "act", "act", "pair", "rest", "slow"))
-    return (name, *(words.ground() for _ in range(PRIMITIVES[name][0])))
+    if words.among("claims", 0.85):
+        name = words.pick(tuple(USING))
+    few = name in USING and words.chance(0.7)
+    return (name, *("a" if few else words.ground() for _ in range(_arity(name))))
+
+
+def _arity(primitive: str) -> int:
+    return {**PRIMITIVES, **USING}[primitive][0]
+
+
+def _otherwise(words: Words, clauses: Sequence[Datum]) -> Datum:
+    """`otherwise`, alone or beside what a context asks besides."""
+    if not clauses:
+        return "otherwise"
+    context = clauses[0][1]
+    return words.pick((("and", "otherwise", context), ("and", context, "otherwise")))
+
+
+def _thing(words: Words) -> Datum:
+    name = words.pick(tuple(THINGS))
+    few = words.chance(0.7)
+    args = tuple("a" if few else words.ground() for _ in range(THINGS[name]))
+    return (name, *args) if args else name

@@ -68,7 +68,7 @@ class Run:
         self.events: list[events.Event] = []
         self.tasks: list[Task] = []
         self.given: list[Task] = []
-        self.tickets: list[tuple[Fact, Task | None]] = []
+        self.tickets: dict[int, tuple[Fact, Task | None]] = {}
         self.stack: list[tuple[int, int]] = []
         self.last_family: int | None = None
         self.idle = 0
@@ -130,8 +130,8 @@ class Run:
             return env
         asker = self.asker(task)
         found = asker.first(formula, env)
-        for message in asker.faults:
-            self.fault(task, clause, where or formula, message)
+        for within, message in asker.faults:
+            self.fault(task, within + clause, where or formula, message)
         return found
 
     def value(

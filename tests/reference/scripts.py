@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from rapc.base.values import Fact
@@ -18,8 +18,10 @@ from tests.reference.vocabulary import (
     PRIMITIVES,
     PROPERTIES,
     PROPOSITIONS,
+    QUERIES,
     SIGNALS,
     SYMBOLS,
+    USING,
     VALUES,
     WILD,
 )
@@ -64,10 +66,11 @@ def _changes(rng: random.Random, variables: Sequence[str] = ()) -> dict[str, Any
     return found
 
 
-def rows(rng: random.Random, wild: float) -> tuple[Row, ...]:
+def rows(rng: random.Random, wild: float, forms: Collection[str]) -> tuple[Row, ...]:
     """The rows of a script; for each primitive the last one answers anything."""
     made: list[Row] = []
-    for name, (arity, results) in PRIMITIVES.items():
+    using = USING if "claims" in forms else {}
+    for name, (arity, results) in (*PRIMITIVES.items(), *using.items()):
         for _ in range(rng.randrange(4)):
             pattern = [rng.choice(("?x", "?y", "?", *SYMBOLS)) for _ in range(arity)]
             times = rng.choice((1, 1, 2, None))
@@ -89,13 +92,15 @@ def _row(
     if rng.random() < 0.1:
         seen = [rng.choice((*SYMBOLS, *variables)) for _ in range(2)]
         changes["data"] = (("seen", *seen),)
-    slow = rng.random() < (0.85 if pattern[0] == "slow" else 0.1 * wild)
+    uses = pattern[0] in USING
+    lasting = pattern[0] == "slow" or (uses and pattern[0] != "tap")
+    slow = rng.random() < (0.85 if lasting else 0.1 * wild)
     return Row(
         pattern,
         rng.choice(results) if rng.random() < 0.2 + 0.2 * wild else "okay",
         times=times,
-        takes=rng.choice((0, 0, 1, 2, 5, 2.5)),
-        after=rng.choice((0, 1, 3, 7)) if slow else None,
+        takes=0 if uses and slow else rng.choice((0, 0, 1, 2, 5, 2.5)),
+        after=rng.choice((3, 7, 12) if uses else (0, 1, 3, 7)) if slow else None,
         **changes,
     )
 
@@ -106,16 +111,19 @@ def at(rng: random.Random) -> At:
     return At(time, **_changes(rng))
 
 
-def task(rng: random.Random, sketches: Sequence[Sketch]) -> str:
-    """A top-level task with its options."""
+def task(
+    rng: random.Random, sketches: Sequence[Sketch], forms: Collection[str] = ()
+) -> str:
+    """A top-level task with its options; those that fight for things differ more."""
+    rivals = "claims" in forms
     sketch = rng.choice((*[sketches[0]] * 4, *sketches))
     args = [rng.choice((*SYMBOLS, *SYMBOLS, *VALUES)) for _ in sketch.inputs]
     words = [text((sketch.name, *args))]
-    if rng.random() < 0.3:
+    if rng.random() < (0.7 if rivals else 0.3):
         words.append(f":priority {rng.choice((1, 2, 3, -1))}")
     if rng.random() < 0.3:
         words.append(f":deadline {rng.randrange(1, 30)}")
-    if rng.random() < 0.2:
+    if rng.random() < (0.5 if rivals else 0.2):
         words.append(f":at {rng.randrange(0, 12)}")
     if rng.random() < 0.1:
         words.append(":background true")
@@ -141,13 +149,18 @@ def host(rng: random.Random, sketches: Sequence[Sketch]) -> tuple[Time, str, str
 
 
 def solvers(
-    rng: random.Random, wild: float, sketches: Sequence[Sketch]
+    rng: random.Random,
+    wild: float,
+    sketches: Sequence[Sketch],
+    forms: Collection[str],
 ) -> tuple[tuple[str, Datum], ...]:
     """Methods that problem solvers return, for some RAPs."""
     found = []
     for place, sketch in enumerate(sketches):
         if rng.random() < 0.3:
             words = Words(rng, wild, sketch.inputs)
+            words.forms = forms
+            words.queries = tuple(QUERIES) if "queries" in forms else ()
             names = ["late", METHODS[0]]
             made = [method(words, sketches, place, names) for _ in range(2)]
             made.append(mild_method(words, sketches, place))

@@ -13,6 +13,9 @@ Judge = Callable[[Case], str]
 
 _FIELDS = ("tasks", "host", "solvers", "at", "rows", "facts", "forms")
 
+_KEPT = ("declare", "define-query")
+"""How the heads of forms begin that are left as they are."""
+
 _OPEN = ("define-rap", "method", "task-net", "and", "or", "resources", "notations")
 """The heads of lists from which parts may be left out."""
 
@@ -43,7 +46,7 @@ def _shrink_field(case: Case, field: str, verdict: str, judge: Judge) -> Case:
 def _fewer(parts: tuple[Any, ...]) -> Iterator[tuple[Any, ...]]:
     """A sequence with one element less, or with one element smaller."""
     for index, part in enumerate(parts):
-        if not (isinstance(part, tuple) and str(part[0]).startswith("declare")):
+        if not (isinstance(part, tuple) and str(part[0]).startswith(_KEPT)):
             yield (*parts[:index], *parts[index + 1 :])
     for index, part in enumerate(parts):
         for less in _smaller(part):
@@ -56,7 +59,7 @@ def _smaller(value: Any) -> Iterator[Any]:
         for name in ("asserts", "erases", "signals", "data"):
             for less in _fewer(getattr(value, name, ())):
                 yield msgspec.structs.replace(value, **{name: less})
-    if not isinstance(value, tuple) or str(value[0]).startswith("declare"):
+    if not isinstance(value, tuple) or str(value[0]).startswith(_KEPT):
         return
     if value[0] in ("and", "or", "not"):
         yield from value[1:]

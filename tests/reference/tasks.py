@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from rapc.base.resources import Value
 from rapc.base.values import Fact, format_atom
 from rapc.ir import nodes
 from rapc.ir.printer import format_term
 from rapc.world import Time
+
+if TYPE_CHECKING:
+    from tests.reference.things import Ask
 
 _TIMES = ("now", "absolute")
 
@@ -31,7 +35,11 @@ class Place:
 
 
 class Running:
-    """A method that runs: its bindings, its steps, what it notes."""
+    """A method that runs: its bindings, its steps, what it notes and holds.
+
+    `choice` is what the futile-loop detector knows of it; `first` whether its task had
+    not tried it before.
+    """
 
     def __init__(
         self, task: Task, method: nodes.Method, env: dict[str, Value], made: Time
@@ -41,6 +49,11 @@ class Running:
         self.env = env
         self.made = made
         self.noted: list[Fact] = []
+        self.uses: list[Fact] = []
+        self.claims: list[Fact] = []
+        self.asked: list[Ask] = []
+        self.choice: tuple[object, ...] = ()
+        self.first = False
         body = method.body
         steps = body.steps if isinstance(body, nodes.TaskNet) else ()
         self.places = [Place(step) for step in steps]
@@ -75,7 +88,11 @@ class Running:
 
 
 class Task:
-    """A task on the agenda; what it remembers lasts as long as it lives."""
+    """A task on the agenda; what it remembers lasts as long as it lives.
+
+    `wanted` is what it waits for a thing to ask for: one list for each method, one of
+    which must be free of obstacles; `held_up` whether none is.
+    """
 
     def __init__(
         self,
@@ -116,6 +133,9 @@ class Task:
         self.blocked_on = ""
         self.once = False
         self.timers: list[Time] = []
+        self.wanted: list[list[Ask]] = []
+        self.held_up = False
+        self.held_up_by: tuple[str, int] = ("", 0)
         self.failures: dict[int, int] = {}
         self.chosen: dict[tuple[object, ...], int] = {}
         self.has_failed = False

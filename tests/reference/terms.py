@@ -15,6 +15,10 @@ Bindings = Mapping[str, Value]
 Functions = Mapping[str, Callable[..., Any]]
 
 
+OWN = "~"
+"""Behind it stands which use of a named query a variable belongs to."""
+
+
 class Fault(Exception):
     """A term that is unbound or of the wrong kind; the message says which."""
 
@@ -37,7 +41,7 @@ class Terms:
             return term.value
         if isinstance(term, nodes.Var):
             if term.name not in env:
-                raise Fault(f"{term.name} is not bound")
+                raise Fault(f"{term.name.partition(OWN)[0]} is not bound")
             return env[term.name]
         values = [self.term(arg, env) for arg in term.args]
         if term.function == "value":

@@ -26,6 +26,8 @@ OFTEN = (
     "family-switched",
     "method-chosen",
     "method-ended",
+    "method-suspended",
+    "primitive-cancelled",
     "primitive-ended",
     "primitive-requested",
     "query-faulted",

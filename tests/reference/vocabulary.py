@@ -51,3 +51,53 @@ RESULTS = ("okay", "bad", "slip", "lost", "interference", "no-method", "futile-l
 
 METHODS = ("one", "2")
 """Names of methods."""
+
+FORMS = ("queries", "otherwise", "constraints", "claims")
+"""Kinds of forms that some programs use and others do not."""
+
+QUERIES = {"near": 1, "fit": 2, "calm": 0, "sound": 1}
+"""Named queries, with the number of their arguments; each may use those behind it."""
+
+THINGS = {"wheels": 0, "arm": 1, "way": 2}
+
+USERS: tuple[tuple[object, ...], ...] = (
+    (
+        "declare-primitive",
+        "hold",
+        ("?x",),
+        ("okay", "lost"),
+        ":atomic",
+        "false",
+        ":uses",
+        (("arm", "?x"),),
+    ),
+    (
+        "declare-primitive",
+        "go",
+        ("?x", "?y"),
+        ("okay", "slip"),
+        ":atomic",
+        "false",
+        ":uses",
+        ("wheels", ("way", "?x", "?y")),
+    ),
+    (
+        "declare-primitive",
+        "carry",
+        ("?x",),
+        ("okay", "lost"),
+        ":atomic",
+        "false",
+        ":uses",
+        (("arm", "?x"), "wheels"),
+    ),
+    ("declare-primitive", "tap", ("?x",), ("okay", "bad"), ":uses", (("arm", "?x"),)),
+)
+"""Primitives that use things."""
+
+USING = {
+    "hold": (1, ("okay", "lost")),
+    "go": (2, ("okay", "slip")),
+    "carry": (1, ("okay", "lost")),
+    "tap": (1, ("okay", "bad")),
+}

@@ -13,6 +13,7 @@ from rapc.runtime.events import events
 from rapc.world import Time
 from tests.reference.run import Run, unbound
 from tests.reference.tasks import Place, Task
+from tests.reference.things import Obstacle, obstacles, written
 
 # --- inputs and what is evaluated with them ---------------------------------------
 
@@ -230,8 +231,8 @@ def monitors_hold(run: Run, task: Task) -> bool:
         return True
     asker = run.asker(task)
     found = asker.first(formula, task.own)
-    for message in asker.faults:
-        run.fault(task, "monitor-state", formula, message)
+    for within, message in asker.faults:
+        run.fault(task, f"{within}monitor-state", formula, message)
     task.timers = asker.timers
     return found is not None
 
@@ -249,6 +250,7 @@ def block(run: Run, task: Task) -> None:
     task.blocked = True
     task.once = False
     task.chosen = {}
+    task.wanted = []
     task.blocked_on = awaited(run, task)
     run.tell(events.TaskBlocked, task=task.number, on=task.blocked_on)
 
@@ -269,9 +271,11 @@ def may_run(run: Run, task: Task) -> bool:
 
 
 def look(run: Run, task: Task) -> None:
-    """Look at one task before a choice: monitors, then deadline."""
+    """Look at one task before a choice: things, monitors, then deadline."""
     if may_run(run, task):
-        whole = task.full and not task.broken
+        if task.wanted:
+            look_at_things(run, task)
+        whole = task.full and not task.broken and not task.held_up
         if task.monitored and whole and not task.once:
             look_at_monitors(run, task)
     look_at_deadline(run, task)
@@ -285,6 +289,25 @@ def look_at_monitors(run: Run, task: Task) -> None:
             run.tell(events.TaskWoken, task=task.number, on=task.blocked_on)
     elif not task.blocked:
         block(run, task)
+
+
+def look_at_things(run: Run, task: Task) -> None:
+    """Wake a task when nothing is in the way; hold it up again when something is."""
+    blocking = [obstacles(run, task, wanted) for wanted in task.wanted]
+    if task.held_up and not all(blocking):
+        task.held_up = False
+        on, holder = task.held_up_by
+        run.tell(events.TaskWoken, task=task.number, on=on, holder=holder)
+    elif not task.held_up and all(blocking):
+        hold_up(run, task, blocking[0][0])
+
+
+def hold_up(run: Run, task: Task, obstacle: Obstacle) -> None:
+    """A task waits until nothing is in the way of what it wants."""
+    task.held_up = True
+    task.held_up_by = (written(obstacle.thing), obstacle.holder.number)
+    on, holder = task.held_up_by
+    run.tell(events.TaskBlocked, task=task.number, on=on, holder=holder)
 
 
 def next_time(run: Run) -> Time | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from tests.reference.vocabulary import NUMBERS, SYMBOLS, VALUES, WILD
@@ -16,7 +16,8 @@ class Words:
     """Where the random terms of one RAP or method come from.
 
     `wild` is the share of oddities that are let through, from 0 to 1. `known` are
-    variables likely to be bound, `free` others; `sets` and `counters` are resources.
+    variables likely to be bound, `free` others; `sets` and `counters` are resources,
+    `queries` the named queries that may be used, `forms` the kinds of forms.
     """
 
     def __init__(self, rng: random.Random, wild: float, known: Sequence[str]) -> None:
@@ -26,12 +27,19 @@ class Words:
         self.free = ["?u", "?v", "?w"]
         self.sets: list[str] = []
         self.counters: list[str] = []
+        self.queries: Sequence[str] = ()
+        self.forms: Collection[str] = ()
 
     def inner(self, known: Sequence[str] | None = None) -> Words:
         """The words for a part of this, which may come to know more variables."""
         inner = Words(self.rng, self.wild, self.known if known is None else known)
         inner.sets, inner.counters = self.sets, self.counters
+        inner.queries, inner.forms = self.queries, self.forms
         return inner
+
+    def among(self, kind: str, share: float) -> bool:
+        """True in this share of cases where a kind of forms is used."""
+        return kind in self.forms and self.chance(share)
 
     def chance(self, share: float) -> bool:
         """True in this share of cases."""
