@@ -173,6 +173,10 @@ _LINES: Mapping[type[events.Event], tuple[str, _Line]] = {
     events.MethodEnded: ("ended", lambda e, n: f"{n[e.task]} {e.method} {e.result}"),
     events.TaskBlocked: ("blocked", lambda e, n: f"{n[e.task]} on {e.on}"),
     events.TaskWoken: ("woken", lambda e, n: n[e.task]),
+    events.MethodSuspended: (
+        "suspended",
+        lambda e, n: f"{n[e.task]} for {e.for_} by {n[e.by]}",
+    ),
     events.TaskSucceeded: ("succeeded", lambda e, n: str(e.goal)),
     events.TaskFailed: ("failed", lambda e, n: f"{e.goal} {e.reason} {e.result}"),
     events.TaskRemoved: ("removed", lambda e, n: f"{n[e.task]} {e.cause}"),

@@ -1,4 +1,4 @@
-"""Things: who holds what, who waits for whom, and what stands in whose way [T 7.2.1].
+"""Things: who holds what, who waits for whom, and what stands in whose way [L 8].
 
 A thing is a symbol or a name with values, `wheels` or `(arm left)`. A method holds
 things from its start to its end; a task whose method would have to wait for one is

@@ -1,4 +1,4 @@
-"""What tasks do about things: ask, hold, wait, and give way to higher ones [T 7.2.1].
+"""What tasks do about things: ask, hold, wait, and give way to higher ones [L 8].
 
 A method asks for all its things at once before it starts. Where something stands in
 the way the choice is put back and its task blocked; where nothing does, lower methods

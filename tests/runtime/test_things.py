@@ -1,0 +1,118 @@
+"""Things that tasks hold and wait for, where a library's own test cannot look."""
+
+from __future__ import annotations
+
+from rapc.runtime.events.events import RunEnded
+from tests.runtime.helpers import Play, at, row
+from tests.runtime.porter import Shift, without_claims
+
+BODY = """
+(declare-primitive go (?where) (okay) :atomic false :uses (wheels))
+(declare-primitive grip (?arm) (okay) :atomic false :uses ((arm ?arm)))
+(define-rap (drive ?where) (method (primitive (go ?where))))
+(define-rap (hold ?arm) (method (primitive (grip ?arm))))
+(define-rap (pause) (method (primitive (slow it))))
+(define-rap (one)
+  (method (claims wheels) (task-net (t1 (pause) (for t2)) (t2 (hold left)))))
+(define-rap (two)
+  (method (claims (arm left)) (task-net (t1 (pause) (for t2)) (t2 (drive lab)))))
+(define-rap (p-never) (monitor-state (p never)) (method (primitive (act a))))
+(define-rap (grip-when ?arm) (monitor-state (p free))
+  (method (primitive (grip ?arm))))
+"""
+
+ROWS = [row("(go ?)", after=5), row("(grip ?)", after=3)]
+
+
+def _waiting(ran: Play) -> tuple[str, ...]:
+    """What a run said of those who were left over."""
+    over = ran.events[-1]
+    assert isinstance(over, RunEnded)
+    return over.waiting
+
+
+def test_who_waits_for_whom_is_told() -> None:
+    ran = Play(BODY, "(drive lab) :priority 1", "(drive hall)", rows=ROWS)
+    ran.run(until=2)
+    assert _waiting(ran) == (
+        "(drive lab) [1] waits for (go lab)",
+        "(drive hall) [2] waits for wheels, held by (drive lab) [1]",
+    )
+
+
+def test_the_agenda_says_it_too() -> None:
+    ran = Play(BODY, "(drive lab) :priority 1", "(drive hall)", rows=ROWS)
+    ran.interpreter.run_ready()
+    waits = [(one.state, one.waits_for) for one in ran.interpreter.agenda()]
+    assert waits == [
+        ("running", "(go lab)"),
+        ("blocked", "wheels, held by (drive lab) [1]"),
+    ]
+
+
+def test_a_circle_of_waiting_is_named_at_the_end_whatever_ended_the_run() -> None:
+    for last, reason in ("(hold right)", "done"), ("(p-never)", "stuck"):
+        ran = Play(
+            BODY,
+            "(one) :background true",
+            "(two) :background true",
+            last,
+            rows=ROWS,
+        ).run()
+        assert ran.interpreter.reason == reason
+        [circle] = [line for line in _waiting(ran) if line.startswith("a circle")]
+        assert "(hold left)" in circle
+        assert "waits for (arm left), held by (two)" in circle
+        assert "(drive lab)" in circle
+        assert "waits for wheels, held by (one)" in circle
+
+
+def test_who_waits_for_one_that_can_go_on_is_in_no_circle() -> None:
+    ran = Play(BODY, "(one)", "(drive hall)", rows=ROWS).run(until=2)
+    assert not [line for line in _waiting(ran) if "circle" in line]
+
+
+def test_a_run_that_is_saved_anywhere_goes_on_as_if_nothing_had_happened() -> None:
+    def play() -> Play:
+        return Play(
+            BODY,
+            "(one)",
+            "(drive lab) :priority 2 :at 1",
+            "(drive hall) :at 1",
+            "(grip-when left) :priority -1",
+            "(grip-when left) :priority 3 :at 2",
+            rows=ROWS,
+            times=[at(1, "(p free)")],
+        )
+
+    whole = play().run()
+    assert whole.told("suspended") != []
+    for cycles in range(1, 20):
+        begun, other = play(), play()
+        for _ in range(cycles):
+            begun.interpreter.step()
+        known = len(begun.events)
+        other.interpreter.restore(begun.interpreter.save())
+        other.events.clear()
+        other.run()
+        assert other.events == whole.events[known:], cycles
+
+
+def test_two_standing_tasks_and_three_orders_share_one_body() -> None:
+    """Nobody is driven away from a task that claims the wheels, whatever the seed."""
+    suspended = 0
+    for seed in range(200):
+        shift = Shift(seed)
+        results = [r.outcome for r in shift.run.results() if not r.background]
+        assert (shift.reason, results) == ("done", ["succeeded"] * 3), seed
+        assert shift.moved_from_under() == 0, seed
+        assert shift.world.failed == 0, seed
+        assert shift.never_resumed() == [], seed
+        suspended += len(shift.suspended())
+    assert suspended > 200
+
+
+def test_without_its_claims_the_same_library_fails() -> None:
+    shifts = [Shift(seed, without_claims()) for seed in range(40)]
+    assert sum(shift.moved_from_under() > 0 for shift in shifts) > 30
+    assert sum(shift.world.failed for shift in shifts) > 0
