@@ -21,7 +21,7 @@ from rapc.base.version import VERSION
 
 if TYPE_CHECKING:
     from rapc import world as world
-    from rapc.analysis.driver import Report as Report
+    from rapc.analysis.driver import CheckReport as CheckReport
     from rapc.errors import ArgumentError as ArgumentError
     from rapc.errors import Error as Error
     from rapc.errors import FactError as FactError
@@ -63,7 +63,7 @@ _HOMES = {
     "LoadError": "rapc.errors",
     "PortError": "rapc.errors",
     "RefusedError": "rapc.errors",
-    "Report": "rapc.analysis.driver",
+    "CheckReport": "rapc.analysis.driver",
     "RunResult": "rapc.host",
     "SavedError": "rapc.errors",
     "SettingError": "rapc.errors",

@@ -14,7 +14,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.analysis.driver import Report, check_library
+from rapc.analysis.driver import CheckReport, check_library
 from rapc.base import files
 from rapc.base.diagnostics import Severity
 from rapc.base.gc_paused import gc_paused
@@ -46,9 +46,9 @@ class CheckError(Error):
     """A library with findings of severity error."""
 
     #: The findings of severity error, no others.
-    report: Report
+    report: CheckReport
 
-    def __init__(self, report: Report) -> None:
+    def __init__(self, report: CheckReport) -> None:
         span = report.findings[0].diagnostic.span
         source, place = report.files.get(span.file), span.file
         if source is not None:
@@ -209,7 +209,7 @@ def loads(text: str, name: str = "<text>") -> CheckedLibrary:
     return checked(loader.load_text(_text(text), name), name)
 
 
-def check(*paths: Path | Iterable[Path]) -> Report:
+def check(*paths: Path | Iterable[Path]) -> CheckReport:
     """Load files and folders as one library and return all that is wrong with it.
 
     Args:
@@ -281,7 +281,7 @@ def checked(loaded: Loaded, name: str) -> CheckedLibrary:
     report = check_library(loaded)
     errors = tuple(f for f in report.findings if f.severity is Severity.ERROR)
     if errors:
-        raise CheckError(Report(errors, report.library))
+        raise CheckError(CheckReport(errors, report.library))
     return CheckedLibrary(Program(report.library, name))
 
 

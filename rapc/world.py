@@ -376,7 +376,10 @@ class Savable(Protocol):
     """A simulator whose state can be saved."""
 
     def save(self) -> bytes:
-        """Return the state, exactly, random streams among it; nothing changes."""
+        """Return the world's complete state, its random streams included.
+
+        Nothing in the world changes.
+        """
 
     def restore(self, state: bytes) -> None:
         """Go back to a state that `save` returned, in place.

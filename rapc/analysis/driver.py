@@ -43,7 +43,7 @@ class Finding(msgspec.Struct, frozen=True):
         return self.rule.severity
 
 
-class Report(msgspec.Struct, frozen=True):
+class CheckReport(msgspec.Struct, frozen=True):
     """What checking came to: the findings in the order of files and text."""
 
     findings: tuple[Finding, ...]
@@ -73,7 +73,9 @@ class UnknownRuleError(Error):
 
 
 @gc_paused()
-def check_library(loaded: Loaded, enabled: Collection[str] | None = None) -> Report:
+def check_library(
+    loaded: Loaded, enabled: Collection[str] | None = None
+) -> CheckReport:
     """Check a loaded library; its own diagnostics are part of the report.
 
     Args:
@@ -89,7 +91,7 @@ def check_library(loaded: Loaded, enabled: Collection[str] | None = None) -> Rep
     order = {name: at for at, name in enumerate(loaded.files)}
     findings = [Finding(rules[d.rule], d) for d in found if d.rule in enabled]
     findings.sort(key=lambda f: _place(order, f))
-    return Report(tuple(findings), loaded.library)
+    return CheckReport(tuple(findings), loaded.library)
 
 
 def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:

@@ -1,4 +1,4 @@
-"""The nearest name, for "did you mean"; and numbers with what is counted."""
+"""The nearest name, for "did you mean"; and nouns in the plural with their number."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from difflib import SequenceMatcher
 _CUTOFF = 0.72
 
 
-def counted(number: int, word: str) -> str:
-    """A number with what is counted, in the plural unless it is one: `2 inputs`."""
+def plural(number: int, word: str) -> str:
+    """Return `number` and `word`, in the plural unless it is one: `2 inputs`."""
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import click
 
 from rapc.analysis import driver
-from rapc.analysis.driver import Report
+from rapc.analysis.driver import CheckReport
 from rapc.base.diagnostics import Severity
-from rapc.base.names import counted
+from rapc.base.names import plural
 from rapc.cli.common import (
     common_options,
     fail,
@@ -91,14 +91,14 @@ def _words(given: Sequence[str]) -> list[str]:
     return [word for word in words if word]
 
 
-def _summary(report: Report) -> str:
-    checked = f"checked {counted(len(report.files), 'file')}, "
-    checked += counted(report.raps, "RAP")
+def _summary(report: CheckReport) -> str:
+    checked = f"checked {plural(len(report.files), 'file')}, "
+    checked += plural(report.raps, "RAP")
     if not report.findings:
         return f"{checked}: no findings"
     counts: dict[str, int] = {}
     for finding in sorted(report.findings, key=lambda f: -f.severity):
         word = finding.severity.word
         counts[word] = counts.get(word, 0) + 1
-    found = [f"{n} info" if w == "info" else counted(n, w) for w, n in counts.items()]
+    found = [f"{n} info" if w == "info" else plural(n, w) for w, n in counts.items()]
     return f"{checked}: {', '.join(found)}"

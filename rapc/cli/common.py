@@ -16,7 +16,7 @@ from collections.abc import Iterable
 
 import click
 
-from rapc.analysis.driver import Report
+from rapc.analysis.driver import CheckReport
 from rapc.cli.options import USAGE, common_options, fail, say, settings
 from rapc.errors import LoadError
 from rapc.library.loader import Loaded, load
@@ -55,7 +55,7 @@ def same_file(one: str, other: str) -> bool:
         return False
 
 
-def print_findings(report: Report, output_format: str) -> None:
+def print_findings(report: CheckReport, output_format: str) -> None:
     """Print a report's findings on standard output: `full`, `concise` or `json`."""
     if not report.findings and output_format != "json":
         return

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from rapc.analysis.driver import Report
+from rapc.analysis.driver import CheckReport
 from rapc.base.files import read_compiled
 from rapc.base.gc_paused import gc_paused
 from rapc.cli.checked import load_checked
@@ -103,7 +103,7 @@ def _suites(path: str) -> Iterator[Suite]:
     reports = [*found.reports]
     for case in found.cases:
         if case.faults:
-            reports.append(Report(case.faults, case.library.library))
+            reports.append(CheckReport(case.faults, case.library.library))
     for report in reports:
         print_findings(report, "full")
     if reports:

@@ -188,7 +188,7 @@ def _workers(
         try:
             from rapc.experiments import cluster as dask  # noqa: PLC0415  # an extra
         except ModuleNotFoundError as error:
-            _see_that_it_is(error, "distributed")
+            _raise_unless_missing(error, "distributed")
             fail("--cluster needs Dask: install `rapc[cluster]`")
         try:
             found = dask.ClusterWorkers(cluster, total)
@@ -200,8 +200,8 @@ def _workers(
         yield workers
 
 
-def _see_that_it_is(error: ModuleNotFoundError, package: str) -> None:
-    """Let an error through that is not about the package that may be missing."""
+def _raise_unless_missing(error: ModuleNotFoundError, package: str) -> None:
+    """Raise `error` again unless `package` is the one that could not be found."""
     if (error.name or "").partition(".")[0] != package:
         raise error
 
@@ -249,7 +249,7 @@ def _draw(summaries: Sequence[Summary], folder: Path) -> list[str]:
     try:
         from rapc.console.experiments import plots  # noqa: PLC0415  # an extra
     except ModuleNotFoundError as error:
-        _see_that_it_is(error, "matplotlib")
+        _raise_unless_missing(error, "matplotlib")
         click.echo("no plots: install `rapc[viz]` to have them drawn", err=True)
         return []
     named = {summary.part.name: summary for summary in summaries}

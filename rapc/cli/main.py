@@ -83,7 +83,7 @@ def cli() -> None:
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the command line; ends the process with the command's exit status."""
-    _print_anything()
+    _escape_unprintable()
     try:
         status = cli.main(
             None if args is None else list(args),
@@ -119,11 +119,11 @@ def main(args: Sequence[str] | None = None) -> None:
     sys.exit(status if isinstance(status, int) else 0)
 
 
-def _print_anything() -> None:
-    """Let no character, such as one of a file's odd name, stop the output.
+def _escape_unprintable() -> None:
+    """Make output escape characters that its encoding lacks, in place of an error.
 
-    A stream that the caller has closed goes nowhere, and keeps the first file that is
-    opened from standing in its place.
+    A stream that the caller has closed is replaced by the null device: otherwise the
+    first file that is opened would get the number of the stream, and its output.
     """
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)

@@ -23,7 +23,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 class Count(click.IntRange):
-    """A whole number from 1 to some limit that nobody means to pass."""
+    """An integer from 1 to `most`."""
 
     name = "whole number"
 

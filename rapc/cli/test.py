@@ -28,7 +28,7 @@ from rapc.testing import discover
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Case, Outcome
-from rapc.testing.session import Session, exit_status, summary
+from rapc.testing.session import TestSession, exit_status, summary
 from rapc.worlds.faults import Fault
 
 EXAMPLES = """\b
@@ -111,7 +111,7 @@ def test(
     if not paths:
         raise click.UsageError("a file or folder with tests is missing")
     gathered = None if coverage is None else Coverage()
-    running = Session(
+    running = TestSession(
         range(seed, seed + seeds), _faults(faults), gathered, tuple(modules)
     )
     cases = _find(paths)
@@ -174,7 +174,7 @@ def _find(paths: Sequence[str]) -> tuple[Case, ...]:
     return found.cases
 
 
-def _run(running: Session, cases: Iterable[Case]) -> list[Outcome]:
+def _run(running: TestSession, cases: Iterable[Case]) -> list[Outcome]:
     """Run the tests, a line for each, below the name of its file."""
     outcomes = []
     file = None

@@ -105,25 +105,25 @@ class RapPlan:
         "duration",
         "identity",
         "inputs",
-        "known",
         "methods",
         "monitor_state",
         "monitor_time",
         "monitored",
         "name",
         "needs_setup",
+        "needs_wait_state",
         "never_succeeds",
         "node",
-        "only",
         "outputs",
         "preconditions",
         "prepared_from",
         "recursive",
         "repeat_while",
         "resources",
+        "sole_method",
+        "static_identity",
         "steady",
         "succeed",
-        "waits",
         "watches",
     )
 
@@ -174,18 +174,19 @@ class RapPlan:
         self.conditional = bool(node.preconditions or node.constraints)
         #: Whether something is to be made of the inputs.
         self.needs_setup = bool(node.resources or node.duration or node.monitor_time)
-        self.waits = self.monitored or self.needs_setup
+        #: Whether its tasks need a record of what they wait for.
+        self.needs_wait_state = self.monitored or self.needs_setup
         #: Whether it can come up among its own subtasks.
         self.recursive = compiler.recursion.covers(node.name)
         #: The identity, where it is known beforehand and need not be tested.
-        self.known = None if self.inputs or self.recursive else self.identity
+        self.static_identity = None if self.inputs or self.recursive else self.identity
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)
         )
         single = len(self.methods) == 1 and node.repeat_while is None
         #: The one method, if there is one and no `repeat-while`.
-        self.only = self.methods[0] if single else None
+        self.sole_method = self.methods[0] if single else None
 
 
 def _without_otherwise(context: nodes.Formula | None) -> nodes.Formula | None:

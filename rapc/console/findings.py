@@ -16,7 +16,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from rapc.analysis.driver import Finding, Report
+from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label, Severity
 from rapc.base.source import SourceFile, Span
 from rapc.base.visible import visible
@@ -47,14 +47,14 @@ def write(lines: Iterable[Text], stream: TextIO, *, color: bool) -> None:
         console.print(line, soft_wrap=True, highlight=False)
 
 
-def concise(report: Report) -> Iterator[str]:
+def concise(report: CheckReport) -> Iterator[str]:
     """Each finding as one line: place, severity, rule, message."""
     for finding in report.findings:
         place = _place(finding.diagnostic.span, report.files)
         yield f"{place}: {_title(finding)}: {visible(finding.diagnostic.message)}"
 
 
-def full(report: Report, width: int) -> Iterator[Text]:
+def full(report: CheckReport, width: int) -> Iterator[Text]:
     """Each finding with its source, labels, notes, help and fix, and a blank line.
 
     Source lines are cut to `width` cells, around what they are shown for.
@@ -326,7 +326,7 @@ def _location(span: Span, files: Files) -> dict[str, dict[str, int]]:
     }
 
 
-def json_text(report: Report) -> str:
+def json_text(report: CheckReport) -> str:
     """All findings as a JSON array; rows and columns from 1, ends exclusive."""
     rows = [_json(finding, report.files) for finding in report.findings]
     return json.dumps(rows, indent=2, ensure_ascii=False)

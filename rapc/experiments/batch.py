@@ -1,8 +1,8 @@
-"""The one loop that has runs done, whoever does them, and keeps what comes of them.
+"""Dispatch jobs to workers and yield their results.
 
-Workers are whatever takes a job and returns a future: processes of this machine
-(`local`) or a cluster (`cluster`). A job that is lost with its worker is given out
-again, run by run, a bounded number of times.
+Workers take a job and return a future: processes of this machine (`local`) or a
+cluster (`cluster`). A job that is lost with its worker is tried again, run by run, a
+bounded number of times.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rapc.experiments.config import Config
 from rapc.experiments.run import Job, Result
 
 ATTEMPTS = 3
-"""How often a run is given out before it is given up."""
+"""How often a run is dispatched before it is given up."""
 
 
 class WorkersLost(Error):
@@ -27,7 +27,7 @@ class WorkersLost(Error):
 
 
 class Workers(Protocol):
-    """Who does the runs. Any of these may raise WorkersLost."""
+    """Processes that do runs. Any method may raise WorkersLost."""
 
     @property
     def room(self) -> int:
@@ -38,11 +38,11 @@ class Workers(Protocol):
         """How many runs a job should have at most."""
 
     def submit(self, job: Job) -> Future[tuple[Result, ...]]:
-        """Have a job done. The future's `TimeoutError` means that it took too long."""
+        """Start `job`. The future's `TimeoutError` means that it took too long."""
 
 
 class BatchResult(msgspec.Struct, frozen=True):
-    """Results of runs of a configuration that have come in."""
+    """Results of runs of one configuration."""
 
     config: Config
     results: tuple[Result, ...]
@@ -54,7 +54,10 @@ class _Dispatch(msgspec.Struct, frozen=True):
 
 
 def jobs(missing: Iterable[tuple[Config, Sequence[int]]], chunk: int) -> Iterator[Job]:
-    """Jobs for the seeds that configurations lack, by turns: all get on alike."""
+    """Yield jobs of at most `chunk` seeds, one configuration after another in turn.
+
+    `missing` has configurations with the seeds that they lack results for.
+    """
     queues = deque((config, deque(seeds)) for config, seeds in missing if seeds)
     while queues:
         config, seeds = queues.popleft()
@@ -65,7 +68,7 @@ def jobs(missing: Iterable[tuple[Config, Sequence[int]]], chunk: int) -> Iterato
 
 
 def run_batch(workers: Workers, work: Iterable[Job]) -> Iterator[BatchResult]:
-    """Have jobs done; yields results as they come, in any order.
+    """Do jobs and yield their results in the order in which they come in.
 
     Each run of each job is in exactly one result, with its measures or a fault.
 
@@ -108,7 +111,10 @@ def _fill(
 def _take(
     given: _Dispatch, future: Future[tuple[Result, ...]], again: deque[_Dispatch]
 ) -> Iterator[BatchResult]:
-    """What a future brought; what was lost goes to `again`, or is given up."""
+    """Yield the results of `future`; put runs that were lost back into `again`.
+
+    Runs that were lost too often, or took too long, get a fault for a result.
+    """
     config, seeds = given.job.config, given.job.seeds
     error = CancelledError() if future.cancelled() else future.exception()
     if error is None:

@@ -1,7 +1,7 @@
-"""All that decides what a run comes to, but for its seed; and its hash.
+"""The configuration of a run, every input except the seed, and its digest.
 
-Whoever has a configuration needs no file besides: the text of the library is in it.
-So it can be sent to another process or machine that has the same rapc.
+A configuration has the text of the library in it and needs no file besides: it can be
+sent to another process or machine that has the same rapc.
 """
 
 from __future__ import annotations

@@ -47,7 +47,10 @@ class Batch:
         self._library_path = library_path
 
     def missing(self, store: Store) -> list[tuple[Config, list[int]]]:
-        """The seeds that the chosen points lack; points that are alike come once."""
+        """Return the configurations of the chosen points with the seeds they lack.
+
+        Points of equal configuration are listed once.
+        """
         lacking: dict[str, tuple[Config, list[int]]] = {}
         for point in self.points:
             if point.part in self.chosen and point.digest not in lacking:

@@ -94,7 +94,7 @@ class Suite(NamedTuple):
 
 
 def encode(library: Library, name: str, suites: Iterable[Suite] = ()) -> bytes:
-    """Return a checked library with its tests as bytes; the same for the same.
+    """Serialise a checked library and its tests; equal ones give equal bytes.
 
     Args:
         library: the library, linked from sources and free of errors.

@@ -13,7 +13,7 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
-from rapc.base.names import counted
+from rapc.base.names import plural
 from rapc.base.source import Span
 from rapc.ir import nodes, walk
 from rapc.language.heads import CALLS
@@ -177,7 +177,7 @@ def _raise(fault: Fault | None) -> None:
 
 def _agree(name: str, given: int, takes: int) -> None:
     if given != takes:
-        takes_ = counted(takes, "argument")
+        takes_ = plural(takes, "argument")
         raise UnsoundError(f"`{name}` takes {takes_}, not {given}")
 
 

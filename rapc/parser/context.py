@@ -7,7 +7,7 @@ words, and returns the node, or None if nothing could be made of it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, Protocol
+from typing import Any, Protocol, TypedDict, Unpack
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
@@ -43,6 +43,17 @@ class Readers(Protocol):
 
     def group(self, rule: str) -> dict[str, Read]:
         """Return the readers of the lists in a group by the words that head them."""
+
+
+class Details(TypedDict, total=False):
+    """What a finding may say besides its message."""
+
+    #: Other data that the finding points at, each with what is said of it.
+    labels: Iterable[tuple[Datum, str]]
+    #: What to do about it.
+    help: str
+    #: The change of the text that would cure it.
+    fix: Fix | None
 
 
 class Context:
@@ -95,33 +106,19 @@ class Context:
         return self.source.text[datum.start : datum.end]
 
     def report(
-        self,
-        rule: str,
-        message: str,
-        at: Datum,
-        *,
-        labels: Iterable[tuple[Datum, str]] = (),
-        help: str = "",
-        fix: Fix | None = None,
+        self, rule: str, message: str, at: Datum, **more: Unpack[Details]
     ) -> None:
         """Report a fault for which something of the form is left out."""
         self.lost.add(self.clause)
         if not self.surplus:
-            self.slip(rule, message, at, labels=labels, help=help, fix=fix)
+            self.report_fixable(rule, message, at, **more)
 
-    def slip(
-        self,
-        rule: str,
-        message: str,
-        at: Datum,
-        *,
-        labels: Iterable[tuple[Datum, str]] = (),
-        help: str = "",
-        fix: Fix | None = None,
+    def report_fixable(
+        self, rule: str, message: str, at: Datum, **more: Unpack[Details]
     ) -> None:
         """Report a fault whose meaning is clear, so that nothing is left out."""
         if not self.damaged:
-            self.certain(rule, message, at, labels=labels, help=help, fix=fix)
+            self.certain(rule, message, at, **more)
 
     def certain(
         self,

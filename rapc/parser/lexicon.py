@@ -1,7 +1,7 @@
 """Tokens: one regular expression made of the grammar's terminals, and its atoms.
 
-`Notes` is the desk both readers work at: it turns atoms into data and keeps comments,
-findings and the places that make a form damaged. Lists are built elsewhere: by
+`ReadLog` serves both readers: it turns atoms into data and keeps comments, findings and
+the places that make a form damaged. Lists are built elsewhere: by
 `rapc.parser.reader` while all is well, by `rapc.parser.repair.cut` when it is not.
 """
 
@@ -127,20 +127,21 @@ def string_value(raw: str) -> str:
     return _ESCAPE.sub(r"\1", value) if "\\" in value else value
 
 
-class Notes:
-    """What is collected while a file is read.
+class ReadLog:
+    """Comments and findings collected while a file is read, and what is damaged."""
 
-    `damage` holds the offsets of what had to be guessed at, `surplus` those of forms
-    that a `)` too many stands behind.
-    """
+    #: The offsets at which something had to be guessed at.
+    damage: list[int]
+    #: The offsets of forms that a `)` too many stands behind.
+    surplus: list[int]
 
     def __init__(self, source: SourceFile, lexicon: Lexicon) -> None:
         self.source = source
         self.lexicon = lexicon
         self.comments: list[Comment] = []
         self.diagnostics: list[Diagnostic] = []
-        self.damage: list[int] = []
-        self.surplus: list[int] = []
+        self.damage = []
+        self.surplus = []
         self._illegal: list[tuple[int, int]] = []
 
     @property

@@ -21,7 +21,7 @@ from rapc.parser.lexicon import (
     MAKERS,
     MAX_DEPTH,
     Lexicon,
-    Notes,
+    ReadLog,
     atom_value,
     string_value,
 )
@@ -43,12 +43,12 @@ def lexicon() -> Lexicon:
 
 def read(source: SourceFile) -> Reading:
     """All data of a file with everything that is to be said about its text."""
-    notes = Notes(source, lexicon())
-    forms = _scan(notes)
+    log = ReadLog(source, lexicon())
+    forms = _scan(log)
     if forms is None or _swallowed(source.text, forms):
-        notes = Notes(source, lexicon())
-        forms = recover(notes)
-    return notes.finish(rejoin(notes, forms))
+        log = ReadLog(source, lexicon())
+        forms = recover(log)
+    return log.finish(rejoin(log, forms))
 
 
 def _swallowed(text: str, forms: Sequence[Datum]) -> bool:
@@ -79,13 +79,13 @@ class _Unclosed(Exception):
     """A string or comment is not closed."""
 
 
-def _scan(notes: Notes) -> list[Datum] | None:
+def _scan(log: ReadLog) -> list[Datum] | None:
     """The data of a sound file; None as soon as something does not close."""
-    find = _Words(notes).__getitem__
+    find = _Words(log).__getitem__
     items: list[Datum] = []
     stack: list[tuple[list[Datum], int]] = []
     try:
-        for first, pieces in _windows(notes):
+        for first, pieces in _windows(log):
             at = first
             for opens, make, value, start, end, closes, length in map(find, pieces):
                 if opens:
@@ -115,12 +115,12 @@ def _scan(notes: Notes) -> list[Datum] | None:
     return None if stack else items
 
 
-def _windows(notes: Notes) -> Iterator[tuple[int, list[str]]]:
+def _windows(log: ReadLog) -> Iterator[tuple[int, list[str]]]:
     """The pieces of a text from one `#| |#` to the next, with the place of the first.
 
     Raises _Unclosed.
     """
-    text, lexicon = notes.source.text, notes.lexicon
+    text, lexicon = log.source.text, log.lexicon
     at = 0
     while at < len(text):
         mark = text.find("#|", at)
@@ -141,7 +141,7 @@ def _windows(notes: Notes) -> Iterator[tuple[int, list[str]]]:
             at = comment_end(text, stop)
             if at < 0:
                 raise _Unclosed
-            notes.comment(stop, at)
+            log.comment(stop, at)
 
 
 _Word = tuple[int, Any, Any, int, int, int, int]
@@ -156,9 +156,9 @@ called instead of one has something to note.
 class _Words(dict[str, _Word]):
     """Pieces of a text (see `Lexicon.words`) and what each of them means."""
 
-    def __init__(self, notes: Notes) -> None:
-        self._notes = notes
-        self._match = notes.lexicon.word.match
+    def __init__(self, log: ReadLog) -> None:
+        self._log = log
+        self._match = log.lexicon.word.match
 
     def __missing__(self, piece: str) -> _Word:
         """A piece not seen before. Raises _Unclosed."""
@@ -171,7 +171,7 @@ class _Words(dict[str, _Word]):
         value = atom_value(kind, raw)
         make = MAKERS[kind]
         if value is None:
-            make, value = self._notes.atom, raw
+            make, value = self._log.atom, raw
         word = (start, make, value, start, end, piece.count(")", end), len(piece))
         self[piece] = word
         return word
@@ -183,9 +183,9 @@ class _Words(dict[str, _Word]):
             self[piece] = word = (opens, None, None, 0, 0, closes, length)
             return word
         if first == ";":
-            return (0, None, self._notes.comment, 0, length, 0, length)
+            return (0, None, self._log.comment, 0, length, 0, length)
         if first != '"':
-            return (0, None, self._notes.illegal, 0, length, 0, length)
-        if self._notes.lexicon.string.fullmatch(piece) is None:
+            return (0, None, self._log.illegal, 0, length, 0, length)
+        if self._log.lexicon.string.fullmatch(piece) is None:
             raise _Unclosed
         return (0, String, string_value(piece), 0, length, 0, length)

@@ -169,7 +169,7 @@ def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
     if isinstance(datum, List) and datum.items:
         first = datum.items[0]
         if isinstance(first, Symbol):
-            ctx.slip(
+            ctx.report_fixable(
                 "malformed-proposition",
                 f"the name `{first.name}` of a signal or skill begins with a colon",
                 first,

@@ -301,11 +301,14 @@ class Interpreter:
         tasks: Sequence[str] = (),
         faults: Sequence[str] = (),
     ) -> None:
-        """Begin the run: tell of it, and let the robot know what it knows at first.
+        """Begin the run: emit `run-started` and assert the world's first facts.
 
-        `options` are the world's, `tasks` the ones to come and `faults` those put
-        into the world, for the trace. The first task or step begins a run that nobody
-        has begun.
+        The first task or step begins a run that was not begun before.
+
+        Args:
+            options: the world's options, for the trace.
+            tasks: the tasks to come, for the trace.
+            faults: the faults put into the world, for the trace.
         """
         if self._machine.state.started:
             return

@@ -1,8 +1,9 @@
-"""The crank of a run: turn after turn until it is over or nothing can go on.
+"""The main loop: take in messages, test monitors, choose a task, process the task.
 
-One turn takes in what the world has sent, tests what has changed, and processes one
-task [T figure 3.3; L 4]. What a cycle does to its task is in
-`rapc.runtime.tasks.cycle`; turns look at nothing that has not changed.
+Where nothing is eligible, the clock goes on to the next time at which something can
+happen; a run ends when there is none [T figure 3.3; L 4]. Monitors are tested only if
+something that they ask about has changed. Not here: what a cycle does to its task
+(`rapc.runtime.tasks.cycle`).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How the tasks of a run stand, as immutable values for who is not the interpreter."""
+"""Read-only snapshots of a run's tasks, for hosts and front ends."""
 
 from __future__ import annotations
 

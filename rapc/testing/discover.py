@@ -12,7 +12,7 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.analysis.driver import Finding, Report, check_library, check_tests
+from rapc.analysis.driver import CheckReport, Finding, check_library, check_tests
 from rapc.base import files
 from rapc.base.diagnostics import Severity
 from rapc.base.source import SourceFile, Span
@@ -27,7 +27,7 @@ class Found(msgspec.Struct, frozen=True):
     """What was found: the tests, or the reports on libraries that have errors."""
 
     cases: tuple[Case, ...]
-    reports: tuple[Report, ...]
+    reports: tuple[CheckReport, ...]
 
 
 def find(paths: Iterable[str | Path]) -> Found:
@@ -40,7 +40,7 @@ def find(paths: Iterable[str | Path]) -> Found:
         SavedError: for a compiled library that this rapc cannot run.
     """
     cases: list[Case] = []
-    reports: list[Report] = []
+    reports: list[CheckReport] = []
     sources: list[str] = []
     for path in dict.fromkeys(map(str, paths)):
         data = files.read_compiled(path)
@@ -70,7 +70,7 @@ def _find_in(source: SourceFile) -> Found:
         names = tuple([form.name for form in test.requires])
         groups.setdefault(names, []).append(test)
     cases: dict[Span, Case] = {}
-    reports: list[Report] = []
+    reports: list[CheckReport] = []
     for names, tests in (groups or {(): []}).items():
         loaded = loader.load_for_test(source, tests[0].requires) if names else whole
         library = msgspec.structs.replace(loaded.library, tests=tuple(tests))
@@ -89,7 +89,9 @@ def _find_in(source: SourceFile) -> Found:
     return Found(tuple(in_order), tuple(reports))
 
 
-def _tell(report: Report, errors: Iterable[Finding], reports: list[Report]) -> None:
+def _tell(
+    report: CheckReport, errors: Iterable[Finding], reports: list[CheckReport]
+) -> None:
     """Add a report on those errors of a library that no report has yet."""
     told = [f for earlier in reports for f in earlier.findings]
     new = tuple([finding for finding in errors if finding not in told])

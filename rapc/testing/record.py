@@ -44,7 +44,7 @@ class TaskRecord:
         self.outputs: Fact = goal.outputs
 
     def end(self, how: str, event: events.Event, reason: str = "") -> None:
-        """The task is over."""
+        """Note how the task ended, at the time of `event`, and why."""
         self.ended, self.time, self.reason = how, event.time, reason
 
     def state(self) -> str:

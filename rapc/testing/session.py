@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from typing import ClassVar
 
 import msgspec
 
@@ -14,8 +15,11 @@ from rapc.world import World
 from rapc.worlds.faults import Fault, FaultyWorld, problem
 
 
-class Session(msgspec.Struct, frozen=True):
+class TestSession(msgspec.Struct, frozen=True):
     """How tests are to be run: each under all seeds, with faults that apply to it."""
+
+    #: pytest is not to take the class for a test.
+    __test__: ClassVar[bool] = False
 
     seeds: range = range(1)
     faults: tuple[Fault, ...] = ()

@@ -25,7 +25,7 @@ from rapc.world import Kit, Option, World
 GROUP = "rapc.worlds"
 """The entry-point group under which packages offer their worlds."""
 
-_PLACE = re.compile(r"\w+(\.\w+)*:\w+(\.\w+)*")
+_MODULE_CLASS = re.compile(r"\w+(\.\w+)*:\w+(\.\w+)*")
 _NUMBER = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?")
 _SYMBOL = re.compile(r"[^\s()\";?]+")
 
@@ -63,7 +63,7 @@ def find_world(name: str) -> type[World]:
         WorldError: if there is none, or it is no world.
     """
     if ":" in name:
-        if not _PLACE.fullmatch(name):
+        if not _MODULE_CLASS.fullmatch(name):
             raise WorldError(f"`{name}` cannot be loaded: it is not `module:Class`")
         point = EntryPoint(name, name, GROUP)
     else:

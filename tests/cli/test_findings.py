@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from rich.cells import cell_len
 
-from rapc.analysis.driver import Report, check_library
+from rapc.analysis.driver import CheckReport, check_library
 from rapc.console import findings as render
 from rapc.library.loader import load_text
 
@@ -73,7 +73,7 @@ def test_json_has_the_contract_s_keys() -> None:
         ]
 
 
-def _report(text: str) -> Report:
+def _report(text: str) -> CheckReport:
     return check_library(load_text(text, "test.rap"))
 
 

@@ -21,7 +21,7 @@ from lark.exceptions import UnexpectedInput
 from rapc.base.source import SourceFile
 from rapc.language.build import parser as reference
 from rapc.parser import reader
-from rapc.parser.lexicon import Notes
+from rapc.parser.lexicon import ReadLog
 from rapc.parser.repair import cut as recovery
 from tests.effort import examples, first
 from tests.parser.programs import FILES as PROGRAMS
@@ -197,5 +197,5 @@ def test_recovery_reads_sound_texts_like_the_fast_reader(text: str) -> None:
     found = reading(text)
     if any(top.damaged for top in found.forms) or FORM_IN_STRING.search(text):
         return
-    notes = Notes(SourceFile(FILE, text), reader.lexicon())
-    assert notes.finish(recovery.recover(notes)).forms == found.forms
+    log = ReadLog(SourceFile(FILE, text), reader.lexicon())
+    assert log.finish(recovery.recover(log)).forms == found.forms

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.analysis.driver import Report, check_library
+from rapc.analysis.driver import CheckReport, check_library
 from rapc.base.diagnostics import Severity
 from rapc.library.loader import load
 from rapc.testing import discover
@@ -50,7 +50,7 @@ SOUND = """\
 WORD = re.compile(r"(?<=[( :])[a-z][a-z-]+(?=[ )])")
 
 
-def _checked(path: Path) -> Report:
+def _checked(path: Path) -> CheckReport:
     return check_library(load([path]))
 
 

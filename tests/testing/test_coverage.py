@@ -8,7 +8,7 @@ from pathlib import Path
 from rapc.console.testing.coverage_table import as_json, table
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage, FileCoverage
-from rapc.testing.session import Session
+from rapc.testing.session import TestSession
 
 ARMS = """\
 (declare-primitive grab (?x) (okay dropped))
@@ -50,7 +50,7 @@ def _coverage(folder: Path) -> tuple[FileCoverage, ...]:
     (folder / "arms.test.rap").write_text(TESTS, encoding="utf-8")
     found = discover.find([folder])
     gathered = Coverage()
-    outcomes = list(Session(coverage=gathered).run(found.cases))
+    outcomes = list(TestSession(coverage=gathered).run(found.cases))
     assert [outcome.failures for outcome in outcomes] == [(), ()]
     return gathered.files()
 

@@ -11,7 +11,7 @@ from rapc.base.values import Text
 from rapc.errors import TextError
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Status
-from rapc.testing.session import Session, exit_status, summary
+from rapc.testing.session import TestSession, exit_status, summary
 from rapc.world import World
 from rapc.worlds.faults import Fault, FaultyWorld
 
@@ -28,13 +28,15 @@ CHANCE = """
 
 def test_each_seed_gives_a_run_of_its_own(tmp_path: Path) -> None:
     case = cases(tmp_path, LIBRARY + CHANCE)["it"]
-    found = {Session(range(seed, seed + 1)).run_one(case).status for seed in range(10)}
+    found = {
+        TestSession(range(seed, seed + 1)).run_one(case).status for seed in range(10)
+    }
     assert found == {Status.PASSED, Status.FAILED}
-    outcome = Session(range(10)).run_one(case)
+    outcome = TestSession(range(10)).run_one(case)
     assert outcome.status is Status.FAILED
-    again = Session(range(outcome.seed, 10)).run_one(case)
+    again = TestSession(range(outcome.seed, 10)).run_one(case)
     assert (again.seed, again.trace) == (outcome.seed, outcome.trace)
-    passing = Session(range(outcome.seed))
+    passing = TestSession(range(outcome.seed))
     assert not outcome.seed or passing.run_one(case).status is Status.PASSED
 
 
@@ -179,7 +181,7 @@ def test_faults_that_apply_nowhere_are_told(tmp_path: Path) -> None:
         Fault(("grab", "?x"), "droped"),
         Fault(("grab",), "dropped"),
     )
-    assert list(Session(faults=faults).useless(found)) == [
+    assert list(TestSession(faults=faults).useless(found)) == [
         "(grabs ?x): no primitive is called `grabs`; did you mean `grab`?",
         "(grab ?x): `droped` is no result of `grab`; did you mean `dropped`?",
         "(grab): `grab` takes 1 argument, not 0",

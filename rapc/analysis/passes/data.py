@@ -12,6 +12,16 @@ from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_arguments
 from rapc.base.diagnostics import Rule, Severity
 from rapc.ir import nodes
 
+_AS_DECLARED = """\
+(declare-primitive look () (okay))
+(declare-sensor-datum seen (?thing))
+(define-rap (look-around) (method (primitive (look))))
+(define-test sees-the-box
+  (world truck)
+  (script ((look) :data ((seen box))))
+  (task (look-around)))
+"""
+
 UNDECLARED = Rule(
     code="RAP075",
     name="undeclared-datum",
@@ -29,15 +39,7 @@ is to take it in; no handler is called for anything else.""",
   (script ((look) :data ((sene box))))
   (task (look-around)))
 """,
-    better="""\
-(declare-primitive look () (okay))
-(declare-sensor-datum seen (?thing))
-(define-rap (look-around) (method (primitive (look))))
-(define-test sees-the-box
-  (world truck)
-  (script ((look) :data ((seen box))))
-  (task (look-around)))
-""",
+    better=_AS_DECLARED,
 )
 
 ARITY = Rule(
@@ -56,15 +58,7 @@ handler takes those and no others.""",
   (script ((look) :data ((seen box here))))
   (task (look-around)))
 """,
-    better="""\
-(declare-primitive look () (okay))
-(declare-sensor-datum seen (?thing))
-(define-rap (look-around) (method (primitive (look))))
-(define-test sees-the-box
-  (world truck)
-  (script ((look) :data ((seen box))))
-  (task (look-around)))
-""",
+    better=_AS_DECLARED,
 )
 
 

@@ -105,22 +105,22 @@ class _Close:
     def __init__(self, names: Iterable[str]) -> None:
         self._names: dict[str, list[str]] = {}
         for name in names:
-            for rest in _rests(name):
-                self._names.setdefault(rest, []).append(name)
+            for short in _shortened(name):
+                self._names.setdefault(short, []).append(name)
 
     def to(self, name: str) -> str | None:
         """The first name close to another, if any."""
         stem = _TELLS_APART.sub("", name)
-        for rest in _rests(name):
-            for other in self._names.get(rest, ()):
+        for short in _shortened(name):
+            for other in self._names.get(short, ()):
                 in_row = stem == _TELLS_APART.sub("", other)
                 if other != name and not in_row and is_one_slip(name, other):
                     return other
         return None
 
 
-def _rests(name: str) -> Iterator[str]:
-    """A name, and what is left of it without one of its letters."""
+def _shortened(name: str) -> Iterator[str]:
+    """Yield `name`; if it is long enough, also `name` without each of its letters."""
     yield name
     if _is_long(name):
         for at in range(1, len(name)):

@@ -19,6 +19,15 @@ from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.library.library import word_span
 
+_IN_ORDER = """\
+(define-rap (lift))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (lift) (for t2))
+    (t2 (carry)))))
+"""
+
 UNKNOWN_TAG = Rule(
     code="RAP026",
     name="unknown-tag",
@@ -35,14 +44,7 @@ a formula meant for it is never checked.""",
     (t1 (lift) (for t3))
     (t2 (carry)))))
 """,
-    better="""\
-(define-rap (lift))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (lift) (for t2))
-    (t2 (carry)))))
-""",
+    better=_IN_ORDER,
 )
 
 DUPLICATE_TAG = Rule(
@@ -60,14 +62,7 @@ would mean either of them.""",
     (t1 (lift))
     (t1 (carry)))))
 """,
-    better="""\
-(define-rap (lift))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (lift) (for t2))
-    (t2 (carry)))))
-""",
+    better=_IN_ORDER,
 )
 
 CYCLE = Rule(
@@ -86,14 +81,7 @@ ends.""",
     (t1 (lift) (for t2))
     (t2 (carry) (for t1)))))
 """,
-    better="""\
-(define-rap (lift))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (lift) (for t2))
-    (t2 (carry)))))
-""",
+    better=_IN_ORDER,
 )
 
 CLOCKS = ("now", "absolute")

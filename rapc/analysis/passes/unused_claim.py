@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Occurrence
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
-from rapc.base.names import Suggestions, counted
+from rapc.base.names import Suggestions, plural
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 
@@ -69,7 +69,7 @@ def _finding(
     others.remove(len(thing.args))
     help_ = near.did_you_mean(thing.name)
     if others:
-        amount = counted(others[0], "argument") if others[0] else "no arguments"
+        amount = plural(others[0], "argument") if others[0] else "no arguments"
         help_ = f"`{thing.name}` is named with {amount} elsewhere"
     return Diagnostic(
         rule=UNUSED.name,

@@ -36,10 +36,13 @@ _LEAST_WIDE = 14
 
 
 class Activity(msgspec.Struct, frozen=True):
-    """What the robot is about: the task of its family, and requests, the last last."""
+    """What the robot does at one time: the task it pursues and its requests."""
 
+    #: When.
     time: Time = 0
+    #: The goal of the top-level task whose family is at work.
     family: str = ""
+    #: The latest requests for primitives, oldest first.
     requests: tuple[str, ...] = ()
 
 

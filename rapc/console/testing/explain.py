@@ -10,7 +10,7 @@ from typing import Literal
 
 import msgspec
 
-from rapc.analysis.driver import Report
+from rapc.analysis.driver import CheckReport
 from rapc.base.source import SourceFile, Span
 from rapc.testing.run import Failure, Outcome, Status
 
@@ -52,7 +52,7 @@ def lines(outcome: Outcome) -> Iterator[Line]:
             yield Line("trace", "  " + text)
 
 
-def findings(report: Report) -> Iterator[str]:
+def findings(report: CheckReport) -> Iterator[str]:
     """What is wrong with a library, one line each."""
     for finding in report.findings:
         span = finding.diagnostic.span

@@ -24,7 +24,7 @@ from rapc.parser.lexicon import (
     MAX_DEPTH,
     OPEN,
     STRING,
-    Notes,
+    ReadLog,
     Token,
 )
 from rapc.parser.repair.balance import Repair, balance
@@ -63,17 +63,17 @@ class Segment(msgspec.Struct):
     comment: int | None = None
 
 
-def recover(notes: Notes) -> list[Datum]:
-    """The data of any text at all; what is wrong with it goes into the notes."""
-    text = notes.source.text
+def recover(log: ReadLog) -> list[Datum]:
+    """The data of any text at all; what is wrong with it goes into the log."""
+    text = log.source.text
     closers = _comment_ends(text)
     forms: list[Datum] = []
     at = 0
     while at < len(text):
-        segment = _Cutter(notes, closers, at).cut()
+        segment = _Cutter(log, closers, at).cut()
         if segment.string is not None:
-            segment = _Cutter(notes, closers, at, lines=True).cut()
-        forms.extend(_data(notes, segment))
+            segment = _Cutter(log, closers, at, lines=True).cut()
+        forms.extend(_data(log, segment))
         at = segment.end
     return forms
 
@@ -98,14 +98,14 @@ class _Cutter:
 
     def __init__(
         self,
-        notes: Notes,
+        log: ReadLog,
         closers: Mapping[int, int],
         start: int,
         *,
         lines: bool = False,
     ) -> None:
-        self.text = notes.source.text
-        self.loose = notes.lexicon.loose
+        self.text = log.source.text
+        self.loose = log.lexicon.loose
         self.closers = closers
         self.string = _LINE_STRING if lines else _STRING
         self.segment = Segment(start, len(self.text), [])
@@ -187,22 +187,22 @@ class _Cutter:
         return end
 
 
-def _data(notes: Notes, segment: Segment) -> list[Datum]:
+def _data(log: ReadLog, segment: Segment) -> list[Datum]:
     """The data of a segment; all of them count as damaged if anything was amiss."""
-    lost = _lost_text(notes.source, segment)
+    lost = _lost_text(log.source, segment)
     code = [t for t in segment.tokens if t[0] not in (COMMENT, BLOCK)]
-    repair = balance(notes.source, code)
+    repair = balance(log.source, code)
     if lost is not None:
-        notes.report(lost)
-    elif not notes.full:
-        for found in findings(notes.source, code, repair, segment.end):
-            notes.report(found)
+        log.report(lost)
+    elif not log.full:
+        for found in findings(log.source, code, repair, segment.end):
+            log.report(found)
     for kind, start, end in segment.tokens:
         if kind in (COMMENT, BLOCK):
-            notes.comment(start, end)
-    forms = _build(notes, code, repair)
+            log.comment(start, end)
+    forms = _build(log, code, repair)
     harmless = lost is None and _is_harmless(code, repair, forms)
-    kept = notes.surplus if harmless else notes.damage
+    kept = log.surplus if harmless else log.damage
     if lost is not None or repair.edits:
         kept.extend(form.start for form in forms)
     return forms
@@ -265,7 +265,7 @@ def _unclosed(
     )
 
 
-def _build(notes: Notes, tokens: Sequence[Token], repair: Repair) -> list[Datum]:
+def _build(log: ReadLog, tokens: Sequence[Token], repair: Repair) -> list[Datum]:
     """The data of repaired tokens."""
     closes = Counter(at for at, _ in repair.closes)
     opens = frozenset(repair.opens)
@@ -282,7 +282,7 @@ def _build(notes: Notes, tokens: Sequence[Token], repair: Repair) -> list[Datum]
         if kind == CLOSE and index not in drops:
             items = _close(stack, items, end)
         elif kind not in (OPEN, CLOSE):
-            _atom(notes, items, token)
+            _atom(log, items, token)
     while stack:
         items = _close(stack, items, tokens[-1][2])
     return items
@@ -297,14 +297,14 @@ def _close(
     return outer
 
 
-def _atom(notes: Notes, items: list[Datum], token: Token) -> None:
+def _atom(log: ReadLog, items: list[Datum], token: Token) -> None:
     """Take up a token that is no parenthesis."""
     kind, start, end = token
     if kind == ATOM:
-        items.append(notes.atom(notes.source.text[start:end], start, end))
+        items.append(log.atom(log.source.text[start:end], start, end))
     elif kind == STRING:
-        items.append(notes.string(start, end))
+        items.append(log.string(start, end))
     elif kind == CUT:
-        items.append(String(notes.source.text[start + 1 : end], start, end))
+        items.append(String(log.source.text[start + 1 : end], start, end))
     else:
-        notes.illegal(start, end)
+        log.illegal(start, end)

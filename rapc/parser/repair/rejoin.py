@@ -11,11 +11,11 @@ from typing import cast
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.language.heads import RAP_CLAUSES
-from rapc.parser.lexicon import Notes
+from rapc.parser.lexicon import ReadLog
 from rapc.parser.syntax import Datum, List, Symbol
 
 
-def rejoin(notes: Notes, forms: Iterable[Datum]) -> list[Datum]:
+def rejoin(log: ReadLog, forms: Iterable[Datum]) -> list[Datum]:
     """The top level with such clauses put back; those RAPs count as damaged."""
     kept: list[Datum] = []
     strays: list[List] = []
@@ -23,10 +23,10 @@ def rejoin(notes: Notes, forms: Iterable[Datum]) -> list[Datum]:
         if kept and _head(kept[-1]) == "define-rap" and _head(form) in RAP_CLAUSES:
             strays.append(cast(List, form))
             continue
-        _adopt(notes, kept, strays)
+        _adopt(log, kept, strays)
         strays = []
         kept.append(form)
-    _adopt(notes, kept, strays)
+    _adopt(log, kept, strays)
     return kept
 
 
@@ -36,16 +36,16 @@ def _head(form: Datum) -> str:
     return ""
 
 
-def _adopt(notes: Notes, kept: list[Datum], strays: list[List]) -> None:
+def _adopt(log: ReadLog, kept: list[Datum], strays: list[List]) -> None:
     if not strays:
         return
     rap = cast(List, kept.pop())
     last = strays[-1].end
-    closer = notes.source.span(rap.end - 1, rap.end)
-    opener = notes.source.span(rap.start, rap.start + 1)
-    first = notes.source.span(strays[0].start, strays[0].start + 1)
-    edits = (Edit(closer, ""), Edit(notes.source.span(last, last), ")"))
-    notes.report(
+    closer = log.source.span(rap.end - 1, rap.end)
+    opener = log.source.span(rap.start, rap.start + 1)
+    first = log.source.span(strays[0].start, strays[0].start + 1)
+    edits = (Edit(closer, ""), Edit(log.source.span(last, last), ")"))
+    log.report(
         Diagnostic(
             "surplus-parenthesis",
             "this `)` closes a RAP before its last clause",
@@ -57,5 +57,5 @@ def _adopt(notes: Notes, kept: list[Datum], strays: list[List]) -> None:
             fix=Fix(Applicability.UNSAFE, "close the RAP behind its clauses", edits),
         )
     )
-    notes.damage.append(rap.start)
+    log.damage.append(rap.start)
     kept.append(List((*rap.items, *strays), rap.start, last))

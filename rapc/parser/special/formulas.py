@@ -122,7 +122,7 @@ def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
     if len(parts) < len(datum.items) - 1:
         return None
     if len(parts) > 1:
-        ctx.slip(
+        ctx.report_fixable(
             "not-of-many",
             f"`not` denies one formula, not {len(parts)}",
             datum,

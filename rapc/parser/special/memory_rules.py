@@ -99,7 +99,7 @@ def _rule(ctx: Context, datum: Datum) -> nodes.Rule | None:
         return None
     operands = datum.items[1:]
     if any(head_of(one) in _ACTIONS for one in operands):
-        ctx.slip(
+        ctx.report_fixable(
             "bare-rule",
             "the query and the actions of a rule stand in parentheses together",
             datum.items[0],

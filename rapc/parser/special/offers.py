@@ -91,7 +91,7 @@ def _results(ctx: Context, found: Parts) -> tuple[str, ...]:
     results = symbols(ctx, place, "results")
     if "okay" in results or not isinstance(place, List):
         return results
-    ctx.slip(
+    ctx.report_fixable(
         "malformed-form",
         "`okay` is missing among the results",
         place,

@@ -62,7 +62,7 @@ def _name(ctx: Context, form: List, place: Datum, colon: bool) -> str | None:
     if isinstance(place, Symbol):
         if not colon:
             return place.name
-        ctx.slip(
+        ctx.report_fixable(
             "malformed-form",
             f"the name `{place.name}` of a skill or event begins with a colon",
             place,
@@ -153,7 +153,7 @@ def _argument(
 def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
     """A variable with a name that is not yet among those `seen`."""
     if isinstance(datum, Symbol) and datum.name != ARROW:
-        ctx.slip(
+        ctx.report_fixable(
             "malformed-form",
             f"the variable `?{datum.name}` lacks its `?`",
             datum,

@@ -61,7 +61,7 @@ def _index(ctx: Context, clause: List) -> Datum | None:
     """What an `index` clause holds."""
     operands = clause.items[1:]
     if operands and isinstance(operands[0], Symbol):
-        ctx.slip(
+        ctx.report_fixable(
             "malformed-goal",
             "the index stands in parentheses of its own",
             operands[0],
@@ -160,7 +160,7 @@ def monitor_time(ctx: Context, clause: Datum) -> nodes.MonitorTime | None:
     operands = clause.items[1:]
     if len(operands) == 1 and isinstance(operands[0], List):
         inner = operands[0]
-        ctx.slip(
+        ctx.report_fixable(
             "parenthesised-times",
             "the times of `monitor-time` stand without parentheses of their own",
             inner,

@@ -12,7 +12,7 @@ def require(ctx: Context, form: List) -> nodes.Require | None:
     operands = form.items[1:]
     first = operands[0] if len(operands) == 1 else None
     if isinstance(first, Symbol):
-        ctx.slip(
+        ctx.report_fixable(
             "malformed-form",
             "`require` takes a string",
             first,

@@ -105,7 +105,7 @@ def _bare_for(
     tag = data[start + 1]
     if not isinstance(tag, Symbol):
         return None
-    ctx.slip(
+    ctx.report_fixable(
         "bare-for",
         "`for` stands in parentheses with its tag",
         data[start],
@@ -151,7 +151,7 @@ def _formula_for(ctx: Context, datum: List) -> nodes.For | None:
 
 def _parenthesised_for(ctx: Context, datum: List, second: Datum) -> nodes.For | None:
     inner = cast(List, second)
-    ctx.slip(
+    ctx.report_fixable(
         "parenthesised-for",
         "`for` behind a formula stands without parentheses of its own",
         inner,

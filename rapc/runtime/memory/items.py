@@ -127,7 +127,7 @@ class Items:
         self.gone.add(item.name)
 
     def canonical(self, name: Atom) -> Atom:
-        """The name that stands for a name; anything else is returned as it is."""
+        """Return the current name of an item, following merges; else `name` itself."""
         aliases = self.aliases
         if type(name) is not str or name not in aliases:
             return name
@@ -158,6 +158,6 @@ class Items:
         return item.sensor if item.accessible else None
 
     def name_of(self, sensor: str) -> str:
-        """The memory name of a sensor name; an unknown one is returned as it is."""
+        """Return the memory name of `sensor`, or `sensor` itself if it is unknown."""
         item = self.by_sensor.get(sensor)
         return item.name if item is not None else sensor

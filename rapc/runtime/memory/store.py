@@ -57,9 +57,10 @@ class Table:
         return found
 
     def bucket(self, known: list[tuple[int, Atom]]) -> Iterable[Fact]:
-        """Facts among which are all that have these arguments, oldest first.
+        """Return the smallest indexed superset of the facts that match, oldest first.
 
-        The smallest of the indexes there are; one is built where there is none.
+        `known` has the arguments to match, each with its position. An index is built
+        for the first of them where there is none for any.
         """
         if not known:
             return self.stamps

@@ -42,7 +42,7 @@ class Listeners:
             table[value] = {there.number: there, task.number: task}
 
     def drop(self, key: WatchKey, task: Task) -> None:
-        """A task listens to a change no longer; it need not have done so."""
+        """Unregister `task` from `key`; do nothing if it was not registered."""
         table, value = self._place(key)
         there = table.get(value)
         if there is task:
@@ -63,7 +63,7 @@ class Listeners:
         return places.setdefault(at, {}), value
 
     def of_fact(self, fact: Fact, found: _Found) -> None:
-        """Add to `found` who listens to a fact that has come, gone or been told."""
+        """Add to `found` the tasks registered for `fact`, which has changed."""
         places = self._names.get(fact[0])
         if places is not None:
             size = len(fact)
@@ -76,21 +76,24 @@ class Listeners:
             self.of(ANYTHING, found)
 
     def of_word(self, word: str, found: _Found) -> None:
-        """Add to `found` who listens to a change that has a word for a name."""
+        """Add to `found` the tasks registered for the change named `word`, no fact."""
         there = self._names.get(word, {}).get(0, {}).get(None)
         if there is not None:
             _join(there, found)
         self.of(ANYTHING, found)
 
     def of(self, key: WatchKey, found: _Found) -> None:
-        """Add to `found` who listens to a resource, or to any change at all."""
+        """Add to `found` the tasks registered for a resource, or for any change."""
         there = self._others.get(key)
         if there is not None:
             _join(there, found)
 
 
 def _join(there: Task | _Found, found: _Found) -> None:
-    """One at work on a method is not tested now, and after its method anyway."""
+    """Add listeners to `found`; leave out a single task that is RUNNING.
+
+    The running task is tested anyway, when its method ends.
+    """
     if isinstance(there, dict):
         found.update(there)
     elif there.state is not RUNNING:

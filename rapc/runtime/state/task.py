@@ -188,14 +188,14 @@ class Task:
             self.priority = 0
             #: How many steps it still follows.
             self.waiting = 0
-            self.wait = WaitState() if plan.waits else None
+            self.wait = WaitState() if plan.needs_wait_state else None
         else:
             parent = within.task
             self.family = parent.family
             self.limit = parent.limit
             self.priority = parent.priority + step.priority
             self.waiting = step.before
-            waits = plan.waits or step.has_timing
+            waits = plan.needs_wait_state or step.has_timing
             self.wait = WaitState(step.windows) if waits else None
         #: Its inputs as far as they are known.
         self.goal_args: tuple[Value | None, ...] = ()
@@ -203,7 +203,7 @@ class Task:
         self.env: Env = {}
         #: The RAP, with its inputs where a recursion test needs them; None until all
         #: inputs are known.
-        self.identity: tuple[object, ...] | None = plan.known
+        self.identity: tuple[object, ...] | None = plan.static_identity
         self.state = WAITING
         #: The method it is at work on.
         self.run: MethodRun | None = None

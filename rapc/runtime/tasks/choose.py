@@ -57,7 +57,7 @@ def choose_sole(machine: Machine, task: Task) -> Choice | None:
     """Return what `choose` returns, sooner where there is but one method to choose."""
     # fast twin of `choose`: holds when no solver may help, nobody is told of contexts,
     # and the RAP has one method and no `repeat-while`
-    method, env = task.plan.only, task.env
+    method, env = task.plan.sole_method, task.env
     if method is None:
         return choose(machine, task)
     if method.choice is None:

@@ -193,9 +193,15 @@ def release_followers(
 def apply_until(
     machine: Machine, run: MethodRun, step: StepPlan, *, at_end: bool
 ) -> list[StepPlan]:
-    """A step's start or end ends others by `until`: they leave and count as ended.
+    """Remove the live steps whose `until` names `step`; return their plans.
 
-    Returns which, so that what follows them can be let go.
+    Each of them counts as ended, so the caller releases the steps that follow.
+
+    Args:
+        machine: the run's.
+        run: the method at work.
+        step: the step that has started or ended.
+        at_end: whether `step` has ended: `until-end` is meant, else `until-start`.
     """
     ended = []
     for target, when in step.until:
@@ -214,10 +220,11 @@ def apply_until(
 def recheck_bound_steps(
     machine: Machine, run: MethodRun, bound: Iterable[str], *positions: int
 ) -> bool:
-    """New bindings reach the steps that use them; one may repeat an ancestor.
+    """Read the inputs of steps again that use variables in `bound`.
 
-    Then the method has ended badly and its task has failed, `futile-loop`. The steps
-    at `positions` are looked at whatever has been `bound`.
+    Returns whether one of these steps now repeats an ancestor: then the method has
+    ended badly, and its task has failed with `futile-loop`. The steps at `positions`
+    are read again whatever is in `bound`.
     """
     users = run.plan.steps_by_variable
     for at in sorted(

@@ -142,10 +142,10 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
 
 
 def release(machine: Machine, task: Task) -> None:
-    """All that a task was ordered after has ended: it runs when its time comes.
+    """Release a task whose predecessors have ended.
 
-    A step with `wait-for` listens from now; one that is to wait for its signal
-    before it goes on is held until then.
+    Its windows are fixed, its `wait-for` listens from now on, and the task is enqueued
+    once its start time has come; a step that waits for a signal is held until then.
     """
     wait, step = task.wait, task.step
     if wait is None and machine.fast:
