@@ -57,8 +57,12 @@ class Hasty(Bed):
 class Garish(Bed):
     "A bed\\x1b[31m."
     name = "bed"
-    kit = Kit(Offer({"nap": (0, ("okay", "red\\x1b[31m"))}), Handlers({}))
-    def perform(self, ticket, request): return Reply("red\\x1b[31m")
+    kit = Kit(Offer({"nap": (0, ("okay",)), "glow": (0, ("okay", "red\\x1b[31m"))}))
+    over = None
+    def ended(self): return self.over
+    def perform(self, ticket, request):
+        self.over = "red\\x1b[31m"
+        return Reply("okay")
 
 class Telling(Bed):
     def facts(self): return [("rested", "well"), ("rested", "badly")]
