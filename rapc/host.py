@@ -31,7 +31,12 @@ from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
-from rapc.runtime.task_request import TaskRequest, read_task_request
+from rapc.runtime.task_request import (
+    TaskRequest,
+    as_text,
+    of_agenda,
+    read_task_request,
+)
 from rapc.world import Callables, Time, World
 from rapc.worlds.registry import build_world, check_options, find_world
 
@@ -101,6 +106,7 @@ class CheckedLibrary:
         self,
         world: str | World | type[World],
         *,
+        agenda: str | None = None,
         tasks: Task | Iterable[Task] = (),
         facts: str | Iterable[str | Fact] = (),
         seed: int = 0,
@@ -116,6 +122,7 @@ class CheckedLibrary:
         Args:
             world: the name of an installed world or `module:Class`, a class, or a world
                 freshly made.
+            agenda: the name of an agenda of the library, whose tasks come first.
             tasks: tasks to begin with, as text: `"(rap args) :priority 4"`.
             facts: what is in memory at first, besides what the world says.
             seed: the seed of all chance in the run, the world's too unless it is made.
@@ -128,12 +135,14 @@ class CheckedLibrary:
 
         Raises:
             WorldError: if there is no such world or option, or it cannot be made.
-            RefusedError: if the library or a task cannot be run in the world.
+            RefusedError: if the library or a task cannot be run in the world, or there
+                is no such agenda.
             TextError: for a task or a fact that is none.
             FactError: for a fact that the declarations do not allow.
             PortError: if the world breaks.
         """
-        requests = [_request(task) for task in _listed(tasks, "tasks")]
+        first = () if agenda is None else of_agenda(self.program.library, agenda)
+        requests = [*first, *map(_request, _listed(tasks, "tasks"))]
         known = [_fact(fact) for fact in _listed(facts, "facts")]
         made, given = _world(world, seed, options)
         run = Interpreter(
@@ -145,7 +154,7 @@ class CheckedLibrary:
         for listener in listeners:
             run.listen(listener)
         texts = [task for task in _listed(tasks, "tasks") if isinstance(task, str)]
-        run.start(given, texts)
+        run.start(given, [*map(as_text, first), *texts])
         for fact in known:
             run.assert_fact(*fact)
         for request in requests:
@@ -224,8 +233,9 @@ def check(*paths: Path | Iterable[Path]) -> CheckReport:
 def run(
     library: CheckedLibrary,
     world: str | World | type[World],
-    tasks: Task | Iterable[Task],
+    tasks: Task | Iterable[Task] = (),
     *,
+    agenda: str | None = None,
     until: Time | None = None,
     cycles: int | None = None,
     **more: Any,
@@ -236,6 +246,7 @@ def run(
         library: what `load` or `loads` returned.
         world: see `CheckedLibrary.start`.
         tasks: the tasks, as text: `"(rap args) :priority 4"`.
+        agenda: the name of an agenda of the library, whose tasks come first.
         until: the time at which to stop.
         cycles: how many cycles to run at most.
         more: what else `CheckedLibrary.start` takes: `seed`, `options`, ...
@@ -249,7 +260,7 @@ def run(
         raise ArgumentError(f"`library` is {_kind(library)}, no library", wanted)
     if not (until is None or isinstance(until, int | float)):
         raise ArgumentError(f"`until` is {_kind(until)}, no time")
-    going = library.start(world, tasks=tasks, **more)
+    going = library.start(world, agenda=agenda, tasks=tasks, **more)
     reason = going.run(until=until, cycles=cycles)
     return RunResult(reason, going.now, going.results(), going)
 

@@ -32,7 +32,12 @@ from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings, read_settings
-from rapc.runtime.task_request import TaskRequest, read_task_request
+from rapc.runtime.task_request import (
+    TaskRequest,
+    as_text,
+    of_agenda,
+    read_task_request,
+)
 from rapc.testing.faults import read_fault
 from rapc.world import Drawable, Time, World
 from rapc.worlds import registry
@@ -41,6 +46,7 @@ from rapc.worlds.faults import Fault, FaultyWorld, problem
 EXAMPLES = """\b
 Examples:
   rapc run rocks.rap --world truck --task '(fill-order red 4 factory-1)'
+  rapc run rocks.rap --world truck --agenda deliveries
   rapc run rocks.rap --world truck --task '(wakeup)' --seed 7 -q --trace run.jsonl
   rapc run rocks.rap --world truck --task '(wakeup)' \\
       --fault '(arm-grasp ?arm ?thing) arm-dropped p=0.3 from=100 until=200'
@@ -58,9 +64,13 @@ Examples:
     "--task",
     "tasks",
     multiple=True,
-    required=True,
     metavar="'(RAP ARGS) [OPTIONS]'",
     help="Task to run; :priority N, :deadline T, :at T, :background true may follow.",
+)
+@click.option(
+    "--agenda",
+    metavar="NAME",
+    help="Agenda of the library: its tasks come before those of --task.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the run.")
 @click.option("--until", type=float, metavar="TIME", help="Time at which to stop.")
@@ -103,6 +113,7 @@ def run(
     path: str,
     world_name: str,
     tasks: Sequence[str],
+    agenda: str | None,
     seed: int,
     until: float | None,
     facts: Sequence[str],
@@ -120,8 +131,10 @@ def run(
     Exit status: 0 if every task that is not in the background succeeded, 1 if one did
     not, 2 if nothing could be run.
     """
+    if agenda is None and not tasks:
+        fail("there is nothing to do: give --task or --agenda")
     library = load_checked(path)
-    submissions = [_submission(text) for text in tasks]
+    submissions = [*_of_agenda(library, agenda), *map(_submission, tasks)]
     known = [_fact(text) for text in facts]
     end = _time(until)
     failing = [_fault(text) for text in faults]
@@ -141,7 +154,8 @@ def run(
                 _show(stack, interpreter, drawn)
             elif not settings().quiet:
                 interpreter.listen(TextTrace(_Shown(sys.stdout)))
-            interpreter.start(options, tasks, faults)
+            given = [as_text(task) for task in _of_agenda(library, agenda)]
+            interpreter.start(options, [*given, *tasks], faults)
             for fact in known:
                 interpreter.assert_fact(*fact)
             for submission in submissions:
@@ -149,8 +163,8 @@ def run(
         interpreter.run(until=end)
     for line in report.lines():
         click.echo(visible(line))
-    given = [result for result in interpreter.results() if not result.background]
-    if not all(result.outcome == "succeeded" for result in given):
+    wanted = [result for result in interpreter.results() if not result.background]
+    if not all(result.outcome == "succeeded" for result in wanted):
         raise SystemExit(1)
 
 
@@ -176,6 +190,15 @@ class _Shown:
     def flush(self) -> None:
         """Flush the stream."""
         self._stream.flush()
+
+
+def _of_agenda(library: Program, name: str | None) -> tuple[TaskRequest, ...]:
+    if name is None:
+        return ()
+    try:
+        return of_agenda(library.library, name)
+    except RefusedError as refused:
+        fail(*[f"--agenda: {reason}" for reason in refused.reasons])
 
 
 def _submission(text: str) -> TaskRequest:

@@ -1,4 +1,7 @@
-"""Top-level tasks: what a host, or a user on the command line, asks the robot to do."""
+"""Top-level tasks: what a host, or a user on the command line, asks the robot to do.
+
+They come as text, or stand in an agenda of the library [L 1.5].
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,12 @@ from collections.abc import Mapping
 
 import msgspec
 
-from rapc.base.values import Atom, Fact
-from rapc.errors import TextError
+from rapc.base.names import nearest
+from rapc.base.values import Atom, Fact, format_atom, format_list
+from rapc.errors import RefusedError, TextError
+from rapc.ir import nodes
 from rapc.ir.nodes import Const
+from rapc.library.library import Library
 from rapc.parser.parse import parse_goal_options
 from rapc.world import Time
 
@@ -50,6 +56,46 @@ def read_task_request(text: str) -> TaskRequest:
         at=_time(options, "at"),
         background=background == "true",
     )
+
+
+def of_node(task: nodes.GivenTask) -> TaskRequest:
+    """Return the request that a line of an agenda or of a test stands for."""
+    args = [arg.value for arg in task.goal.args if isinstance(arg, Const)]
+    return TaskRequest(
+        goal=(task.goal.name, *args),
+        priority=task.priority,
+        deadline=task.deadline,
+        at=task.at,
+        background=task.background,
+    )
+
+
+def of_agenda(library: Library, name: str) -> tuple[TaskRequest, ...]:
+    """Return the requests of the agenda `name` of `library`, in the order of its text.
+
+    Raises:
+        RefusedError: if the library has no such agenda.
+    """
+    agenda = library.agendas.get(name)
+    if agenda is None:
+        close = nearest(name, library.agendas)
+        meant = f"; did you mean `{close}`?" if close else ""
+        raise RefusedError([f"no agenda is called `{name}`{meant}"])
+    return tuple([of_node(task) for task in agenda.tasks])
+
+
+def as_text(request: TaskRequest) -> str:
+    """Return the text from which `read_task_request` makes `request` again."""
+    words = [format_list(request.goal)]
+    if request.priority:
+        words.append(f":priority {request.priority}")
+    if request.deadline is not None:
+        words.append(f":deadline {format_atom(request.deadline)}")
+    if request.at is not None:
+        words.append(f":at {format_atom(request.at)}")
+    if request.background:
+        words.append(":background true")
+    return " ".join(words)
 
 
 def _time(options: Mapping[str, Atom], name: str) -> Time | None:

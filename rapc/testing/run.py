@@ -19,7 +19,7 @@ from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.task_request import TaskRequest
+from rapc.runtime.task_request import TaskRequest, of_node
 from rapc.testing.admission import Problem, problems
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Evidence, judge
@@ -195,7 +195,7 @@ class _Run:
             for number, at in enumerate(test.ats):
                 interpreter.call_at(at.time, self._action(number, at))
             for task in test.tasks:
-                interpreter.submit(submission(task))
+                interpreter.submit(of_node(task))
             interpreter.run(until=until.time, cycles=cycles)
         except UnansweredRequest as error:
             self._fail(test.name_span, str(error))
@@ -233,7 +233,7 @@ class _Run:
                 for signal in signals:
                     self.interpreter.signal(*flat(signal))
             case nodes.GivenTask():
-                self.interpreter.submit(submission(action))
+                self.interpreter.submit(of_node(action))
             case nodes.Cancel(goal):
                 self.interpreter.cancel(flat(goal))
             case nodes.Expect():
@@ -287,7 +287,7 @@ class _Run:
 def _all_tasks(test: nodes.DefineTest) -> list[TaskRequest]:
     actions = [action for at in test.ats for action in at.actions]
     later = [action for action in actions if isinstance(action, nodes.GivenTask)]
-    return [submission(task) for task in (*test.tasks, *later)]
+    return [of_node(task) for task in (*test.tasks, *later)]
 
 
 def row_of(row: nodes.ScriptRow) -> Row:
@@ -303,14 +303,4 @@ def row_of(row: nodes.ScriptRow) -> Row:
         data=tuple(map(flat, row.data)),
         signals=tuple(map(flat, row.signals)),
         refused=row.refused,
-    )
-
-
-def submission(task: nodes.GivenTask) -> TaskRequest:
-    """A task of a test as the interpreter takes it."""
-    return TaskRequest(
-        goal=flat(task.goal),
-        priority=task.priority,
-        deadline=task.deadline,
-        background=task.background,
     )
