@@ -1,6 +1,6 @@
 """Top-level tasks: what a host, or a user on the command line, asks the robot to do.
 
-They come as text, or stand in an agenda of the library [L 1.5].
+They come as text, or stand in an agenda of the library (`define-agenda`).
 """
 
 from __future__ import annotations
