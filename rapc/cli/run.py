@@ -41,7 +41,7 @@ from rapc.runtime.task_request import (
 from rapc.testing.faults import read_fault
 from rapc.world import Drawable, Time, World
 from rapc.worlds import registry
-from rapc.worlds.faults import Fault, FaultyWorld, problem
+from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
 
 EXAMPLES = """\b
 Examples:
@@ -225,14 +225,14 @@ def _fact(text: str) -> Fact:
         fail(f"--fact: {error}")
 
 
-def _fault(text: str) -> Fault:
+def _fault(text: str) -> InjectedFault:
     try:
         return read_fault(text)
     except TextError as error:
         fail(f"--fault: {error}")
 
 
-def _with_faults(world: World, faults: Sequence[Fault], seed: int) -> World:
+def _with_faults(world: World, faults: Sequence[InjectedFault], seed: int) -> World:
     """A world with faults, if any; ends the command for one that cannot be."""
     offered = Signatures.offered(world.kit.offer)
     for fault in faults:
@@ -247,7 +247,7 @@ def _build(
     world_name: str,
     seed: int,
     values: Sequence[str],
-    faults: Sequence[Fault],
+    faults: Sequence[InjectedFault],
 ) -> tuple[Interpreter, Mapping[str, Any], World]:
     """The interpreter for a library in a world; ends the command if it cannot be."""
     own: dict[str, str] = {}

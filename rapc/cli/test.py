@@ -29,7 +29,7 @@ from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Case, Outcome
 from rapc.testing.session import TestSession, exit_status, summary
-from rapc.worlds.faults import Fault
+from rapc.worlds.faults import InjectedFault
 
 EXAMPLES = """\b
 Examples:
@@ -153,7 +153,7 @@ def _write(file: str, data: bytes) -> None:
         fail(f"cannot write `{file}`: {(error.strerror or str(error)).lower()}")
 
 
-def _faults(texts: Iterable[str]) -> tuple[Fault, ...]:
+def _faults(texts: Iterable[str]) -> tuple[InjectedFault, ...]:
     try:
         return tuple([read_fault(text) for text in texts])
     except TextError as error:

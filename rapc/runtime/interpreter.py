@@ -260,7 +260,7 @@ class Interpreter:
         return self._machine.state.reason or "done"
 
     def step(self, wait: bool = True) -> bool:
-        """One cycle, waiting for its time to come; False once the run is over.
+        """Run one cycle, after its time has come; return False once the run is over.
 
         Without `wait` also False, and nothing done, if no task can go on now.
         """

@@ -14,12 +14,12 @@ from rapc.errors import TextError
 from rapc.ir import nodes
 from rapc.parser.parse import parse_pattern
 from rapc.testing.patterns import end_of_list, flat
-from rapc.worlds.faults import Fault
+from rapc.worlds.faults import InjectedFault
 
 _OPTIONS = {"p": "p", "from": "start", "until": "stop"}
 
 
-def read_fault(text: str) -> Fault:
+def read_fault(text: str) -> InjectedFault:
     """A fault from `(request) result p=0.3 from=100 until=200`.
 
     Raises:
@@ -48,7 +48,7 @@ def read_fault(text: str) -> Fault:
         raise TextError("`from` is later than `until`")
     if not 0 <= given.get("p", 1) <= 1:
         raise TextError("`p` is a chance, from 0 to 1")
-    return Fault(flat(request), result.lower(), **given)
+    return InjectedFault(flat(request), result.lower(), **given)
 
 
 def _number(name: str, text: str) -> Number:

@@ -12,7 +12,7 @@ from rapc.base.values import format_list
 from rapc.testing.coverage import Coverage
 from rapc.testing.run import Case, Outcome, Status, run_case
 from rapc.world import World
-from rapc.worlds.faults import Fault, FaultyWorld, problem
+from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
 
 
 class TestSession(msgspec.Struct, frozen=True):
@@ -22,7 +22,7 @@ class TestSession(msgspec.Struct, frozen=True):
     __test__: ClassVar[bool] = False
 
     seeds: range = range(1)
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[InjectedFault, ...] = ()
     coverage: Coverage | None = None
     #: The modules of which tests may name worlds, as `module:Class`.
     modules: tuple[str, ...] = ()
@@ -52,7 +52,7 @@ class TestSession(msgspec.Struct, frozen=True):
             if reasons and None not in reasons:
                 yield f"{format_list(fault.request)}: {reasons[0]}"
 
-    def _problem(self, fault: Fault, case: Case) -> str | None:
+    def _problem(self, fault: InjectedFault, case: Case) -> str | None:
         return problem(fault, case.library.signatures)
 
 

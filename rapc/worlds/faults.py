@@ -19,17 +19,16 @@ from rapc.world import Drawable, Message, Refused, Reply, Savable, Time, Timed, 
 from rapc.worlds.streams import Stream, stream_in, stream_state
 
 
-class Fault(msgspec.Struct, frozen=True):
-    """Requests that are to fail, and how.
+class InjectedFault(msgspec.Struct, frozen=True):
+    """Requests that are to fail, and how."""
 
-    `request` is a pattern over what is sent to the world (items by sensor name); `p`
-    the chance that one fails; `start` and `stop` bound the time of the request, both
-    included.
-    """
-
+    #: A pattern over the requests as the world gets them, items by sensor name.
     request: Fact
+    #: The result of a request that fails.
     result: str
+    #: The chance that one fails.
     p: float = 1
+    #: The first and the last time at which requests may fail.
     start: Time = 0
     stop: Time | None = None
 
@@ -39,7 +38,7 @@ class Fault(msgspec.Struct, frozen=True):
         return on_time and match(self.request, request) is not None
 
 
-def problem(fault: Fault, signatures: Signatures) -> str | None:
+def problem(fault: InjectedFault, signatures: Signatures) -> str | None:
     """Return why a fault can hit nothing in a world, or None.
 
     Args:
@@ -71,7 +70,9 @@ class FaultyWorld(World):
             once for each fault of a chance below 1 that concerns a request.
     """
 
-    def __init__(self, world: World, faults: Sequence[Fault], seed: int) -> None:
+    def __init__(
+        self, world: World, faults: Sequence[InjectedFault], seed: int
+    ) -> None:
         self.name = world.name
         self.kit = world.kit
         self._world = world
@@ -111,7 +112,7 @@ class FaultyWorld(World):
         """Have the world behind stop what it does for a request."""
         self._world.cancel(ticket)
 
-    def _hits(self, fault: Fault) -> bool:
+    def _hits(self, fault: InjectedFault) -> bool:
         return fault.p >= 1 or self._rng.random() < fault.p
 
     def next_time(self) -> Time | None:

@@ -20,10 +20,10 @@ WORDS = frozenset(
         r"\S+",
         """def make ctx constants aliases aliased return query env if in not is None for
         and or else True False yield from continue try except as fault found append
-        extend min key len type NUMBERS UNBOUND Fault str set_members as_value holds
-        k v t f m b n facts table stamps values get index facts_at is_here young age
-        functions view method_tried last_result accessible_items is_accessible count
-        extended Exception error add_note raise no either rest v_ true false _""",
+        extend min key len type NUMBERS UNBOUND QueryFault str set_members as_value
+        holds k v t f m b n facts table stamps values get index facts_at is_here young
+        age functions view method_tried last_result accessible_items is_accessible
+        count extended Exception error add_note raise no either rest v_ true false _""",
     )
 )
 """All that generated code consists of, besides numbers, signs and its own layout."""

@@ -13,7 +13,7 @@ from rapc.testing.faults import read_fault
 from rapc.testing.run import Status
 from rapc.testing.session import TestSession, exit_status, summary
 from rapc.world import World
-from rapc.worlds.faults import Fault, FaultyWorld
+from rapc.worlds.faults import FaultyWorld, InjectedFault
 
 from .small_suite import GRAB, LIBRARY, cases, happened, run
 
@@ -60,15 +60,15 @@ def test_many_outcomes_in_a_line(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("(grab ?x) dropped", Fault(("grab", "?x"), "dropped")),
-        ("(GRAB Box) Dropped p=1", Fault(("grab", "box"), "dropped")),
+        ("(grab ?x) dropped", InjectedFault(("grab", "?x"), "dropped")),
+        ("(GRAB Box) Dropped p=1", InjectedFault(("grab", "box"), "dropped")),
         (
             '(say "a (b" 2.5) no p=0.25 from=10 until=20.5',
-            Fault(("say", Text("a (b"), 2.5), "no", 0.25, 10, 20.5),
+            InjectedFault(("say", Text("a (b"), 2.5), "no", 0.25, 10, 20.5),
         ),
     ],
 )
-def test_faults_are_read(text: str, fault: Fault) -> None:
+def test_faults_are_read(text: str, fault: InjectedFault) -> None:
     assert read_fault(text) == fault
 
 
@@ -105,7 +105,7 @@ def test_faults_without_a_request(text: str) -> None:
 
 
 def _run(
-    folder: Path, clauses: str, faults: Sequence[Fault], seed: int = 0
+    folder: Path, clauses: str, faults: Sequence[InjectedFault], seed: int = 0
 ) -> list[str]:
     def wrap(world: World, seed: int) -> World:
         return FaultyWorld(world, faults, seed)
@@ -121,20 +121,23 @@ def test_a_fault_takes_the_time_of_the_row_and_its_place(tmp_path: Path) -> None
               (trace (primitive-ended :result dropped :time 2 :data ())
                      (primitive-ended :result dropped :time 4)))
     """
-    assert _run(tmp_path, given + expected, [Fault(("grab", "?x"), "dropped")]) == []
+    assert (
+        _run(tmp_path, given + expected, [InjectedFault(("grab", "?x"), "dropped")])
+        == []
+    )
 
 
 def test_a_fault_leaves_other_requests_and_other_times_alone(tmp_path: Path) -> None:
     given = f"(script {GRAB}) (task (tidy))"
     expected = "(expect (fails (fetch box) dropped) (succeeds (fetch cup)))"
-    fault = Fault(("grab", "box"), "dropped")
+    fault = InjectedFault(("grab", "box"), "dropped")
     assert _run(tmp_path, given + expected, [fault]) == []
     both = "(expect (succeeds (tidy)))"
     for stop, start in ((1, 0), (None, 3)):
-        fault = Fault(("grab", "box"), "dropped", 1, start, stop)
+        fault = InjectedFault(("grab", "box"), "dropped", 1, start, stop)
         assert _run(tmp_path, given + both, [fault]) == []
     retried = "(expect (succeeds (tidy)) (method fetch by-hand 3 times))"
-    fault = Fault(("grab", "?x"), "dropped", 1, 2, 2)
+    fault = InjectedFault(("grab", "?x"), "dropped", 1, 2, 2)
     assert _run(tmp_path, given + retried, [fault]) == []
 
 
@@ -142,15 +145,17 @@ def test_a_fault_may_lie(tmp_path: Path) -> None:
     """It says `okay`, and nothing has happened."""
     given = f"(script {GRAB}) (task (fetch box))"
     expected = "(expect (fails (fetch box)) (memory (not (have box))))"
-    assert _run(tmp_path, given + expected, [Fault(("grab", "?"), "okay")]) == []
+    assert (
+        _run(tmp_path, given + expected, [InjectedFault(("grab", "?"), "okay")]) == []
+    )
 
 
 def test_the_chance_of_a_fault_comes_from_its_own_stream(tmp_path: Path) -> None:
     """With a chance of 0 everything is as if there were no fault."""
     given = f"(script {GRAB}) (task (tidy))"
-    never = [Fault(("grab", "?"), "dropped", 0.0)]
+    never = [InjectedFault(("grab", "?"), "dropped", 0.0)]
     assert _run(tmp_path, f"{given} (expect (succeeds (tidy)))", never) == []
-    some = [Fault(("grab", "?"), "dropped", 0.5)]
+    some = [InjectedFault(("grab", "?"), "dropped", 0.5)]
     clauses = f"{given} (expect (method fetch by-hand 2 times))"
     found = [bool(_run(tmp_path, clauses, some, seed)) for seed in range(20)]
     assert found == [bool(_run(tmp_path, clauses, some, seed)) for seed in range(20)]
@@ -169,17 +174,17 @@ def test_a_fault_in_the_course_of_other_primitives(tmp_path: Path) -> None:
               (trace (primitive-ended :result dropped :time 7 :request (grab box))
                      (primitive-ended :request (grab cup) :time 7)))
     """
-    faults = [Fault(("grab", "box"), "dropped")]
+    faults = [InjectedFault(("grab", "box"), "dropped")]
     assert _run(tmp_path, given + expected, faults) == []
 
 
 def test_faults_that_apply_nowhere_are_told(tmp_path: Path) -> None:
     found = list(cases(tmp_path, LIBRARY + "(define-test it)").values())
     faults = (
-        Fault(("grab", "?x"), "dropped"),
-        Fault(("grabs", "?x"), "dropped"),
-        Fault(("grab", "?x"), "droped"),
-        Fault(("grab",), "dropped"),
+        InjectedFault(("grab", "?x"), "dropped"),
+        InjectedFault(("grabs", "?x"), "dropped"),
+        InjectedFault(("grab", "?x"), "droped"),
+        InjectedFault(("grab",), "dropped"),
     )
     assert list(TestSession(faults=faults).useless(found)) == [
         "(grabs ?x): no primitive is called `grabs`; did you mean `grab`?",

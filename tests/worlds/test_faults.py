@@ -20,13 +20,13 @@ from rapc.world import (
     Timed,
     World,
 )
-from rapc.worlds.faults import Fault, FaultyWorld
+from rapc.worlds.faults import FaultyWorld, InjectedFault
 from rapc.worlds.truck import TruckWorld
 
 from .contract import check_world
 
 SCAN = ("eye-scan", "external")
-FAULTS = (Fault(("eye-scan", "?"), "eye-cant-find", 0.5),)
+FAULTS = (InjectedFault(("eye-scan", "?"), "eye-cant-find", 0.5),)
 
 
 def _truck() -> FaultyWorld:
@@ -69,7 +69,7 @@ def test_it_is_what_is_behind_it() -> None:
 
 def test_a_fault_takes_its_usual_time_and_brings_no_data() -> None:
     truck = TruckWorld(random.Random("0:world"), {})
-    world = FaultyWorld(truck, [Fault(("eye-scan", "?"), "eye-cant-find")], 0)
+    world = FaultyWorld(truck, [InjectedFault(("eye-scan", "?"), "eye-cant-find")], 0)
     reply = world.perform(1, SCAN)
     assert isinstance(reply, Reply)
     assert (reply.result, reply.data) == ("eye-cant-find", ())
@@ -83,7 +83,7 @@ def test_it_can_do_what_the_world_behind_can_and_no_more() -> None:
 
 
 def test_a_fault_in_a_world_that_tells_no_times_takes_none() -> None:
-    world = FaultyWorld(Still(), [Fault(("wait",), "late")], 0)
+    world = FaultyWorld(Still(), [InjectedFault(("wait",), "late")], 0)
     assert world.perform(1, ("wait",)) == Reply("late")
     assert world.now() == 0
 

@@ -1,4 +1,4 @@
-"""Where variables lack a value that is needed, in some order of the steps.
+"""Find variables that lack a value in some order of the steps.
 
 Every clause is walked with what is bound where it stands [L 3.64]
 to [L 3.68]: inputs and resources everywhere; besides, in a method, what

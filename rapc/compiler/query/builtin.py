@@ -1,7 +1,7 @@
 """What compiled queries and terms call at run time: arithmetic, comparison, sets.
 
-A helper that cannot do its work raises `Fault`; who called it says which clause it
-was [L 2.46].
+A helper that cannot do its work raises `QueryFault`; its caller says which clause
+it was [L 2.46].
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Number, Text, format_atom, number
 
 
-class Fault(Exception):
+class QueryFault(Exception):
     """An unbound variable or a value of the wrong kind met in a computation.
 
     The text says which.
@@ -36,12 +36,12 @@ MOST = 2**1000
 def _numbers(args: Sequence[object]) -> list[Number]:
     for arg in args:
         if type(arg) is not int and type(arg) is not float:
-            raise Fault(f"`{format_atom(arg)}` is not a number")
+            raise QueryFault(f"`{format_atom(arg)}` is not a number")
     return list(args)  # type: ignore[arg-type]  # the loop has seen to it
 
 
 def _result(compute: Callable[[], float]) -> Number:
-    """What a computation comes to, in its one form. Raises Fault beyond measure."""
+    """Return a computed number in its one form. Raises QueryFault beyond measure."""
     try:
         found = number(compute())
     except (ValueError, OverflowError):
@@ -51,12 +51,12 @@ def _result(compute: Callable[[], float]) -> Number:
 
 def _measured(found: Number) -> Number:
     if not -MOST <= found <= MOST:
-        raise Fault("the result is too large")
+        raise QueryFault("the result is too large")
     return found
 
 
 def add(args: Sequence[object]) -> Number:
-    """`(+ a b ...)`. Raises Fault on anything but numbers, and beyond measure."""
+    """`(+ a b ...)`. Raises QueryFault on anything but numbers, and beyond measure."""
     if len(args) == 2 and type(args[0]) is int and type(args[1]) is int:
         return _measured(args[0] + args[1])
     values = _numbers(args)
@@ -64,7 +64,7 @@ def add(args: Sequence[object]) -> Number:
 
 
 def subtract(args: Sequence[object]) -> Number:
-    """`(- a b ...)`; `(- a)` is the negative. Raises Fault as `add`."""
+    """`(- a b ...)`; `(- a)` is the negative. Raises QueryFault as `add`."""
     if len(args) == 2 and type(args[0]) is int and type(args[1]) is int:
         return _measured(args[0] - args[1])
     first, *rest = _numbers(args)
@@ -72,7 +72,7 @@ def subtract(args: Sequence[object]) -> Number:
 
 
 def multiply(args: Sequence[object]) -> Number:
-    """`(* a b ...)`. Raises Fault as `add`."""
+    """`(* a b ...)`. Raises QueryFault as `add`."""
     return reduce(_product, _numbers(args))
 
 
@@ -81,35 +81,35 @@ def _product(a: Number, b: Number) -> Number:
 
 
 def divide(args: Sequence[object]) -> Number:
-    """`(/ a b ...)`; exact quotients are integers. Raises Fault as `add`; on zero."""
+    """`(/ a b ...)`; a whole quotient is an int. Raises QueryFault, on 0 too."""
     return reduce(_quotient, _numbers(args))
 
 
 def _quotient(a: Number, b: Number) -> Number:
     if b == 0:
-        raise Fault("division by zero")
+        raise QueryFault("division by zero")
     if isinstance(a, int) and isinstance(b, int) and a % b == 0:
         return a // b
     return _result(lambda: a / b)
 
 
 def size_of(args: Sequence[object]) -> Number:
-    """`(size-of ?set)`. Raises Fault on anything but a set."""
+    """`(size-of ?set)`. Raises QueryFault on anything but a set."""
     return len(set_members(args[0]))
 
 
 def value_of(args: Sequence[object]) -> Number:
-    """`(value ?counter)`. Raises Fault on anything but a counter."""
+    """`(value ?counter)`. Raises QueryFault on anything but a counter."""
     counter = args[0]
     if not isinstance(counter, Counter):
-        raise Fault(f"`{format_atom(counter)}` is not a counter")
+        raise QueryFault(f"`{format_atom(counter)}` is not a counter")
     return counter.value
 
 
 def set_members(value: object) -> Mapping[object, None]:
-    """The members of a set resource. Raises Fault on anything else."""
+    """The members of a set resource. Raises QueryFault on anything else."""
     if not isinstance(value, SetResource):
-        raise Fault(f"`{format_atom(value)}` is not a set")
+        raise QueryFault(f"`{format_atom(value)}` is not a set")
     return value.members  # type: ignore[return-value]  # keys are looked up only
 
 
@@ -127,13 +127,13 @@ FUNCTIONS: Mapping[str, Callable[[Sequence[object]], Number]] = {
 def as_value(result: object) -> Value:
     """What a registered function returned as the value of a term.
 
-    Raises Fault for what is no value of the language, None and `bool` among it.
+    Raises QueryFault for what is no value of the language, None and `bool` among it.
     """
     if type(result) is int or type(result) is float:
         return _result(lambda: result)
     if isinstance(result, str | Text | Counter | SetResource):
         return result
-    raise Fault(f"`{result}` is not a value")
+    raise QueryFault(f"`{result}` is not a value")
 
 
 def holds(result: object) -> bool:

@@ -168,7 +168,7 @@ def compile_source(source: str) -> Maker:
     """Compile generated source and return its `make` function; cached by source."""
     namespace: dict[str, Any] = {
         "UNBOUND": builtin.UNBOUND,
-        "Fault": builtin.Fault,
+        "QueryFault": builtin.QueryFault,
         "as_value": builtin.as_value,
         "holds": builtin.holds,
         "set_members": builtin.set_members,

@@ -91,7 +91,7 @@ def attempt(fn: FunctionWriter, expression: str) -> str:
     result = fn.code.fresh("t")
     fn.line("try:")
     fn.line(f"    {result} = {expression}")
-    fn.line("except Fault as fault:")
+    fn.line("except QueryFault as fault:")
     fn.line(f"    ctx.fault({fn.where}, str(fault))")
     fn.line(f"    {fn.skip}")
     return result

@@ -36,7 +36,7 @@ class TermValue:
             return self._known
         try:
             return self._computed(ctx, env)
-        except builtin.Fault:
+        except builtin.QueryFault:
             return None
 
     def needed(self, ctx: Context, env: Bindings) -> Value | None:
@@ -45,7 +45,7 @@ class TermValue:
             return self._known
         try:
             return self._computed(ctx, env)
-        except builtin.Fault as fault:
+        except builtin.QueryFault as fault:
             ctx.fault(self.where, str(fault))
             return None
 
@@ -54,7 +54,7 @@ class TermValue:
             self._compute = _compile_term(self.term)
         try:
             return self._compute(ctx, env)
-        except builtin.Fault:
+        except builtin.QueryFault:
             raise
         except Exception as error:  # of a registered function: say who asked it
             error.add_note(self.where)
@@ -92,7 +92,7 @@ def _compile_variable(name: str) -> Compute:
     def look_up(ctx: Context, env: Bindings) -> Value:
         value = env.get(name)
         if value is None:
-            raise builtin.Fault(f"{name} is not bound")
+            raise builtin.QueryFault(f"{name} is not bound")
         return value
 
     return look_up

@@ -13,7 +13,7 @@ from rapc.console.wrapping import wrapped
 
 
 class Canvas:
-    """So many rows of so many cells; what is drawn later hides what was drawn before.
+    """Rows of cells to draw on; a later drawing hides an earlier one.
 
     What falls outside is not drawn.
     """

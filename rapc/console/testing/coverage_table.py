@@ -26,7 +26,7 @@ _NAME = 24
 
 
 class Share(msgspec.Struct, frozen=True):
-    """So many of so many were exercised."""
+    """How many of how many things were exercised."""
 
     covered: int
     of: int

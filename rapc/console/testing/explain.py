@@ -20,7 +20,7 @@ Kind = Literal["title", "place", "source", "mark", "text", "trace"]
 
 
 class Line(msgspec.Struct, frozen=True):
-    """A line of text and what it is, for who wants to colour it."""
+    """A line of text with its kind, by which it is coloured."""
 
     kind: Kind
     text: str

@@ -16,7 +16,7 @@ from rapc.parser.syntax import Datum, List, Symbol
 
 
 def rejoin(log: ReadLog, forms: Iterable[Datum]) -> list[Datum]:
-    """The top level with such clauses put back; those RAPs count as damaged."""
+    """Return the top level with stray clauses put back; their RAPs count as damaged."""
     kept: list[Datum] = []
     strays: list[List] = []
     for form in forms:

@@ -1,1 +1,1 @@
-"""What happens in a run: events as values, who is told, and how they are written."""
+"""What happens in a run: events as values, their recorder, and traces of them."""

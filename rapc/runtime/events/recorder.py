@@ -1,4 +1,4 @@
-"""The one place where events of a run are made and handed to who listens."""
+"""Make the events of a run and hand them to its listeners."""
 
 from __future__ import annotations
 

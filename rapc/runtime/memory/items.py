@@ -107,7 +107,7 @@ class Items:
         item.sensor = ""
 
     def merge(self, kept: Item, lost: Item) -> None:
-        """`kept` stands for `lost` too, and is within reach if one of them is."""
+        """Merge `lost` into `kept`, which is within reach if one of them was."""
         del self.known[lost.name]
         self.aliases[lost.name] = kept.name
         self.renamings += 1

@@ -1,4 +1,4 @@
-"""The RAP memory: what the robot believes, and who is told when that changes.
+"""The RAP memory: the facts that the robot believes, and observers of their changes.
 
 Inside the house memory has two verbs, `store` and `remove`. Whether a fact may be
 stored is asked before: by `rapc.runtime.memory.gate` for handlers and hosts, by

@@ -9,7 +9,7 @@ from __future__ import annotations
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Number, is_number
 from rapc.compiler.net_plan import EffectPlan, StepPlan
-from rapc.compiler.query.builtin import Fault, add, subtract
+from rapc.compiler.query.builtin import QueryFault, add, subtract
 from rapc.runtime.events.events import ResourceChange, ResourceChanged
 from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import QueryContext
@@ -34,14 +34,14 @@ def changes_of(
         changes.append(change)
         try:
             _count(totals, change)
-        except Fault as fault:
+        except QueryFault as fault:
             machine.context.fault(effect.amount.where, str(fault))
             return None
     return changes
 
 
 def _count(totals: dict[Counter, Number], change: Change) -> None:
-    """Add a change to what counters will hold. Raises Fault beyond measure."""
+    """Add a change to what counters will hold. Raises QueryFault beyond measure."""
     op, resource, amount = change
     if isinstance(resource, Counter):
         compute = add if op == "counter-add" else subtract
