@@ -288,7 +288,7 @@ def wrong(ctx: Context, rule: str, datum: Datum) -> None:
 
 
 def made(found: Iterable[Any]) -> tuple[Any, ...]:
-    """Return what could be read, without what could not."""
+    """Return the nodes in `found` that could be read, dropping None."""
     return tuple([one for one in found if one is not None])
 
 
