@@ -168,12 +168,10 @@ def start(run: Run, running: Running) -> None:
         method=method_name(method),
         bindings={n: format_atom(env[n]) for n in in_order(task, method, env)},
     )
-    if not note(run, running):
+    if not claim(run, running) or not note(run, running):
         method_badly(run, running, "interference", "sibling-failed")
     elif isinstance(method.body, nodes.Primitive):
         request(run, running, method.body)
-    elif not claim(run, running):
-        method_badly(run, running, "interference", "sibling-failed")
     elif not running.places:
         method_well(run, running)
     else:

@@ -44,9 +44,6 @@ def request(run: Run, running: Running, body: nodes.Primitive) -> None:
             method_badly(run, running, "interference", "sibling-failed")
             return
         values.append(value)
-    if not claim(run, running):
-        method_badly(run, running, "interference", "sibling-failed")
-        return
     fact: Fact = (body.request.name, *values)
     text = format_list(fact)
     number = running.task.number

@@ -94,7 +94,7 @@ def _row(
         changes["data"] = (("seen", *seen),)
     uses = pattern[0] in USING
     lasting = pattern[0] == "slow" or (uses and pattern[0] != "tap")
-    slow = rng.random() < (0.85 if lasting else 0.1 * wild)
+    slow = lasting and rng.random() < 0.85
     return Row(
         pattern,
         rng.choice(results) if rng.random() < 0.2 + 0.2 * wild else "okay",

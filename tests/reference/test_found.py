@@ -345,3 +345,84 @@ def test_top_level_tasks_count_in_the_recursion_test() -> None:
         "0 created 1 (again a) None 1 0 None",
         "0 failed 1 (again a) futile-loop futile-loop",
     ]
+
+
+# --- queries, things, and what is under way -------------------------------------------
+
+
+def test_a_fault_within_queries_names_them_and_the_clause_they_stand_in() -> None:
+    """A `?` put in is called by the name of the argument that it stands for."""
+    text = """
+    (define-query (large ?x) (> ?x 2))
+    (define-query (fits ?x) (and (q a) (large ?x)))
+    (define-rap (top) (succeed (fits ?)))
+    """
+    (told,) = play(text, "(top)", only="query-faulted", facts=("(q a)",))
+    assert told.startswith("0 faulted 1 `large` in `fits` in succeed at lib.rap:")
+    assert told.endswith(": ?x is not bound")
+
+
+def test_an_own_variable_of_a_query_is_bound_by_nobody_else() -> None:
+    text = """
+    (define-query (known ?x) (p ?x ?u))
+    (define-rap (top) (method
+      (context (and (known a) (known c) (q ?u))) (primitive (act ?u))))
+    """
+    told = play(
+        text,
+        "(top)",
+        only="method-chosen",
+        facts=("(p a 1)", "(p c 2)", "(q d)"),
+    )
+    assert told == ["0 chosen 1 top #1 {'?u': 'd'}"]
+
+
+def test_a_claim_without_a_value_is_found_before_anything_is_noted() -> None:
+    text = """
+    (define-rap (top) (method (claims (arm ?u)) (notations (q a)) (task-net)))
+    """
+    told = play(
+        text,
+        "(top)",
+        only="fact-asserted query-faulted method-ended",
+        settings=Settings(futile_limit=1),
+    )
+    assert [line.split()[1] for line in told] == ["faulted", "ended"]
+
+
+def test_an_atomic_primitive_that_outlasts_the_run_is_cancelled() -> None:
+    text = "(define-rap (top) (method (primitive (act a))))"
+    told = play(
+        text,
+        "(top)",
+        only="primitive-cancelled task-removed",
+        rows=(Row(("act", "?"), takes=9),),
+        until=5,
+    )
+    assert told == ["5 cancelled 1 (act a)", "5 removed 1 run-over"]
+
+
+def test_a_suspended_task_has_not_tried_its_method_and_may_choose_it_again() -> None:
+    """Twice suspended and twice chosen anew, with a futile limit of one."""
+    text = """
+    (declare-primitive carry (?x) (okay) :atomic false :uses (wheels))
+    (define-rap (top ?i) (method one (primitive (carry ?i))))
+    """
+    told = play(
+        text,
+        "(top a)",
+        "(top c) :priority 1 :at 1",
+        "(top d) :priority 1 :at 5",
+        only="method-suspended method-ended task-woken",
+        rows=(Row(("carry", "?"), after=3),),
+        settings=Settings(futile_limit=1),
+    )
+    assert told == [
+        "1 suspended 1 one wheels 2",
+        "4 ended 2 one okay",
+        "4 woken 1 wheels 2",
+        "5 suspended 1 one wheels 3",
+        "8 ended 3 one okay",
+        "8 woken 1 wheels 3",
+        "11 ended 1 one okay",
+    ]
