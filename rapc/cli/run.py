@@ -28,6 +28,7 @@ from rapc.errors import (
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
 from rapc.runtime.authors import blame
+from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
@@ -128,8 +129,8 @@ def run(
     Unless -q or --show is given, the trace goes to standard output; a short report
     closes it.
 
-    Exit status: 0 if every task that is not in the background succeeded, 1 if one did
-    not, 2 if nothing could be run.
+    Exit status: 0 if every task that is not in the background succeeded and none in
+    the background failed, 1 if not, 2 if nothing could be run.
     """
     if agenda is None and not tasks:
         fail("there is nothing to do: give --task or --agenda")
@@ -163,9 +164,15 @@ def run(
         interpreter.run(until=end)
     for line in report.lines():
         click.echo(visible(line))
-    wanted = [result for result in interpreter.results() if not result.background]
-    if not all(result.outcome == "succeeded" for result in wanted):
+    if not all(map(_went_well, interpreter.results())):
         raise SystemExit(1)
+
+
+def _went_well(result: TaskResult) -> bool:
+    """Whether a task has succeeded or, in the background, at least not failed."""
+    if result.background:
+        return result.outcome != "failed"
+    return result.outcome == "succeeded"
 
 
 @contextmanager

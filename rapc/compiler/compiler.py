@@ -49,10 +49,13 @@ class Compiler:
 
     def place(self, what: str, span: Span) -> str:
         """A clause's name with the row it stands in: `succeed at arms.rap:12`."""
+        row = self.row(span)
+        return f"{what} at {row}" if row else what
+
+    def row(self, span: Span) -> str:
+        """A file and row, `arms.rap:12`; nothing for what stands in no file."""
         source = self.library.files.get(span.file)
-        if source is None:
-            return what
-        return f"{what} at {span.file}:{source.row(span.start)}"
+        return "" if source is None else f"{span.file}:{source.row(span.start)}"
 
     def query(self, formula: nodes.Formula, what: str, span: Span) -> Query:
         """A formula of the clause `what` as a query."""

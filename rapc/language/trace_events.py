@@ -76,6 +76,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
         "task",
         "method",
         "result",
+        "because",
     ),
     "method-suspended": (
         "task",
@@ -154,6 +155,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
         "goal",
         "reason",
         "result",
+        "because",
     ),
     "task-removed": (
         "task",

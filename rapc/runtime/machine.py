@@ -20,7 +20,7 @@ from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
 from rapc.runtime.monitors.monitors import Monitors
 from rapc.runtime.port import Port
-from rapc.runtime.query_context import QueryContext
+from rapc.runtime.query_context import NotingContext, QueryContext
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
@@ -81,6 +81,8 @@ class Machine:
         self.access = parts.access
         self.recognizer = parts.recognizer
         self.context = QueryContext(self.memory, self.recorder, functions)
+        #: Asks what kept a task from going on, without leaving a mark on the run.
+        self.noting = NotingContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng, fast)
         self.things = Things()
         self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)

@@ -104,6 +104,17 @@ class HostContext(QueryContext):
         """Do nothing: the query fails, and the host sees that it has."""
 
 
+class NotingContext(QueryContext):
+    """What asks why something failed: as a task asks, but faults are only noted."""
+
+    #: The fault met last, without the clause's name.
+    noted: str = ""
+
+    def fault(self, where: str, what: str) -> None:
+        """Note what was wrong, for whoever asks."""
+        self.noted = what
+
+
 def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:
     """A term as a time; None, with a fault traced, if it is unbound or no number."""
     value = term.needed(context, env)

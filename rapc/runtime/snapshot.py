@@ -127,6 +127,9 @@ def _result(given: TopLevelTask) -> TaskResult:
         outcome=outcome,
         result=given.outcome,
         background=given.background,
+        came=given.came,
+        ended=given.ended,
+        because=given.because,
     )
 
 

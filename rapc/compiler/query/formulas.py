@@ -35,7 +35,7 @@ def solve(
     `answer` is the expression for a solution. The branches of an `or` that nothing
     follows become functions that end in the same way.
     """
-    *before, last = [nodes.Truth(True), *_conjuncts(formula)]
+    *before, last = [nodes.Truth(True), *conjuncts(formula)]
     write(fn, nodes.And(tuple(before)))
     if not isinstance(last, nodes.Or) or not last.parts:
         write(fn, last)
@@ -94,7 +94,7 @@ def _truth(fn: FunctionWriter, formula: nodes.Truth) -> None:
 
 
 def _and(fn: FunctionWriter, formula: nodes.And) -> None:
-    parts = list(_conjuncts(formula))
+    parts = list(conjuncts(formula))
     for at, part in enumerate(parts):
         if fn.loops >= MAX_LOOPS:
             _through(fn, "rest", [nodes.And(tuple(parts[at:]))])
@@ -102,7 +102,8 @@ def _and(fn: FunctionWriter, formula: nodes.And) -> None:
         write(fn, part)
 
 
-def _conjuncts(formula: nodes.Formula) -> Iterator[nodes.Formula]:
+def conjuncts(formula: nodes.Formula) -> Iterator[nodes.Formula]:
+    """Iterate over what a formula demands, one thing after another."""
     stack: list[nodes.Formula] = [formula]
     while stack:
         top = stack.pop()

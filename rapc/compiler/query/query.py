@@ -106,7 +106,14 @@ class Query:
         where: the clause's name for faults, with its place in the source.
     """
 
-    __slots__ = ("_signatures", "_variants", "formula", "variables", "where")
+    __slots__ = (
+        "_beginnings",
+        "_signatures",
+        "_variants",
+        "formula",
+        "variables",
+        "where",
+    )
 
     def __init__(
         self, formula: nodes.Formula, signatures: Signatures, where: str
@@ -115,6 +122,7 @@ class Query:
         self.where = where
         self.variables = formulas.variables(formula)
         self._signatures = signatures
+        self._beginnings: tuple[tuple[nodes.Formula, Query], ...] | None = None
         self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
     def bind(self, ctx: QueryingContext) -> BoundQuery:
@@ -148,6 +156,21 @@ class Query:
         for solution in self.solutions(ctx, env):
             found = {**env, **solution}
             yield [found.get(name, builtin.UNBOUND) for name in self.variables]
+
+    def beginnings(self) -> tuple[tuple[nodes.Formula, Query], ...]:
+        """Return each conjunct with the query of all conjuncts up to it."""
+        if self._beginnings is None:
+            parts = tuple(formulas.conjuncts(self.formula))
+            self._beginnings = tuple(
+                (part, self._later(nodes.And(parts[: at + 1])))
+                for at, part in enumerate(parts)
+            )
+        return self._beginnings
+
+    @staticmethod
+    def names(formula: nodes.Formula) -> tuple[str, ...]:
+        """Return the named variables of a formula, in the order of the text."""
+        return formulas.variables(formula)
 
     def variant(
         self, inputs: tuple[str, ...], mode: ResultMode, by_place: bool = False

@@ -75,6 +75,29 @@ class ResourceChange(msgspec.Struct, frozen=True):
         return f"{self.op} {format_atom(self.amount)}: {self.resource}"
 
 
+class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Why a task has failed or a method ended badly; all of it text."""
+
+    #: The clause in words, with what it belongs to: "preconditions of `fetch`".
+    clause: str
+    #: Where it, or the part, stands: file and line; empty where there is no text.
+    place: str = ""
+    #: The first part of the clause without a solution, as it is written.
+    part: str = ""
+    #: What is wrong with it, where that is more than that it does not hold.
+    note: str = ""
+    #: What the variables of the part were bound to then.
+    bindings: Mapping[str, str] = {}
+    #: Where there was no method: for each one what ruled it out.
+    methods: tuple[Cause, ...] = ()
+    #: The number of the task of a step that failed.
+    task: int | None = None
+    #: How many causes are left out between this one and the next.
+    skipped: int = 0
+    #: What it came from: why the step's task failed, or the method tried last.
+    because: Cause | None = None
+
+
 class Event(msgspec.Struct, frozen=True, tag_field="event", tag=_kebab, kw_only=True):
     """The base of all events. `n` is a serial from 0; `time` in time units."""
 
@@ -129,6 +152,7 @@ class MethodEnded(Event, frozen=True, kw_only=True):
     task: int
     method: str
     result: str
+    because: Cause | None = None
 
 
 class TaskBlocked(Event, frozen=True, kw_only=True, omit_defaults=True):
@@ -174,6 +198,7 @@ class TaskFailed(Event, frozen=True, kw_only=True):
     goal: Goal
     reason: str
     result: str
+    because: Cause | None = None
 
 
 class TaskRemoved(Event, frozen=True, kw_only=True):
@@ -311,7 +336,7 @@ class SolverCalled(Event, frozen=True, kw_only=True):
     methods: int
 
 
-class TaskResult(msgspec.Struct, frozen=True):
+class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):
     """What became of a top-level task: `succeeded`, `failed` or `unfinished`."""
 
     task: int
@@ -319,6 +344,11 @@ class TaskResult(msgspec.Struct, frozen=True):
     outcome: str
     result: str | None
     background: bool
+    #: When it came, and when it succeeded, failed or was cancelled; None before.
+    came: int | float = 0
+    ended: int | float | None = None
+    #: Why it failed; None if it has not, or where nobody was told of it.
+    because: Cause | None = None
 
 
 class RunEnded(Event, frozen=True, kw_only=True):

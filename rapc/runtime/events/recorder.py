@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from rapc.runtime.events.events import Event
+from rapc.runtime.events.events import Event, MethodEnded, TaskFailed
 from rapc.world import Time
 
 Listener = Callable[[Event], None]
 
 RawEvent = tuple[type[Event], int, Time, dict[str, Any]]
 """An event before it is made: its kind, cycle, time and other keys."""
+
+
+_WITH_CAUSES: frozenset[type[Event]] = frozenset((MethodEnded, TaskFailed))
+"""The kinds of events that tell of causes."""
 
 
 class Recorder:
@@ -30,6 +34,8 @@ class Recorder:
         #: Places in the buffer from which serials are counted anew, each with the
         #: first.
         self.jumps: list[tuple[int, int]] = []
+        #: Whether anybody is told why tasks fail: else nobody finds it out.
+        self.tells_causes = False
         self._listeners: tuple[Listener, ...] = ()
         self._raw: tuple[Callable[..., None], ...] = ()
         self._of_kind: dict[type[Event], tuple[Listener, ...]] = {}
@@ -41,6 +47,7 @@ class Recorder:
         that has a method `raw` is handed events as they are emitted: the kind, its
         serial number, cycle, time, and its other keys, which it must not change.
         """
+        self.tells_causes |= not kinds or not _WITH_CAUSES.isdisjoint(kinds)
         raw = None if kinds else getattr(listener, "raw", None)
         if raw is not None:
             self._raw = (*self._raw, raw)
@@ -58,7 +65,7 @@ class Recorder:
         """The buffer to which all is added that is told from now on."""
         if self.buffer is None:
             self.buffer = []
-        self.on = True
+        self.on = self.tells_causes = True
         return self.buffer
 
     def jump(self, time: Time, cycle: int, serial: int) -> None:

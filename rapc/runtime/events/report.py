@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rapc.base.values import format_atom
 from rapc.runtime.events import events
@@ -13,17 +13,32 @@ _LEFT_OVER = 20
 """How many tasks that were left over are named."""
 
 
+_COUNTED: Mapping[type[events.Event], str] = {
+    events.TaskFailed: "Tasks failed, at any level",
+    events.DeadlineMissed: "Deadlines missed",
+    events.QueryFaulted: "Faults in queries",
+}
+"""What is counted besides, and how it is called."""
+
+
 class RunReport:
     """Counts what happens in a run; a listener for `Interpreter.listen`.
 
     It needs no events but those of its `kinds`.
     """
 
-    kinds = (events.PrimitiveEnded, events.RunEnded)
+    kinds = (
+        events.PrimitiveEnded,
+        events.TaskFailed,
+        events.DeadlineMissed,
+        events.QueryFaulted,
+        events.RunEnded,
+    )
 
     def __init__(self) -> None:
         self._primitives: Counter[str] = Counter()
         self._failures: Counter[tuple[str, str]] = Counter()
+        self._others: Counter[type[events.Event]] = Counter()
         self._end: events.RunEnded | None = None
 
     def __call__(self, event: events.Event) -> None:
@@ -35,6 +50,8 @@ class RunReport:
                 self._failures[name, event.result] += 1
         elif isinstance(event, events.RunEnded):
             self._end = event
+        else:
+            self._others[type(event)] += 1
 
     def lines(self) -> Iterator[str]:
         """The report: tasks and results, primitives by kind, failures, time."""
@@ -51,7 +68,11 @@ class RunReport:
             if result.outcome == "failed":
                 told = f"failed: {result.result}"
             standing = " (background)" if result.background else ""
-            yield f"  [{result.task}] {result.goal} {told}{standing}"
+            times = f"{format_atom(result.came)} to "
+            times += "the end" if result.ended is None else format_atom(result.ended)
+            yield f"  [{result.task}] {result.goal} {told}, {times}{standing}"
+            for line in cause_lines(result.because):
+                yield f"      {line}"
         if end.waiting:
             yield "Left over:"
             yield from (f"  {line}" for line in end.waiting[:_LEFT_OVER])
@@ -59,6 +80,9 @@ class RunReport:
         yield f"Primitives: {total}, of which {failed} failed."
         for name in sorted(self._primitives):
             yield f"  {name:<20} {self._primitives[name]:>6}{self._failed(name)}"
+        for kind, word in _COUNTED.items():
+            if self._others[kind]:
+                yield f"{word}: {self._others[kind]}."
 
     def _failed(self, name: str) -> str:
         found = [
@@ -67,3 +91,26 @@ class RunReport:
             if primitive == name
         ]
         return f"   ({', '.join(found)})" if found else ""
+
+
+def cause_lines(cause: events.Cause | None) -> Iterator[str]:
+    """Say why something failed, one line for each link down to the first cause."""
+    while cause is not None:
+        yield f"because of {_in_words(cause)}"
+        for method in cause.methods:
+            yield f"  {_in_words(method)}"
+        if cause.skipped:
+            yield f"... and so on, {cause.skipped} further down"
+        cause = cause.because
+
+
+def _in_words(cause: events.Cause) -> str:
+    """A cause without what it came from, on one line."""
+    at = f" at {cause.place}" if cause.place else ""
+    said = cause.part
+    if cause.bindings:
+        pairs = " ".join(f"{name} {value}" for name, value in cause.bindings.items())
+        said = f"{said} with {pairs}" if said else f"with {pairs}"
+    note = cause.note or ("does not hold" if cause.part else "")
+    said = ", ".join(one for one in (said, note) if one)
+    return f"{cause.clause}{at}: {said}" if said else f"{cause.clause}{at}"

@@ -52,6 +52,9 @@ def capture(machine: Machine, seed: int, library: str, world: bytes) -> RunRecor
             given.background,
             given.outcome,
             found.environment(given.outputs) if given.outputs else -1,
+            given.because,
+            given.came,
+            given.ended,
         )
         for given in state.top_level
     )
@@ -224,6 +227,7 @@ class _Capture:
             results=tuple(history.results.items()),  # type: ignore[arg-type]  # names
             failures=tuple(history.failures.items()),
             failure=history.failure,
+            because=history.because,
             success=None if success is None else self.environment(success),
         )
 

@@ -188,6 +188,7 @@ class Rebuilt:
         history.results = dict(record.results)
         history.failures = dict(record.failures)
         history.failure = record.failure
+        history.because = record.because
         if record.success is not None:
             history.success = self._env_at(record.success)
         return history
@@ -231,8 +232,9 @@ class Rebuilt:
     def _fill_state(self) -> None:
         record, state, counts = self._record, self.state, self._record.counts
         for top in record.top_level:
-            given = TopLevelTask(self._tasks[top.task], top.background)
-            given.outcome = top.outcome
+            given = TopLevelTask(self._tasks[top.task], top.background, top.came)
+            given.outcome, given.because = top.outcome, top.because
+            given.ended = top.ended
             given.outputs = self._env_at(top.outputs)
             state.top_level.append(given)
             if given.task.live:

@@ -11,6 +11,7 @@ import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text
 from rapc.ir.nodes import Method
+from rapc.runtime.events.events import Cause
 from rapc.runtime.memory.saving import MemoryState
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest
@@ -103,6 +104,7 @@ class HistoryRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     failures: tuple[tuple[int, int], ...] = ()
     failure: str | None = None
     success: int | None = None
+    because: Cause | None = None
 
 
 class MethodRecord(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -157,6 +159,9 @@ class TopRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     background: bool
     outcome: str | None = None
     outputs: int = -1
+    because: Cause | None = None
+    came: Time = 0
+    ended: Time | None = None
 
 
 class AgendaRecord(msgspec.Struct, frozen=True):

@@ -18,7 +18,7 @@ from rapc.compiler.net_plan import StepPlan, WindowPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.ir import nodes
-from rapc.runtime.events.events import Goal
+from rapc.runtime.events.events import Cause, Goal
 from rapc.runtime.memory.notations import Notation
 from rapc.runtime.state.states import ENDED, WAITING
 from rapc.world import OKAY, Time
@@ -114,7 +114,15 @@ class WaitState:
 class History:
     """What the methods of a task have come to."""
 
-    __slots__ = ("choices", "failure", "failures", "results", "success", "tries")
+    __slots__ = (
+        "because",
+        "choices",
+        "failure",
+        "failures",
+        "results",
+        "success",
+        "tries",
+    )
 
     def __init__(self) -> None:
         #: What the futile-loop detector has seen, from the second choice on.
@@ -127,6 +135,8 @@ class History:
         self.failures: dict[int, int] = {}
         #: The last failure symbol from the world.
         self.failure: str | None = None
+        #: Why the last method ended badly; None if it did not, or nobody is told.
+        self.because: Cause | None = None
         #: The environment of the last method that ended well, for outputs.
         self.success: Env | None = None
 
@@ -134,14 +144,27 @@ class History:
 class TopLevelTask:
     """What a top-level task has besides."""
 
-    __slots__ = ("background", "outcome", "outputs", "task")
+    __slots__ = (
+        "background",
+        "because",
+        "came",
+        "ended",
+        "outcome",
+        "outputs",
+        "task",
+    )
 
-    def __init__(self, task: Task, background: bool) -> None:
+    def __init__(self, task: Task, background: bool, came: Time = 0) -> None:
         self.task = task
+        #: When it joined the run, and when it left; None while it has not.
+        self.came = came
+        self.ended: Time | None = None
         #: Whether it does not keep the run going.
         self.background = background
         #: `okay` or the failure it handed up; None unless it has ended by itself.
         self.outcome: str | None = None
+        #: Why it failed, if anybody is told.
+        self.because: Cause | None = None
         #: What it handed out.
         self.outputs: Env = {}
 

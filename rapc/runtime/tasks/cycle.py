@@ -11,6 +11,7 @@ from rapc.runtime.events.events import FamilySwitched, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import ENDED, INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task, WaitState
+from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.finish import (
     apply_until,
     end_method,
@@ -57,7 +58,8 @@ def run_cycle(machine: Machine, task: Task) -> None:
         _conditions_hold(machine, task)
     ):
         if task.state is not ENDED:
-            fail(machine, task, INTERFERENCE)
+            because = causes.of_conditions(machine, task)
+            fail(machine, task, INTERFERENCE, because)
     else:
         try_method(machine, task)
 
@@ -71,7 +73,7 @@ def _first_of_all(machine: Machine, task: Task) -> None:
         return
     if wait is not None:
         if wait.setup_failed:
-            fail(machine, task, INTERFERENCE)
+            fail(machine, task, INTERFERENCE, causes.of_set_up(machine, task))
         elif not wait.first_selected:
             _begin(machine, task, wait)
 
@@ -128,7 +130,7 @@ def _misses_inputs(machine: Machine, task: Task) -> bool:
             if value is None:
                 arg.needed(machine.context, run.env)
     if not task.bound:
-        fail(machine, task, INTERFERENCE)
+        fail(machine, task, INTERFERENCE, causes.of_inputs(machine, task))
     return not task.live
 
 
@@ -197,5 +199,6 @@ def _method_holds(machine: Machine, run: MethodRun) -> bool:
     constraints = run.plan.constraints
     if constraints is None or constraints.holds(machine.context, run.env):
         return True
-    end_method(machine, run, INTERFERENCE, "parent-failed")
+    because = causes.of_method_constraints(machine, run)
+    end_method(machine, run, INTERFERENCE, because, "parent-failed")
     return False

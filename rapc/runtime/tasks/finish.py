@@ -13,6 +13,7 @@ from rapc.base.resources import Value
 from rapc.compiler.net_plan import OutputTarget, StepPlan
 from rapc.runtime.acts.primitives import cancel
 from rapc.runtime.events.events import (
+    Cause,
     MethodEnded,
     TaskFailed,
     TaskRemoved,
@@ -28,6 +29,7 @@ from rapc.runtime.state.states import (
     WAITING,
 )
 from rapc.runtime.state.task import Env, MethodRun, Task, as_told
+from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
 from rapc.runtime.tasks.start import (
     read_inputs,
@@ -73,7 +75,9 @@ def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
         bound = receive(machine, run, arriving)
         changes = None if bound is None else changes_of(machine, run, step, bound)
     if bound is None or changes is None:
-        fail(machine, task, INTERFERENCE)
+        told = machine.recorder.tells_causes
+        because = causes.of_step_end(machine, task, outputs) if told else None
+        fail(machine, task, INTERFERENCE, because)
         return
     if step is None:
         given = machine.state.live_top[task.number]
@@ -239,9 +243,10 @@ def recheck_bound_steps(
         if not task.bound:
             read_inputs(machine, task)
         if task.bound and task.identity is None and repeats_ancestor(machine, task):
-            end_method(machine, run, FUTILE_LOOP, "parent-failed")
+            because = causes.of_recursion(machine, task)
+            end_method(machine, run, FUTILE_LOOP, because, "parent-failed")
             machine.agenda.discard(run.task)
-            fail(machine, run.task, FUTILE_LOOP)
+            fail(machine, run.task, FUTILE_LOOP, because)
             return True
         if task.bound and task in machine.agenda:
             machine.agenda.discard(task)
@@ -252,12 +257,15 @@ def recheck_bound_steps(
 # --- bad endings -----------------------------------------------------------------
 
 
-def fail(machine: Machine, task: Task, reason: str) -> None:
+def fail(
+    machine: Machine, task: Task, reason: str, because: Cause | None = None
+) -> None:
     """A task fails: its method goes with it, its parent comes up again."""
     world_failure = task.world_failure
     result = world_failure or reason
     if task.step is None:
-        machine.state.live_top[task.number].outcome = result
+        given = machine.state.live_top[task.number]
+        given.outcome, given.because = result, because
     _leave(machine, task)
     if machine.recorder.on:
         machine.recorder.emit(
@@ -266,20 +274,30 @@ def fail(machine: Machine, task: Task, reason: str) -> None:
             goal=task.goal(),
             reason=reason,
             result=result,
+            because=because,
         )
     run = task.within
     if run is None:
         return
     if world_failure is not None:
         run.task.remember().failure = world_failure
-    end_method(machine, run, result)
+    end_method(machine, run, result, causes.of_child(machine, task, result, because))
 
 
 def end_method(
-    machine: Machine, run: MethodRun, result: str, cause: str = "sibling-failed"
+    machine: Machine,
+    run: MethodRun,
+    result: str,
+    because: Cause | None = None,
+    cause: str = "sibling-failed",
 ) -> None:
-    """A method ends; steps still live leave, and its task comes up again."""
+    """A method ends; steps still live leave, and its task comes up again.
+
+    `because` says why it ends badly, `cause` why its steps leave.
+    """
     task, recorder = run.task, machine.recorder
+    if because is None and result != OKAY:
+        because = causes.of_result(machine, run, result)
     task.run = None
     if task.plan.recursive or machine.all_may_recur:
         _discount(machine, task)
@@ -294,11 +312,16 @@ def end_method(
         machine.memory.release_notation(notation)
     if recorder.on:
         recorder.emit(
-            MethodEnded, task=task.number, method=run.plan.name, result=result
+            MethodEnded,
+            task=task.number,
+            method=run.plan.name,
+            result=result,
+            because=because,
         )
     task.last_result = result
     if result != OKAY or task.history is not None:
         task.note_result(run.plan, result)
+        task.remember().because = because
     if task.plan.outputs and result == OKAY:
         task.remember().success = run.env
     task.state = ELIGIBLE
@@ -340,7 +363,7 @@ def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
     if mode == "succeed":
         succeed(machine, task, {})
     else:
-        fail(machine, task, SIGNAL)
+        fail(machine, task, SIGNAL, causes.of_signal(machine, task))
 
 
 def stop(machine: Machine, task: Task) -> MethodRun | None:
@@ -375,9 +398,10 @@ def _leave(machine: Machine, task: Task) -> None:
     if machine.things.waits:
         machine.things.stop_waiting(task)
     if task.step is None:
-        machine.state.foreground -= not machine.state.live_top.pop(
-            task.number
-        ).background
+        given = machine.state.live_top.pop(task.number)
+        machine.state.foreground -= not given.background
+        if not machine.state.over:
+            given.ended = machine.recorder.time
     if task.wait is not None:
         if task.step is not None:
             for signal in task.step.waits:

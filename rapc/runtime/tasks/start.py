@@ -30,7 +30,7 @@ def create_top(machine: Machine, submission: TaskRequest) -> None:
     repeats_ancestor(machine, task)
     task.priority = submission.priority
     machine.state.foreground += not submission.background
-    given = TopLevelTask(task, submission.background)
+    given = TopLevelTask(task, submission.background, machine.recorder.time)
     machine.state.top_level.append(given)
     create(machine, task)
     machine.state.live_top[task.number] = given

@@ -13,6 +13,7 @@ from rapc.runtime.events.events import MethodChosen
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told
+from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.choose import choose, choose_sole
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
@@ -37,7 +38,7 @@ def try_method(machine: Machine, task: Task) -> None:
     sole = machine.may_choose_sole
     choice = choose_sole(machine, task) if sole else choose(machine, task)
     if choice is None:
-        fail(machine, task, NO_METHOD)
+        fail(machine, task, NO_METHOD, causes.of_no_method(machine, task))
         return
     method, found, key, others = choice
     if task.choice is None:
@@ -45,7 +46,8 @@ def try_method(machine: Machine, task: Task) -> None:
     elif task.times_chosen(key) < machine.settings.futile_limit:
         task.note_choice(key)
     else:
-        fail(machine, task, FUTILE_LOOP)
+        because = causes.of_futile_choice(machine, task, method, found)
+        fail(machine, task, FUTILE_LOOP, because)
         return
     env = task.env
     if found:
@@ -53,8 +55,9 @@ def try_method(machine: Machine, task: Task) -> None:
     elif method.binds:
         env = env.copy()
     run = MethodRun(task, method, env, machine.recorder.time)
-    if method.steps and not _spawn(machine, run):
-        fail(machine, task, FUTILE_LOOP)
+    repeating = _spawn(machine, run) if method.steps else None
+    if repeating is not None:
+        fail(machine, task, FUTILE_LOOP, causes.of_recursion(machine, repeating))
         return
     if method.things or method.request is not None:
         run.key, run.before = key, task.method
@@ -66,8 +69,8 @@ def try_method(machine: Machine, task: Task) -> None:
         start_method(machine, run, spoilt=come is SPOILT)
 
 
-def _spawn(machine: Machine, run: MethodRun) -> bool:
-    """Make the steps' tasks, not yet numbered; False if one repeats an ancestor."""
+def _spawn(machine: Machine, run: MethodRun) -> Task | None:
+    """Make the steps' tasks, not yet numbered; return one that repeats an ancestor."""
     run.steps = tasks = []
     method = run.plan
     if not method.raps:
@@ -80,8 +83,8 @@ def _spawn(machine: Machine, run: MethodRun) -> bool:
             read_inputs(machine, task)
         untested = task.identity is None or machine.solvers
         if untested and task.bound and repeats_ancestor(machine, task):
-            return False
-    return True
+            return task
+    return None
 
 
 def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None:
@@ -111,7 +114,7 @@ def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None
         method.notations and not _note(machine, run, method)
     ):
         run.steps = ()
-        end_method(machine, run, INTERFERENCE)
+        end_method(machine, run, INTERFERENCE, causes.of_bad_start(machine, run))
     elif spoilt and method.request is not None:
         ground(machine, run, method.request)  # traces what it lacks
         end_method(machine, run, INTERFERENCE)
