@@ -85,6 +85,7 @@ class Machine:
         self.noting = NotingContext(self.memory, self.recorder, functions)
         self.agenda = Agenda(rng, fast)
         self.things = Things()
+        self.held, self.waits = self.things.held, self.things.waits  # parts of them
         self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)
         self.memory.observe(self.monitors)
         #: What the host wants done at a time: a heap by time, then by order.
@@ -92,8 +93,7 @@ class Machine:
         #: What the host wants done when the run is over, in this order.
         self.at_end: list[Callable[[], None]] = []
         #: Whether the loop is turning, and whether it broke off in the midst of that.
-        self.turning = False
-        self.broken = False
+        self.turning = self.broken = False
         #: Told of each context that is asked, for coverage.
         self.context_asked: ContextListener | None = None
         #: Whether a sole method may be chosen without further ado: no solver may help,

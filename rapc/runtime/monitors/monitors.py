@@ -51,6 +51,7 @@ class Monitors:
     ) -> None:
         self._context = context
         self._things = things
+        self._waits, self._ways = things.waits, things.changed
         self._recorder = recorder
         self._agenda = agenda
         self._listeners = Listeners()
@@ -204,7 +205,7 @@ class Monitors:
         deadlines = self.deadlines
         if deadlines.heap:
             deadlines.look(self._recorder.time)
-        if deadlines.missed or self._things.changed:
+        if deadlines.missed or self._ways:
             self._test_with_others()
         elif len(self.to_test) == 1:
             self._test(self.to_test.popitem()[1])
@@ -217,9 +218,9 @@ class Monitors:
 
     def _test_with_others(self) -> None:
         """Test monitors, and what is in the way of tasks, and tell what was missed."""
-        dirty, changed = dict(self.to_test), dict(self._things.changed)
+        dirty, changed = dict(self.to_test), dict(self._ways)
         self.to_test.clear()
-        self._things.changed.clear()
+        self._ways.clear()
         missed = self.deadlines.take_missed()
         for tasknumber in sorted(dirty.keys() | missed.keys() | changed.keys()):
             woken = tasknumber in changed and self._test_way(changed[tasknumber])
@@ -250,7 +251,7 @@ class Monitors:
             wait is None
             or wait.after_method
             or not (state is BLOCKED or state is UNTESTED or state is ELIGIBLE)
-            or (state is BLOCKED and task.number in self._things.waits)
+            or (self._waits and state is BLOCKED and task.number in self._waits)
         ):
             return
         if self.holds(task):
@@ -270,7 +271,7 @@ class Monitors:
 
         Whether it was woken: then its monitors have been tested too.
         """
-        wait = self._things.waits.get(task.number)
+        wait = self._waits.get(task.number)
         if wait is None:
             return False
         obstacle = self._things.obstacle_of(wait)
@@ -336,7 +337,8 @@ class Monitors:
     def block(self, task: Task) -> None:
         """A task cannot go on until its monitors hold; its loops start afresh."""
         task.state = BLOCKED
-        self._things.stop_waiting(task)
+        if self._waits:
+            self._things.stop_waiting(task)
         task.forget_choices()
         if self._recorder.on and task.wait is not None:
             task.wait.blocked_on = on = self.reason(task)

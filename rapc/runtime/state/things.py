@@ -76,6 +76,7 @@ class Things:
     __slots__ = ("_holders", "_waiters", "changed", "conflicts", "held", "waits")
 
     def __init__(self) -> None:
+        # These three stay the same objects for life: others hold them.
         #: What each method holds, by the number of its task.
         self.held: dict[int, tuple[Hold, ...]] = {}
         #: What blocked and woken tasks wait for, by number.
@@ -211,7 +212,8 @@ class Things:
         waits: Iterable[ThingWait],
     ) -> None:
         """Hold and wait for this and nothing else; what is held by task number."""
-        self.held, self._holders, self._waiters = {}, {}, {}
+        self._holders, self._waiters = {}, {}
+        self.held.clear()
         self.waits.clear()
         self.changed.clear()
         for run, holds in held:

@@ -21,7 +21,7 @@ from rapc.runtime.tasks.hold_things import must_wait
 _Any = TypeVar("_Any")
 
 
-_Held = tuple[MethodPlan, Env]
+Held = tuple[MethodPlan, Env]
 """A method that holds, with what its choice binds first."""
 
 Key = tuple[object, ...]
@@ -29,10 +29,10 @@ Key = tuple[object, ...]
 by value."""
 
 
-Choice = tuple[MethodPlan, Env, Key, Sequence[_Held]]
+Choice = tuple[MethodPlan, Env, Key, Sequence[Held]]
 """The method to try, what its choice binds, its key, and all that it was drawn from."""
 
-_SOLE: tuple[_Held, ...] = ()
+_SOLE: tuple[Held, ...] = ()
 """It was drawn from no others."""
 
 
@@ -71,7 +71,7 @@ def choose_sole(machine: Machine, task: Task) -> Choice | None:
     return method, found, key, _SOLE
 
 
-def _choose_among(machine: Machine, task: Task, holding: list[_Held]) -> Choice:
+def _choose_among(machine: Machine, task: Task, holding: list[Held]) -> Choice:
     """One of several: failed least, chosen least, not kept waiting, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
     if len(holding) > 1:
@@ -99,11 +99,11 @@ def _least(choices: Sequence[_Any], counts: Sequence[int]) -> list[_Any]:
     return [c for c, count in zip(choices, counts, strict=True) if count == least]
 
 
-def _holding(machine: Machine, task: Task) -> list[_Held]:
+def _holding(machine: Machine, task: Task) -> list[Held]:
     """The methods that hold, in the order of the text, with their first bindings."""
     context, env = machine.context, task.env
     context.task = task
-    held: list[_Held] = []
+    held: list[Held] = []
     for method in machine.state.methods(task.plan):
         found: Env | None
         if method.otherwise and held:

@@ -31,7 +31,7 @@ def run_cycle(machine: Machine, task: Task) -> None:
     """Process the task that the agenda has chosen."""
     recorder, plan, run = machine.recorder, task.plan, task.within
     recorder.cycle += 1
-    if machine.things.waits:
+    if machine.waits:
         machine.things.stop_waiting(task)
     wait = task.wait
     special = task.identity is None or (

@@ -306,7 +306,7 @@ def end_method(
             if step.state is not ENDED:
                 remove(machine, step, cause)
     run.steps = ()
-    if machine.things.held:
+    if machine.held:
         machine.things.release(task)
     for notation in run.notations:
         machine.memory.release_notation(notation)
@@ -387,7 +387,7 @@ def _drop(machine: Machine, run: MethodRun) -> None:
     run.steps = ()
     if run.ticket is not None:
         cancel(machine, run)
-    if machine.things.held:
+    if machine.held:
         machine.things.release(run.task)
     for notation in run.notations:
         machine.memory.release_notation(notation)
@@ -395,7 +395,7 @@ def _drop(machine: Machine, run: MethodRun) -> None:
 
 def _leave(machine: Machine, task: Task) -> None:
     task.state = ENDED
-    if machine.things.waits:
+    if machine.waits:
         machine.things.stop_waiting(task)
     if task.step is None:
         given = machine.state.live_top.pop(task.number)

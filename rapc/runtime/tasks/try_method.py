@@ -6,6 +6,8 @@ Which method it is is decided in `rapc.runtime.tasks.choose`; how methods end is
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.errors import FactError
 from rapc.runtime.acts.primitives import ground, request
@@ -14,7 +16,7 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told
 from rapc.runtime.tasks import causes
-from rapc.runtime.tasks.choose import choose, choose_sole
+from rapc.runtime.tasks.choose import Held, Key, choose, choose_sole
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
     SPOILT,
@@ -30,7 +32,7 @@ from rapc.runtime.tasks.start import (
     release,
     repeats_ancestor,
 )
-from rapc.world import OKAY, Refused
+from rapc.world import OKAY
 
 
 def try_method(machine: Machine, task: Task) -> None:
@@ -59,11 +61,19 @@ def try_method(machine: Machine, task: Task) -> None:
     if repeating is not None:
         fail(machine, task, FUTILE_LOOP, causes.of_recursion(machine, repeating))
         return
-    if method.things or method.request is not None:
-        run.key, run.before = key, task.method
-    if not method.things:
-        start_method(machine, run)
+    if method.things:
+        _start_if_free(machine, run, key, others)
         return
+    if method.request is not None:
+        run.key, run.before = key, task.method
+    start_method(machine, run)
+
+
+def _start_if_free(
+    machine: Machine, run: MethodRun, key: Key, others: Sequence[Held]
+) -> None:
+    """Start a method that asks for things, unless its task has to wait for them."""
+    run.key, run.before = key, run.task.method
     come = hold_or_wait(machine, run, others)
     if come is not WAITS:
         start_method(machine, run, spoilt=come is SPOILT)
@@ -119,11 +129,11 @@ def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None
         ground(machine, run, method.request)  # traces what it lacks
         end_method(machine, run, INTERFERENCE)
     elif method.request is not None:
-        answer = request(machine, run, method.request)
-        if type(answer) is Refused:
-            answer = settle_refusal(machine, run, method.request, answer)
-        if answer is not None and task.run is not None:
-            end_method(machine, task.run, str(answer))
+        result = request(machine, run, method.request)
+        if result is not None and not isinstance(result, str):
+            result = settle_refusal(machine, run, method.request, result)
+        if result is not None and task.run is not None:
+            end_method(machine, task.run, result)
     else:
         _release_steps(machine, run)
 
