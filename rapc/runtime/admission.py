@@ -177,6 +177,9 @@ def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
         fault = library.signatures.fault("goal", name, len(goal) - 1)
         if fault is None:
             rap = library.library.raps[name]
+            wrong = library.signatures.wrong_kind("goal", name, goal[1:])
+            if wrong is not None:
+                reasons.append(f"{format_list(goal)}: {wrong}")
             reasons.extend(_reached(library.library, rap))
         else:
             reasons.append(str(fault))

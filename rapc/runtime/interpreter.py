@@ -159,7 +159,7 @@ class Interpreter:
 
     def check_fact(self, *fact: Atom) -> None:
         """Look at a fact without asserting it. Raises FactError as `assert_fact`."""
-        self._machine.memory.checked(fact)
+        self._machine.access.checked(fact)
 
     def erase(self, *prefix: Atom) -> None:
         """Erase every fact that starts so, on behalf of the user.

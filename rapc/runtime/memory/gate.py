@@ -50,6 +50,12 @@ class Gate(MemoryView):
         super().__init__(memory, recorder)
         self._recognizer = recognizer or Recognizer(memory, recorder)
         self._counted: dict[Atom, None] = {}
+        #: The names of facts whose arguments have declared kinds.
+        self._of_kinds = {
+            name
+            for name, relation in memory.signatures.relations.items()
+            if any(argument.kind is not None for argument in relation.args or ())
+        }
         self._batch = Batch(self)
 
     def batch(self) -> Batch:
@@ -95,11 +101,25 @@ class Gate(MemoryView):
             FactError: if the declarations do not allow it, or for an item's place
                 and introducing class.
         """
-        memory = self._memory
-        fact = memory.checked(fact)
+        fact = self.checked(fact)
         if fact[0] in _BY_HANDLERS:
             self.check_owner(fact)
-        memory.store(fact, by)
+        self._memory.store(fact, by)
+
+    def checked(self, fact: Fact) -> Fact:
+        """Return a fact from outside in the form in which it is kept.
+
+        Raises:
+            FactError: if the declarations do not allow it: its name, the number of its
+                arguments, or their kinds.
+        """
+        fact = self._memory.checked(fact)
+        if fact[0] in self._of_kinds:
+            signatures = self._memory.signatures
+            wrong = signatures.wrong_kind("asserted", str(fact[0]), fact[1:])
+            if wrong is not None:
+                raise FactError(f"{format_list(fact)}: {wrong}")
+        return fact
 
     def erase_for(self, by: str, prefix: Fact) -> None:
         """Erase every fact that starts with `prefix`, on behalf of `by`.
@@ -219,7 +239,7 @@ class Gate(MemoryView):
         return self._memory.items.canonical(place)
 
     def _set(self, *fact: Atom) -> None:
-        self._memory.store(self._memory.checked(fact), "handler")
+        self._memory.store(self.checked(fact), "handler")
 
     def _tell(self, kind: type[ItemEvent], item: Item, place: Atom) -> None:
         if self._recorder.on:
