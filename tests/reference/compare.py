@@ -37,15 +37,18 @@ def rows(
     """A trace as it is compared: without serials, which say nothing of their own.
 
     Faults of monitors are left out: how often a monitor is tested is not laid down.
-    So is what a person is told of a runaway, and of tasks that are left over.
+    So is what a person is told of a runaway, of tasks that are left over, of what came
+    when, and of causes of failure: tests/runtime holds a table of all of them.
     """
     found = []
     for event in trace:
         row = write(event)
         del row["n"]
         row.pop("waiting", None)
-        if row.get("reason") == "runaway":
-            del row["because"]
+        row.pop("because", None)
+        for result in row.get("results", ()):
+            for key in ("because", "came", "ended"):
+                result.pop(key, None)
         monitor = "monitor-state at " in str(row.get("what"))
         if row["event"] != "query-faulted" or not monitor:
             found.append(row)
