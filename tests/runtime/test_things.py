@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rapc.runtime.events.events import RunEnded
+from rapc.runtime.events.events import RunEnded, TaskWoken
+from rapc.runtime.tasks.rename_items import rename
 from tests.runtime.helpers import Play, at, row
 from tests.runtime.porter import Shift, without_claims
 
@@ -116,3 +117,17 @@ def test_without_its_claims_the_same_library_fails() -> None:
     shifts = [Shift(seed, without_claims()) for seed in range(40)]
     assert sum(shift.moved_from_under() > 0 for shift in shifts) > 30
     assert sum(shift.world.failed for shift in shifts) > 0
+
+
+def test_things_follow_their_items() -> None:
+    """The right arm turns out to be the left one: who waits for it waits for both."""
+    rows = [row("(grip left)", after=9), row("(grip right)", after=3)]
+    tasks = ("(hold left) :priority 1", "(hold right) :priority 1", "(hold right)")
+    ran = Play(BODY, *tasks, rows=rows)
+    ran.interpreter.run_ready()
+    assert ran.interpreter.agenda()[2].waits_for.startswith("(arm right), held by")
+    rename(ran.interpreter._machine, "right", "left")
+    waits = ran.interpreter.agenda()[2].waits_for
+    assert waits == "(arm left), held by (hold left) [1]"
+    ran.run()
+    assert [e.time for e in ran.of(TaskWoken)] == [9]
