@@ -22,6 +22,7 @@ LIBRARY = """\
   (resources (counter ?turns))
   (method (task-net (t1 (turn) (counter-add ?turns 1)))))
 (define-rap (turn) (method (task-net)))
+(define-rap (wait) (method (context (rested)) (task-net)))
 """
 
 WORLD = """\
@@ -118,6 +119,17 @@ def test_a_run_that_was_called_off_has_not_succeeded(bed: Path) -> None:
     assert done.returncode == 1
     assert done.stdout.startswith("Run over (runaway: ")
     assert "(spin) unfinished" in done.stdout
+
+
+def test_a_background_task_that_fails_makes_the_exit_status_1(bed: Path) -> None:
+    done = _run(
+        bed, "-q", "--task", "(wait) :priority 1 :background true", task="(turn)"
+    )
+    assert done.returncode == 1
+    assert "[1] (turn) succeeded, 0 to 0" in done.stdout
+    assert "[2] (wait) failed: no-method, 0 to 0 (background)" in done.stdout
+    assert "context of method `#1` at doze.rap:10: (rested), does" in done.stdout
+    assert _run(bed, "-q", task="(turn)").returncode == 0
 
 
 def test_what_a_world_raises_is_told_of_the_world(bed: Path) -> None:
