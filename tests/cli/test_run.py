@@ -128,7 +128,7 @@ def test_a_background_task_that_fails_makes_the_exit_status_1(bed: Path) -> None
     assert done.returncode == 1
     assert "[1] (turn) succeeded, 0 to 0" in done.stdout
     assert "[2] (wait) failed: no-method, 0 to 0 (background)" in done.stdout
-    assert "context of method `#1` at doze.rap:10: (rested), does" in done.stdout
+    assert "context of method `#1` at doze.rap:9: (rested), does" in done.stdout
     assert _run(bed, "-q", task="(turn)").returncode == 0
 
 
