@@ -91,6 +91,10 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     part: Annotated[tuple[Part, ...], Meta(min_length=1)]
     title: str = ""
     seeds: Annotated[int, Meta(ge=1, le=MOST_SEEDS)] = 30
+    #: The seed of the first run of each point; the others follow it.
+    first_seed: Annotated[int, Meta(ge=0, le=10**9)] = msgspec.field(
+        name="first-seed", default=0
+    )
     time_limit: _Time = msgspec.field(name="time-limit", default=120)
     counted: tuple[str, ...] = ()
     count: Mapping[_Name, str] = {}

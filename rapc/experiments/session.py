@@ -23,7 +23,7 @@ class Batch:
         library: its library, checked.
         library_path: where that lies.
         parts: the names of the parts; all if there are none.
-        seeds: how many runs each point gets, from seed 0; None: as the experiment says.
+        seeds: how many runs each point gets; None: as the experiment says.
 
     Raises:
         ExperimentError: for a part, world, option, setting, RAP or task that is not
@@ -43,7 +43,8 @@ class Batch:
         self.made = made
         self.chosen = frozenset(part.name for part in chosen)
         self.points = points(made, library, folder, made.part)
-        self.seeds = range(seeds or made.seeds)
+        first = made.first_seed
+        self.seeds = range(first, first + (seeds or made.seeds))
         self._library_path = library_path
 
     def missing(self, store: Store) -> list[tuple[Config, list[int]]]:

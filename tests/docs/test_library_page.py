@@ -37,5 +37,5 @@ def test_the_jobs_are_counted() -> None:
         names = _NAMES.findall(files)
         assert sum(raps[name] for name in names) == int(told_raps), files
         assert sum(methods[name] for name in names) == int(told_methods), files
-    assert len(jobs) == 7
+    assert len(jobs) == 8
     assert f"by {len(RAPS)}\nRAPs with {sum(methods.values())} methods" in PAGE

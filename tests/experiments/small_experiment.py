@@ -51,7 +51,7 @@ mark = {{ at = 15, label = "usual" }}
 [part.reference]
 title = "before"
 at = [40]
-figures = {{ completed = [2], time = [460] }}
+figures = {{ completed = [2], time = [900] }}
 
 [[part]]
 name = "slow"

@@ -1,7 +1,7 @@
 """The basic experiment in a still world comes out as T's did (T 6.3.1, table 6.2).
 
 The simulator is calibrated on this, and on nothing else. A dozen runs take some four
-seconds of processor time; docs/library-truck.md has the means of a hundred.
+seconds of processor time; docs/experiments.md has the means of thirty other seeds.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ def test_all_nine_orders_are_filled(runs: Sequence[Measures]) -> None:
 @pytest.mark.parametrize(
     ("measured", "told"), [("time", 3966), ("effector", 659), ("sensor", 281)]
 )
-def test_means_are_within_fifteen_per_cent(
+def test_means_are_within_six_per_cent(
     runs: Sequence[Measures], measured: str, told: int
 ) -> None:
     mean = sum(getattr(run, measured) for run in runs) / len(runs)
-    assert 0.85 * told <= mean <= 1.15 * told
+    assert 0.94 * told <= mean <= 1.06 * told
 
 
 def test_few_primitives_fail(runs: Sequence[Measures]) -> None:
@@ -49,3 +49,9 @@ def test_few_primitives_fail(runs: Sequence[Measures]) -> None:
 
 def test_the_truck_refuels_two_or_three_times(runs: Sequence[Measures]) -> None:
     assert all(2 <= run.counts["refuellings"] <= 3 for run in runs)
+
+
+def test_the_truck_waits_at_a_quarry_now_and_then(runs: Sequence[Measures]) -> None:
+    """T 6.1.2: the quarries' period was tuned so that it had to only occasionally."""
+    waits = [run.counts["waits"] for run in runs]
+    assert 1 <= sum(waits) <= len(waits)

@@ -95,7 +95,7 @@ def test_tables_and_plots_are_printed_without_colours(finished: Path) -> None:
     head = "arm1-drops  runs  disasters  completed  given up  pending  time  time each"
     assert re.search(rf"^{head}", printed, re.M)
     assert re.search(r"^0 +5 +0 +2\.0 +0\.0 +0\.0 +\d+ +\d+ +\d+-\d+ ", printed, re.M)
-    assert re.search(r"^before +2 +- +- +460 +230 ", printed, re.M)
+    assert re.search(r"^before +2 +- +- +900 +450 ", printed, re.M)
     assert "The more drops, the longer it takes." in printed
     assert re.search(r"^40 .*\|-+o-+\|? .*x +\d+$", printed, re.M)
     assert max(map(len, printed.splitlines())) <= 120
@@ -114,7 +114,7 @@ def test_what_is_left_in_the_folder(finished: Path) -> None:
     ]
     tables = (finished / "out" / "tables.md").read_text()
     assert tables.startswith("## Two rocks while arms drop things\n\n### The first arm")
-    assert "| *before* |  |  | *2* | *-* | *-* | *460* | *230* |" in tables
+    assert "| *before* |  |  | *2* | *-* | *-* | *900* | *450* |" in tables
     assert "(part `drops`)](drops.svg)" in tables
     assert len(rows(finished / "out")) == 4 * 5
 

@@ -30,6 +30,13 @@ def test_what_is_not_said_has_its_default() -> None:
     assert made.part[2] == definition.Part("usual")
 
 
+def test_seeds_count_from_the_first() -> None:
+    assert session(TRUCK).seeds == range(5)
+    fresh = changed("seeds = 5\n", "seeds = 5\nfirst-seed = 1000\n")
+    assert session(fresh).seeds == range(1000, 1005)
+    assert session(fresh, seeds=2).seeds == range(1000, 1002)
+
+
 @pytest.mark.parametrize(
     ("text", "message", "help_"),
     [

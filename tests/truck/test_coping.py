@@ -69,7 +69,9 @@ def test_only_rocks_of_the_colour_are_taken(seed: int) -> None:
         ("rock", "depot", 1, "red"),
         ("rock", "factory-1", 3, "red"),
     )
-    run = Run(order("red"), seed=seed, options={"map": mixed, "factory-interval": 0})
+    run = Run(
+        order("red"), seed=seed, options={"map": mixed, "factory-interval": 1_000_000}
+    )
     assert run.outcomes == ["succeeded"]
     assert run.delivered == {("red", "factory-1"): 4}
     assert run.answers["arm-ungrasp", "okay"] == 8, "nothing else was moved"
@@ -164,7 +166,7 @@ def test_what_cannot_be_is_given_up_at_once(color: str, factory: str | None) -> 
 
 
 def test_a_quarry_that_makes_nothing_is_given_up() -> None:
-    full = map_with(("fuel-drum", "quarry-1", 10, None))
+    full = map_with(("fuel-drum", "quarry-1", 11, None))
     watch = task("watch-surroundings", priority=8, background=True)
     run = Run(watch, order("red"), options={"map": full})
     assert (run.reason, run.outcomes) == ("done", ["failed"])

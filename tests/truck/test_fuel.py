@@ -70,7 +70,7 @@ def test_the_reserve_is_used_where_there_is_no_other(seed: int) -> None:
     drums = ground(("fuel-drum", "depot", 1, None))
     options: Options = {"map": drums, "fuel": 6, **NO_OTHERS}
     stow = task("stow-fuel-reserve", priority=9)
-    look = task("look-around", priority=10)
+    look = task("eye-scan-p", "external", priority=10)
     away = task("truck-travel-to", "zone-1", priority=5)
     run = Run(look, stow, away, *WATCH, seed=seed, options=options)
     assert run.outcomes == ["succeeded"] * 3

@@ -40,11 +40,9 @@ SETTINGS: tuple[Options, ...] = (
 """Each seed has one of them, in turn."""
 
 TASKS = (
-    task("wake-up", priority=9),
-    task("fuel-up", priority=4),
+    task("set-up", priority=3),
     task("watch-fuel", priority=4, background=True),
     task("watch-surroundings", priority=8, background=True),
-    task("ready-weapon", priority=3),
     task("handle-enemy-troops", priority=6, background=True),
     *(
         order(color, priority=2, at=120 + 60 * number)

@@ -83,7 +83,13 @@ def test_no_arm_can_lift_an_enemy() -> None:
 
 
 def test_enemies_stay_while_the_truck_does_and_are_gone_when_it_comes_back() -> None:
-    driver = Driver(start="zone-1", enemy_interval=50, enemy_stay=5, capture_time=0)
+    driver = Driver(
+        start="zone-1",
+        enemy_interval=50,
+        enemy_stay=5,
+        capture_time=0,
+        factory_interval=0,
+    )
     while not enemies(driver):
         driver.world.advance(driver.world.now() + 1)
     found = len(enemies(driver))

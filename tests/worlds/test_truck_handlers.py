@@ -68,7 +68,7 @@ def test_a_scan_introduces_items_at_their_true_place() -> None:
     assert one.knows("eye-scanned external")
     assert one.knows("scanned-since-move external")
     assert one.knows("direction external road-1 north")
-    assert one.knows("truck-time 3")
+    assert one.knows("truck-time 2")
     assert one.reaches("rock-1")
 
 

@@ -17,14 +17,14 @@ def kinds_at(driver: Driver, place: str) -> list[str]:
     return [i.kind for i in driver.world.state.items.values() if i.place == place]
 
 
-def test_quarries_warehouses_and_depots_produce_up_to_a_limit() -> None:
+def test_none_is_made_where_more_than_ten_lie() -> None:
     driver = Driver(quarry_interval=10, warehouse_interval=20, depot_interval=5)
     driver.world.advance(60)
     assert 3 <= kinds_at(driver, "quarry-1").count("rock") <= 9
     driver.world.advance(1000)
-    assert kinds_at(driver, "quarry-1") == ["rock"] * 10
-    assert kinds_at(driver, "warehouse") == ["ammo-box"] * 10
-    assert kinds_at(driver, "depot") == ["fuel-drum"] * 10
+    assert kinds_at(driver, "quarry-1") == ["rock"] * 11
+    assert kinds_at(driver, "warehouse") == ["ammo-box"] * 11
+    assert kinds_at(driver, "depot") == ["fuel-drum"] * 11
     rocks = [i for i in driver.world.state.items.values() if i.kind == "rock"]
     assert {i.color for i in rocks} == {"red"}
 
@@ -58,7 +58,7 @@ def test_a_rock_put_down_at_a_factory_is_logged_each_time() -> None:
     driver = Driver([rock("factory-1")], start="factory-1")
     driver.do(*LOAD, "arm-ungrasp arm1 rock-1", "arm-grasp arm1 rock-1")
     assert [d.item for d in driver.world.deliveries] == ["rock-1"]
-    assert driver.world.deliveries[0].time == 12
+    assert driver.world.deliveries[0].time == 5
     assert driver.world.deliveries[0].color == "red"
     assert driver.world.deliveries[0].factory == "factory-1"
     driver.do("arm-ungrasp arm1 rock-1")
@@ -78,6 +78,18 @@ def test_a_factory_takes_rocks_in_out_of_sight_and_reach() -> None:
     assert driver.data("eye-scan external") == (("road-seen", "east", "road-3"),)
     assert driver.do("arm-grasp arm1 rock-1") == "arm-not-at"
     assert driver.do("arm-move arm1 rock-1") == "arm-cant-find"
+
+
+def test_a_factory_may_consume_rocks_as_they_arrive() -> None:
+    order = Text('[[0, "red", 1, "factory-1"]]')
+    rocks = [rock("factory-1")]
+    driver = Driver(rocks, start="factory-1", factory_interval=0, orders=order)
+    driver.do("eye-scan external", *LOAD)
+    assert driver.do("arm-move arm1 external", "arm-ungrasp arm1 rock-1") == "okay"
+    assert "rock-1" not in driver.world.state.items
+    assert driver.world.state.truck.arms["arm1"].at is None
+    assert driver.world.orders[0].filled == driver.world.deliveries[0].time
+    assert driver.data("eye-scan external") == (("road-seen", "east", "road-3"),)
 
 
 def test_an_order_counts_each_rock_once_and_from_its_time_on() -> None:

@@ -98,7 +98,7 @@ def test_a_machine_stops_where_too_much_lies() -> None:
     driver = icy(item_limit=3)
     driver.do(*ICE)
     driver.world.advance(500)
-    assert count(driver, "ice") == 1  # with tank and machine that makes three
+    assert count(driver, "ice") == 2  # with tank and machine that makes four
     assert looks(driver, "ice-machine-1")[2] == "idle"
 
 

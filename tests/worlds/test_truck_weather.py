@@ -74,7 +74,7 @@ def test_night_falls_at_the_end_of_each_day() -> None:
     seen = {}
     for time in (50, 59, 60, 97, 100, 160):
         fresh = Driver([rock()], day_length=100, night=40, dark_misses=100)
-        fresh.world.advance(time - 3)
+        fresh.world.advance(time - 2)
         seen[time] = len(fresh.data("eye-scan external")) > 1
     assert seen == {50: True, 59: True, 60: False, 97: False, 100: True, 160: False}
 

@@ -31,8 +31,8 @@ def test_a_world_is_described_with_all_it_offers() -> None:
         "primitives that only look",
         "  arm-examine  eye-examine  eye-scan  eye-monitor  eye-unmonitor",
         "  arm1-drops          15 %: grasps that arm1 drops",
-        "  eye-scan-time       3 time units: for eye-scan",
-        "  item-limit          10 items (integer): no more are made or put at a place",
+        "  eye-scan-time       2 time units: for eye-scan",
+        "  item-limit          10 items (integer): none is put there, none made above",
     ):
         assert line in done.output.splitlines()
 

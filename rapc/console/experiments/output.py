@@ -57,9 +57,13 @@ def write_tables(
 
 
 def write_commands(session: Batch, file: Path) -> None:
-    """Write the command that repeats the run of each point under seed 0."""
+    """Write the command that repeats the first run of each point."""
     text = []
     for point in session.points:
         value = "" if point.value is None else f" {show(point.value)}"
-        text += [f"# {point.part}{value}", session.command(point, 0), ""]
+        text += [
+            f"# {point.part}{value}",
+            session.command(point, session.seeds.start),
+            "",
+        ]
     file.write_text("\n".join(text), encoding="utf-8")

@@ -72,6 +72,8 @@ def arm_ungrasp(scene: Scene, name: Atom, thing: Atom) -> Reply:
     scene.put(item, place)
     arm.at = item.name
     deliver(scene, item)
+    if item.name not in scene.state.items:
+        return Reply(OKAY)
     if place not in scene.state.items:
         scene.sight(item, arm.place)
         return Reply(OKAY)

@@ -81,6 +81,8 @@ def _looks(scene: Scene, item: Item) -> Iterator[Fact]:
 
 def _gone(scene: Scene, spot: str) -> Iterator[Fact]:
     state, place = scene.state, scene.true_place(spot)
+    if not scene.settings.scan_tells_gone:
+        return
     for name in [n for n, seen in state.sighted.items() if seen == spot]:
         item = state.items.get(name)
         if item is None or item.place != place:

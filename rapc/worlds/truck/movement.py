@@ -88,7 +88,8 @@ def _cost(
     """What a part of a road takes at the set speed, given factors on time and fuel."""
     settings = scene.settings
     slower, thirstier = SPEEDS[scene.state.truck.speed]
-    time = scene.vary(leg.road.time * part * slower * time, settings.time_spread)
+    nominal = leg.road.time * settings.road_time * part * slower * time
+    time = scene.vary(nominal, settings.time_spread)
     fuel = scene.vary(leg.road.fuel * part * thirstier * fuel, settings.fuel_spread)
     return time, number(round(fuel * settings.fuel_use, 2))
 

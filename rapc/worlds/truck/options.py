@@ -39,6 +39,10 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
         bool, _row("", "sensor names of rocks, drums and boxes outlast a move")
     ] = False
 
+    scan_tells_gone: Annotated[
+        bool, _row("", "a scan reports what was there and is gone")
+    ] = True
+
     arm1_capacity: Annotated[Number, _row("size", "what arm1 can hold")] = 8
     arm2_capacity: Annotated[Number, _row("size", "what arm2 can hold")] = 15
     arm1_drops: Annotated[Number, _row("%", "grasps that arm1 drops", 100)] = 15
@@ -46,30 +50,33 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     bay1_capacity: Annotated[Number, _row("size", "what bay1 can hold")] = 20
     bay2_capacity: Annotated[Number, _row("size", "what bay2 can hold")] = 100
     fuel_capacity: Annotated[Number, _row("fuel", "what the fuel bay can hold")] = 30
-    fuel: Annotated[Number, _row("fuel", "in the fuel bay at the start")] = 15
+    fuel: Annotated[Number, _row("fuel", "in the fuel bay at the start")] = 22
     fuel_use: Annotated[Number, _row("factor", "on what a road burns; 0: none")] = 1
     fuel_spread: Annotated[Number, _row("%", "a trip burns more or less", 100)] = 20
+    road_time: Annotated[Number, _row("factor", "on what a trip down a road takes")] = 1
     time_spread: Annotated[Number, _row("%", "a trip takes more or less", 90)] = 20
 
-    arm_move_time: Annotated[Number, _row(_TIME, "for arm-move")] = 3
-    arm_grasp_time: Annotated[Number, _row(_TIME, "for arm-grasp")] = 3
-    arm_ungrasp_time: Annotated[Number, _row(_TIME, "for arm-ungrasp")] = 3
+    arm_move_time: Annotated[Number, _row(_TIME, "for arm-move")] = 1
+    arm_grasp_time: Annotated[Number, _row(_TIME, "for arm-grasp")] = 2.5
+    arm_ungrasp_time: Annotated[Number, _row(_TIME, "for arm-ungrasp")] = 0.5
     arm_pour_time: Annotated[Number, _row(_TIME, "for arm-pour")] = 4
     arm_ladle_time: Annotated[Number, _row(_TIME, "for arm-ladle")] = 4
-    arm_toggle_time: Annotated[Number, _row(_TIME, "for arm-toggle")] = 4
-    arm_examine_time: Annotated[Number, _row(_TIME, "for arm-examine")] = 2
+    arm_toggle_time: Annotated[Number, _row(_TIME, "for arm-toggle")] = 7
+    arm_examine_time: Annotated[Number, _row(_TIME, "for arm-examine")] = 0.4
     truck_turn_time: Annotated[Number, _row(_TIME, "for truck-turn")] = 1
     truck_speed_time: Annotated[Number, _row(_TIME, "for truck-speed")] = 1
     truck_move_time: Annotated[Number, _row(_TIME, "for truck-move, trip aside")] = 1
-    eye_examine_time: Annotated[Number, _row(_TIME, "for eye-examine")] = 3
-    eye_scan_time: Annotated[Number, _row(_TIME, "for eye-scan")] = 3
+    eye_examine_time: Annotated[Number, _row(_TIME, "for eye-examine")] = 0.5
+    eye_scan_time: Annotated[Number, _row(_TIME, "for eye-scan")] = 2
     eye_monitor_time: Annotated[Number, _row(_TIME, "for eye-(un)monitor")] = 1
 
     quarry_interval: Annotated[Number, _row(_TIME, "a quarry's rocks; 0: none")] = 300
     warehouse_interval: Annotated[Number, _row(_TIME, "a warehouse's boxes")] = 400
     depot_interval: Annotated[Number, _row(_TIME, "a depot's drums")] = 120
-    factory_interval: Annotated[Number, _row(_TIME, "a factory's taking in")] = 40
-    item_limit: Annotated[int, _row("items", "no more are made or put at a place")] = 10
+    factory_interval: Annotated[
+        Number, _row(_TIME, "until a factory takes a rock in; 0: at once")
+    ] = 0
+    item_limit: Annotated[int, _row("items", "none is put there, none made above")] = 10
 
     shuffle_interval: Annotated[Number, _row(_TIME, "between shuffles; 0: none")] = 0
     shuffle_efficiency: Annotated[
@@ -95,7 +102,7 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     capture_time: Annotated[
         Number, _row(_TIME, "with enemies, half the trucks are captured; 0: never")
     ] = 450
-    gun_rounds: Annotated[int, _row("rounds", "in a gun at the start", 15)] = 15
+    gun_rounds: Annotated[int, _row("rounds", "in a gun at the start", 15)] = 0
     gun_burst: Annotated[int, _row("rounds", "a gun fires at most when toggled")] = 3
     gun_hits: Annotated[
         Number, _row("%", "rounds that drive one enemy unit off", 100)

@@ -11,7 +11,7 @@ from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import Color
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import Delivery, Item, Order
+from rapc.worlds.truck.state import Delivery, Item, Order, State
 
 
 def read_orders(text: str, ground: Map) -> Iterator[Order]:
@@ -38,7 +38,11 @@ def read_orders(text: str, ground: Map) -> Iterator[Order]:
 
 
 def deliver(scene: Scene, item: Item) -> None:
-    """A rock put down at a factory is logged, and counts once for one order."""
+    """A rock put down at a factory is logged, and counts once for one order.
+
+    With a `factory-interval` of 0 it is consumed as it arrives (T 6.4.1): then the time
+    at which an order is filled is that of T's reports (T 6.3.1).
+    """
     state, place = scene.state, scene.map.place(item.place)
     if place is None or place.kind != "factory" or item.color is None:
         return
@@ -47,10 +51,16 @@ def deliver(scene: Scene, item: Item) -> None:
         (d.item, d.factory) == (item.name, place.name) for d in state.deliveries
     )
     state.deliveries.append(made)
-    if again:
-        return
+    if not again:
+        _count(state, made)
+    if scene.settings.factory_interval == 0:
+        scene.remove(item)
+
+
+def _count(state: State, made: Delivery) -> None:
+    """Count a delivery for the first order that still wants such a rock."""
     for order in state.orders:
-        wanted = (order.color, order.factory) == (item.color, place.name)
+        wanted = (order.color, order.factory) == (made.color, made.factory)
         if wanted and order.filled is None and order.time <= state.now:
             order.received += 1
             order.filled = state.now if order.received == order.rocks else None

@@ -166,7 +166,7 @@ class Scene:
     def crowded(self, place: str) -> bool:
         """Whether so much lies at a place of the map that no more may be made there."""
         lying = sum(item.kind != ENEMY for item in self.items_at(place))
-        return lying >= self.settings.item_limit
+        return lying > self.settings.item_limit
 
     # --- what a request means --------------------------------------------------
 
