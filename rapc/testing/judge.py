@@ -237,9 +237,9 @@ def _trace(node: nodes.TraceHas, scene: Evidence) -> Happened | None:
 
 
 def _told(event: events.Event) -> str:
-    """An event written like a pattern."""
+    """Return an event written like a pattern, without its cause, which is long."""
     keys = record(event)
-    hidden = ("event", "n", "cycle", "time")
+    hidden = ("event", "n", "cycle", "time", "because")
     told = [f":{k} {_shown(v)}" for k, v in keys.items() if k not in hidden]
     words = " ".join((keys["event"], *told))
     return f"({words}) at time {format_atom(keys['time'])}"

@@ -11,7 +11,14 @@ from pathlib import Path
 from rapc.parser.rules.table import RULES
 
 PARSER = Path(__file__).parents[2] / "rapc" / "parser"
-REPORTERS = {"report", "slip", "certain", "unknown", "Diagnostic", "_unclosed"}
+REPORTERS = {
+    "report",
+    "report_fixable",
+    "certain",
+    "unknown",
+    "Diagnostic",
+    "_unclosed",
+}
 
 
 def _reported() -> set[str]:
