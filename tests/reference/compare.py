@@ -132,8 +132,10 @@ def main() -> None:
     kinds: Counter[str] = Counter()
     runs: Counter[str] = Counter()
     failed: list[int] = []
+    tried = 0
     begun = time.monotonic()
     for seed in seeds:
+        tried += 1
         case = generate(seed, options.forms)
         outcome = compare(case, not options.full)
         here = Counter(kind_of(row) for row in outcome.reference)
@@ -146,9 +148,10 @@ def main() -> None:
             if len(failed) >= options.stop_after:
                 break
     spent = time.monotonic() - begun
-    print(f"{len(failed)} of {len(seeds)} seeds disagree, {spent:.0f} s: {failed}")
     for kind, count in sorted(kinds.items()):
         print(f"{count:9} {kind} in {runs[kind]} runs")
+    print(f"{len(failed)} of {tried} seeds disagree, {spent:.0f} s: {failed}")
+    raise SystemExit(1 if failed else 0)
 
 
 def kind_of(row: Row) -> str:
