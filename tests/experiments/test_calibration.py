@@ -1,7 +1,8 @@
 """The basic experiment in a still world comes out as T's did (T 6.3.1, table 6.2).
 
-The simulator is calibrated on this, and on nothing else. A dozen runs take some four
-seconds of processor time; docs/experiments.md has the means of thirty other seeds.
+The simulator is calibrated on this, and on nothing else. The runs are the thirty of
+docs/experiments.md: a dozen would not do, for the means of seeds 0 to 11 and of these
+differ by two per cent. They take some twelve seconds of processor time.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from .test_chapter6 import chapter6
 
 pytestmark = pytest.mark.slow
 
-SEEDS = range(12)
+SEEDS = range(1000, 1030)
 
 
 @pytest.fixture(scope="module")
