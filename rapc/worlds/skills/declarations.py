@@ -24,6 +24,7 @@ import msgspec
 from rapc.base.values import Atom, Text, is_number
 
 T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
 
 KINDS = ("number", "symbol", "text")
 
@@ -32,7 +33,7 @@ class SkillError(Exception):
     """A skill that breaks its own declaration: a fault of the world's author."""
 
 
-class Channel(Generic[T]):
+class Channel(Generic[T_co]):
     """A named stream of values between skills, sensors and actuators.
 
     A channel holds the value of the present tick, or nothing.
@@ -43,7 +44,7 @@ class Channel(Generic[T]):
     def __init__(
         self,
         name: str,
-        type: type[T],
+        type: type[T_co],
         unit: str = "",
         doc: str = "",
         *,
