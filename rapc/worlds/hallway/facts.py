@@ -1,0 +1,71 @@
+"""What the robot knows of the building before it has seen any of it [S 3.2].
+
+Directions and distances are as rough as somebody would write them down: to a tenth of
+a metre, to a tenth of a radian.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from rapc.base.values import Fact, Number, Text, number
+from rapc.worlds.hallway.map import Map, Sign, openings, signs
+from rapc.worlds.hallway.simulation import STANDOFF
+
+
+def facts(map: Map) -> Iterator[Fact]:
+    """Yield the facts of a map.
+
+    `(location-data mark left right apart "print name")` says how to know a landmark,
+    `(connects mark space beyond)` what lies behind a doorway,
+    `(relative-loc space mark other direction distance)` how to go from one landmark of
+    a space to another: the direction counter-clockwise from where the robot looks when
+    it stands before the first.
+    """
+    hung = signs(map)
+    for sign in {sign.landmark: sign for sign in hung}.values():
+        apart = number(round(sign.apart, 1))
+        yield ("location-data", sign.landmark, *sign.tags, apart, Text(sign.says))
+    for gap in openings(map):
+        one, other = gap.doorway.joins
+        yield ("connects", gap.doorway.name, one, other)
+        yield ("connects", gap.doorway.name, other, one)
+    for space in map.space:
+        yield from _relations(space.name, [s for s in hung if s.space == space.name])
+        if space.kind == "lift":
+            for sign in hung:
+                if sign.space == space.name:
+                    yield ("lift-door", space.name, sign.landmark, sign.floor)
+    for mark in map.landmark:
+        if mark.charger:
+            yield ("charger-at", mark.name, mark.space)
+    start = next(sign for sign in hung if sign.landmark == map.start)
+    yield ("current-space", "robot", start.space)
+    yield ("current-location", "robot", start.landmark)
+    x, y = start.front(STANDOFF)
+    heading = math.remainder(start.normal + math.pi, math.tau)
+    yield ("orientation", "robot", *(number(round(v, 2)) for v in (x, y, heading)))
+
+
+def relation(start: Sign, end: Sign) -> tuple[Number, Number]:
+    """Return direction and distance from before one landmark to before another."""
+    (ax, ay), (bx, by) = start.front(STANDOFF), end.front(STANDOFF)
+    direction = math.atan2(by - ay, bx - ax) - start.normal - math.pi
+    return (
+        number(round(math.remainder(direction, math.tau), 1)),
+        number(round(math.hypot(bx - ax, by - ay), 1)),
+    )
+
+
+def _relations(space: str, hung: Sequence[Sign]) -> Iterator[Fact]:
+    for one in hung:
+        for other in hung:
+            if one is not other and one.floor == other.floor:
+                yield (
+                    "relative-loc",
+                    space,
+                    one.landmark,
+                    other.landmark,
+                    *relation(one, other),
+                )

@@ -1,0 +1,200 @@
+"""People who walk about, and never into the robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from random import Random
+
+import msgspec
+
+from rapc.worlds.hallway.map import Map, Opening, Space
+from rapc.worlds.hallway.plan import FloorPlan
+
+GIRTH = 0.25
+"""The radius of a person, in metres."""
+
+ROOM = 0.35
+"""What a person leaves between the robot and themselves."""
+
+PATIENCE = 2.0
+"""Seconds for which somebody waits for the robot to go before turning elsewhere."""
+
+POLITE = 1.2
+"""Nobody stands about for long so near to the robot, or to a doorway, in metres."""
+
+STEP_ASIDE = 0.7
+"""How far from a doorway's middle somebody begins to walk through, in metres."""
+
+
+class Walker(msgspec.Struct):
+    """Somebody, and where they are going."""
+
+    x: float
+    y: float
+    floor: int
+    space: str
+    speed: float
+    #: Points to walk to, the next one first.
+    way: list[tuple[float, float]] = []
+    #: The space at the end of the way.
+    towards: str = ""
+    #: Seconds for which they stay where they are.
+    pause: float = 0.0
+    #: Seconds for which they have been held up.
+    held: float = 0.0
+
+
+class Surroundings(msgspec.Struct, frozen=True):
+    """What people see of the building."""
+
+    map: Map
+    plans: Mapping[int, FloorPlan]
+    openings: Sequence[Opening]
+
+
+def everybody(map: Map) -> list[Walker]:
+    """Return the people of a map where they begin."""
+    made = []
+    for person in map.person:
+        space = map.named_space(person.space)
+        x, y = _middle(space)
+        made.append(Walker(x, y, space.floors[0], space.name, person.speed))
+    return made
+
+
+def walk(
+    walker: Walker,
+    around: Surroundings,
+    robot: tuple[float, float, float] | None,
+    rng: Random,
+    seconds: float,
+) -> None:
+    """Let somebody live for some time.
+
+    Args:
+        walker: who.
+        around: the building as it is now.
+        robot: its place and radius, if it is on the same floor.
+        rng: the stream of all people.
+        seconds: how long.
+    """
+    if walker.pause > 0:
+        walker.pause -= seconds
+        if robot and math.hypot(robot[0] - walker.x, robot[1] - walker.y) < POLITE:
+            walker.pause = min(walker.pause, PATIENCE)
+        return
+    if not walker.way:
+        _choose(walker, around, rng)
+        return
+    x, y = walker.way[0]
+    away = math.hypot(x - walker.x, y - walker.y)
+    step = min(away, walker.speed * seconds)
+    if away > 0:
+        x, y = (
+            walker.x + (x - walker.x) / away * step,
+            walker.y + (y - walker.y) / away * step,
+        )
+    if _held_up(walker, around, robot, x, y):
+        walker.held += seconds
+        if walker.held >= PATIENCE:
+            walker.way, walker.held = [], 0.0
+        return
+    walker.x, walker.y, walker.held = x, y, 0.0
+    if step == away:
+        walker.way.pop(0)
+        if not walker.way:
+            walker.space = walker.towards
+            walker.pause = rng.choice((0.0, 0.0, 1.0, 4.0, 15.0))
+
+
+def _held_up(
+    walker: Walker,
+    around: Surroundings,
+    robot: tuple[float, float, float] | None,
+    x: float,
+    y: float,
+) -> bool:
+    """Whether the robot, or a door that has closed, is in the way of a step."""
+    if robot is not None:
+        rx, ry, radius = robot
+        near = math.hypot(rx - x, ry - y)
+        if near < radius + GIRTH + ROOM and near < math.hypot(
+            rx - walker.x, ry - walker.y
+        ):
+            return True
+    return around.plans[walker.floor].nearest(x, y, 0.1)[0] < 0.1
+
+
+def _choose(walker: Walker, around: Surroundings, rng: Random) -> None:
+    """Give somebody something to walk to, or a little rest."""
+    space = around.map.named_space(walker.space)
+    doors = [
+        gap
+        for gap in around.openings
+        if space.name in gap.doorway.joins and gap.floor == walker.floor
+    ]
+    if doors and rng.random() < 0.3:
+        way, towards = _through(rng.choice(doors), around.map, space)
+    else:
+        left, bottom, right, top = space.box
+        x = rng.uniform(left + 0.5, max(left + 0.5, right - 0.5))
+        y = rng.uniform(bottom + 0.5, max(bottom + 0.5, top - 0.5))
+        way, towards = [(x, y)], space.name
+        if any(_near(gap, x, y) for gap in doors):
+            walker.pause = 0.5
+            return
+    points = [(walker.x, walker.y), *way]
+    plan, kind = around.plans[walker.floor], around.map.named_space(towards).kind
+    legs = pairwise(points)
+    if kind != "lift" and all(_free(plan, *leg) for leg in legs):
+        walker.way, walker.towards = way, towards
+    else:
+        walker.pause = 0.5
+
+
+def _through(
+    gap: Opening, map: Map, space: Space
+) -> tuple[list[tuple[float, float]], str]:
+    """The way through a doorway, out of a space, and where it leads."""
+    first, second = gap.doorway.joins
+    left, bottom, right, top = gap.box
+    x, y = (left + right) / 2, (bottom + top) / 2
+    across = gap.side in {"east", "west"}
+    sign = 1 if gap.side in {"east", "north"} else -1
+    if space.name == second:
+        sign = -sign
+    dx, dy = (sign * STEP_ASIDE, 0.0) if across else (0.0, sign * STEP_ASIDE)
+    return [(x - dx, y - dy), (x + dx, y + dy)], (
+        second if space.name == first else first
+    )
+
+
+def _free(
+    plan: FloorPlan, start: tuple[float, float], end: tuple[float, float]
+) -> bool:
+    """Whether a person fits along a straight line, closed doors in mind."""
+    away = math.hypot(end[0] - start[0], end[1] - start[1])
+    if away < 1e-6:
+        return True
+    dx, dy = (end[0] - start[0]) / away, (end[1] - start[1]) / away
+    for aside in (-0.3, 0.0, 0.3):
+        x, y = start[0] - dy * aside, start[1] + dx * aside
+        left = away
+        while left > 0:
+            piece = min(left, 5.0)
+            if plan.cast(x, y, dx, dy, piece) < piece:
+                return False
+            x, y, left = x + dx * piece, y + dy * piece, left - piece
+    return True
+
+
+def _near(gap: Opening, x: float, y: float) -> bool:
+    left, bottom, right, top = gap.box
+    return math.hypot((left + right) / 2 - x, (bottom + top) / 2 - y) < POLITE
+
+
+def _middle(space: Space) -> tuple[float, float]:
+    left, bottom, right, top = space.box
+    return (left + right) / 2, (bottom + top) / 2

@@ -1,0 +1,184 @@
+"""Walls of a floor for rays and collisions, found by a grid over the walls.
+
+All walls are parallel to the axes. For a square metre of floor the walls within reach
+are kept in four lists, those to the right of it by rising x, those to the left by
+falling x, and so on. A ray to the upper right goes through the list of the right and
+the one of the top, and is done with a list at the first wall that is farther away than
+what was hit: in a hallway that is after two or three walls, wherever else there are
+any. The lists of a square are made when it is first asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from rapc.worlds.hallway.map import Box, Map, Opening, openings
+
+Line = tuple[float, float, float]
+"""A wall: its x (or y), and the lower and upper end of the other coordinate."""
+
+Lists = tuple[list[Line], list[Line], list[Line], list[Line]]
+"""The walls around a square: to the right, to the left, above, below."""
+
+REACH = 8.0
+"""How far from a square walls are looked for, in metres."""
+
+_PARALLEL = 1e-9
+
+
+class FloorPlan:
+    """The walls of one floor, doors that are closed among them."""
+
+    def __init__(self, boxes: Iterable[Box], obstacles: Iterable[Box]) -> None:
+        self._upright, self._level = outlines(list(boxes))
+        for left, bottom, right, top in obstacles:
+            self._upright += [(left, bottom, top), (right, bottom, top)]
+            self._level += [(bottom, left, right), (top, left, right)]
+        self._closed: list[Box] = []
+        self._squares: dict[tuple[int, int], Lists] = {}
+
+    def close(self, doors: Sequence[Box]) -> None:
+        """Let these doors be closed, flat boxes, and no others."""
+        self._closed = list(doors)
+        self._squares.clear()
+
+    def cast(self, x: float, y: float, dx: float, dy: float, limit: float) -> float:
+        """Return how far a ray goes before it hits a wall, at most `limit` metres.
+
+        Args:
+            x: where the ray begins.
+            y: where the ray begins.
+            dx: the direction, of length 1.
+            dy: the direction, of length 1.
+            limit: at most `REACH`.
+        """
+        right, left, above, below = self._around(x, y)
+        best = limit
+        if dx > _PARALLEL or dx < -_PARALLEL:
+            inverse = 1 / dx
+            for wall, low, high in right if dx > 0 else left:
+                far = (wall - x) * inverse
+                if far >= best:
+                    break
+                if far >= 0 and low <= y + far * dy <= high:
+                    best = far
+                    break
+        if dy > _PARALLEL or dy < -_PARALLEL:
+            inverse = 1 / dy
+            for wall, low, high in above if dy > 0 else below:
+                far = (wall - y) * inverse
+                if far >= best:
+                    break
+                if far >= 0 and low <= x + far * dx <= high:
+                    best = far
+                    break
+        return best
+
+    def nearest(self, x: float, y: float, limit: float) -> tuple[float, float, float]:
+        """Return the nearest point of a wall within `limit`: distance, x, y.
+
+        The distance is `limit` if no wall is as near as that.
+        """
+        found = (limit, x, y)
+        right, left, above, below = self._around(x, y)
+        for lists, across in (((right, left), False), ((above, below), True)):
+            own, other = (y, x) if across else (x, y)
+            for walls in lists:
+                for wall, low, high in walls:
+                    away = wall - own
+                    if (away > limit) if walls is lists[0] else (away < -limit):
+                        break
+                    along = min(max(other, low), high)
+                    far = math.hypot(away, along - other)
+                    if far < found[0]:
+                        found = (far, along, wall) if across else (far, wall, along)
+        return found
+
+    def _around(self, x: float, y: float) -> Lists:
+        square = (math.floor(x), math.floor(y))
+        lists = self._squares.get(square)
+        if lists is None:
+            lists = self._squares[square] = self._lists(*square)
+        return lists
+
+    def _lists(self, column: int, row: int) -> Lists:
+        upright, level = list(self._upright), list(self._level)
+        for left, bottom, right, top in self._closed:
+            if left == right:
+                upright.append((left, bottom, top))
+            else:
+                level.append((bottom, left, right))
+        near_upright = _near(upright, column, row)
+        near_level = _near(level, row, column)
+        return (
+            [line for line in near_upright if line[0] >= column],
+            [line for line in reversed(near_upright) if line[0] <= column + 1],
+            [line for line in near_level if line[0] >= row],
+            [line for line in reversed(near_level) if line[0] <= row + 1],
+        )
+
+
+def _near(lines: Iterable[Line], own: int, other: int) -> list[Line]:
+    """The walls within reach of a square, by rising coordinate."""
+    return sorted(
+        line
+        for line in lines
+        if own - REACH <= line[0] <= own + 1 + REACH
+        and line[1] <= other + 1 + REACH
+        and line[2] >= other - REACH
+    )
+
+
+def outlines(boxes: Sequence[Box]) -> tuple[list[Line], list[Line]]:
+    """Return the outline of a union of rectangles that touch, but do not overlap.
+
+    Returns:
+        Upright and level walls. Where two rectangles touch there is no wall.
+    """
+    upright: list[Line] = []
+    level: list[Line] = []
+    for left, bottom, right, top in boxes:
+        upright += _sides(left, bottom, top, [(b[2], b[1], b[3]) for b in boxes])
+        upright += _sides(right, bottom, top, [(b[0], b[1], b[3]) for b in boxes])
+        level += _sides(bottom, left, right, [(b[3], b[0], b[2]) for b in boxes])
+        level += _sides(top, left, right, [(b[1], b[0], b[2]) for b in boxes])
+    return upright, level
+
+
+def _sides(at: float, low: float, high: float, touching: Iterable[Line]) -> list[Line]:
+    """One side of a rectangle without the parts where another one touches it."""
+    parts = [(low, high)]
+    for wall, start, stop in touching:
+        if wall == at:
+            parts = [
+                piece
+                for a, b in parts
+                for piece in ((a, min(b, start)), (max(a, stop), b))
+                if piece[0] < piece[1]
+            ]
+    return [(at, a, b) for a, b in parts]
+
+
+def door_box(opening: Opening) -> Box:
+    """Return the closed door of an opening, flat, in the middle of the wall."""
+    left, bottom, right, top = opening.box
+    if opening.side in {"east", "west"}:
+        middle = (left + right) / 2
+        return (middle, bottom, middle, top)
+    middle = (bottom + top) / 2
+    return (left, middle, right, middle)
+
+
+def floor_plans(map: Map) -> dict[int, FloorPlan]:
+    """Return the plan of each floor of a map, with all doors open."""
+    floors = sorted({floor for space in map.space for floor in space.floors})
+    gaps = openings(map)
+    return {
+        floor: FloorPlan(
+            [space.box for space in map.space if floor in space.floors]
+            + [gap.box for gap in gaps if gap.floor == floor],
+            [box.box for box in map.obstacle if box.floor == floor],
+        )
+        for floor in floors
+    }

@@ -1,0 +1,92 @@
+"""The catalogue of everything that the hallway robot can do."""
+
+from __future__ import annotations
+
+from rapc.worlds.hallway import channels
+from rapc.worlds.hallway.skills.avoiding import (
+    DetectObstacles,
+    FollowTrajectory,
+    LimitSpeed,
+    LowestLimit,
+)
+from rapc.worlds.hallway.skills.doorways import DetectDoorway, TrackDoorJambs
+from rapc.worlds.hallway.skills.halls import TrackHallway
+from rapc.worlds.hallway.skills.landmarks import (
+    MARK,
+    ApproachLandmark,
+    SeeTags,
+    TrackLandmark,
+    WatchForLandmark,
+)
+from rapc.worlds.hallway.skills.moving import (
+    BackOff,
+    FaceDirection,
+    SteerInDirection,
+)
+from rapc.worlds.hallway.skills.reporting import ReportPosition, WatchBattery
+from rapc.worlds.hallway.skills.services import CallLift, Charge, Speak
+from rapc.worlds.skills.catalogue import Catalogue
+from rapc.worlds.skills.declarations import Compound
+
+MOVE_IN_DIRECTION = Compound(
+    "move-in-direction",
+    (DetectObstacles, SteerInDirection, FollowTrajectory),
+    SteerInDirection.parameters,
+    "Move so far in a direction, around obstacles",
+)
+
+MOVE_TO_LANDMARK = Compound(
+    "move-to-landmark",
+    (DetectObstacles, TrackLandmark, ApproachLandmark, FollowTrajectory),
+    (*MARK, *ApproachLandmark.parameters),
+    "Move to a place in front of a visible landmark, around obstacles",
+)
+
+MOVE_THRU_DOORWAY = Compound(
+    "move-thru-doorway",
+    (DetectObstacles, TrackDoorJambs, FollowTrajectory),
+    TrackDoorJambs.parameters,
+    "Line up with a doorway and move through it",
+)
+
+TURN_TO = Compound(
+    "turn-to",
+    (DetectObstacles, FaceDirection, FollowTrajectory),
+    FaceDirection.parameters,
+    "Turn on the spot to a direction",
+)
+
+SENSORS = (
+    channels.SONAR,
+    channels.POSE,
+    channels.TAGS,
+    channels.BATTERY,
+    channels.CURRENT,
+    channels.LIFT,
+)
+
+ACTUATORS = (channels.DRIVE, channels.CHARGE, channels.CALL, channels.VOICE)
+
+
+def catalogue() -> Catalogue:
+    """Return the skills of the robot, checked."""
+    skills = (
+        MOVE_IN_DIRECTION,
+        MOVE_TO_LANDMARK,
+        MOVE_THRU_DOORWAY,
+        TURN_TO,
+        WatchForLandmark,
+        SeeTags,
+        DetectObstacles,
+        TrackHallway,
+        FollowTrajectory,
+        LimitSpeed,
+        BackOff,
+        DetectDoorway,
+        ReportPosition,
+        WatchBattery,
+        Charge,
+        CallLift,
+        Speak,
+    )
+    return Catalogue(skills, SENSORS, ACTUATORS, (LowestLimit(),))

@@ -1,0 +1,349 @@
+"""Going through a doorway by sonar, and noticing that the robot has gone through one.
+
+The skill is told roughly where the doorway leads to. It squares that direction to the
+walls it sees, finds the wall ahead as the plane that most echoes share, and asks of
+every place along that wall whether beams end there or go on. Places are kept in bins of
+five centimetres across; each beam moves its bin towards *wall* or *open*, so a door
+that closes is soon believed. The gap is the run of open bins nearest to straight ahead,
+and its edges lie half-way between the last open place and the first with wall:
+
+    wall wall  .  open open  .  open open  .   .  wall      (. unknown)
+              ^----------- the gap -----------^
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import msgspec
+
+from rapc.base.values import Atom
+from rapc.worlds.hallway.channels import (
+    GAP,
+    PASSED,
+    POSE,
+    SONAR,
+    SONAR_RANGE,
+    TRAJECTORY,
+    Gap,
+    Pose,
+    Trajectory,
+)
+from rapc.worlds.hallway.skills.halls import turned
+from rapc.worlds.hallway.skills.moving import DIRECTION, SPEED
+from rapc.worlds.hallway.skills.sonar import (
+    Point,
+    Votes,
+    bearing_of,
+    points,
+    square_to,
+    vote,
+)
+from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
+
+BIN = 0.05
+BINS = 60
+"""Bins along the wall, as many to the left as to the right."""
+
+FACED = 0.12
+"""How well the robot has to face the doorway before it judges it, in radians."""
+
+LOOKS = 12
+"""Ticks for which it looks before it believes that a door is closed."""
+
+DEEPER = 0.3
+"""A beam that goes so much farther than the wall goes through it, in metres."""
+
+LEAST = 0.5
+"""A gap that is narrower is none, in metres."""
+
+OFF = 0.8
+"""A gap may be so far to the side of straight ahead, in metres."""
+
+BEYOND = 0.8
+"""How far past the wall's face the robot goes, in metres."""
+
+CLOSE = 0.4
+"""So near to the wall the gap is not looked for any more, in metres."""
+
+LINE_UP = 0.4
+"""How soon the robot is in line with the gap, in metres of way."""
+
+
+class Passage(msgspec.Struct):
+    """What `track-door-jambs` remembers."""
+
+    votes: Votes = msgspec.field(default_factory=Votes)
+    stage: str = "looking"
+    #: Ticks spent looking.
+    looks: int = 0
+    #: Squared to the walls; the axis of what follows.
+    heading: float | None = None
+    #: How far the wall is along the axis, from the origin of dead reckoning.
+    wall: float | None = None
+    #: Where the robot stood across the axis when the bins were begun.
+    origin: float = 0.0
+    #: 1 where beams go through, -1 where they end; 0 where none went.
+    bins: list[float] = msgspec.field(default_factory=lambda: [0.0] * (2 * BINS))
+    #: The middle of the gap across the axis.
+    middle: float | None = None
+
+
+class ThroughDoorway(Event):
+    """The robot has gone through the doorway."""
+
+    name = "movement-complete"
+    inputs = (GAP,)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether it is on the other side."""
+        return () if ports[GAP].stage == "through" else None
+
+
+class DoorClosed(Event):
+    """There is wall, or a door, where the doorway should be."""
+
+    name = "door-closed"
+    inputs = (GAP,)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether no gap could be found."""
+        return () if ports[GAP].stage == "closed" else None
+
+
+class TrackDoorJambs(Skill):
+    """Find the doorway ahead, and lead through its middle."""
+
+    name = "track-door-jambs"
+    inputs = (SONAR, POSE)
+    outputs = (TRAJECTORY, GAP)
+    parameters = (DIRECTION, SPEED)
+    events = (ThroughDoorway, DoorClosed)
+    State = Passage
+    state: Passage
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Look at the wall ahead, and say where the way leads."""
+        state, pose, ranges = self.state, ports[POSE], ports[SONAR]
+        if state.stage == "looking":
+            vote(state.votes, ranges, pose)
+            state.heading = square_to(state.votes, self.arguments["direction"])
+        heading = state.heading
+        assert heading is not None
+        along, across = _axes(pose, heading)
+        bearing = bearing_of(heading, pose)
+        if state.stage in {"looking", "going"}:
+            faced = abs(bearing) < FACED or state.stage == "going"
+            echoes = turned(points(ranges), bearing)
+            if faced and (state.wall is None or state.wall - along > CLOSE):
+                self._look(ranges, echoes, along, across)
+            self._judge(along)
+        ports[GAP] = Gap(state.stage)
+        ports[TRAJECTORY] = self._lead(pose, along, across, bearing)
+
+    def _lead(
+        self, pose: Pose, along: float, across: float, bearing: float
+    ) -> Trajectory:
+        """Where to go: face the wall, line up with the gap, go through, stop."""
+        state = self.state
+        if state.stage != "going" or state.wall is None or state.middle is None:
+            return Trajectory(bearing, 0.0, turn=True)
+        aside = math.atan2(state.middle - across, LINE_UP)
+        left = max(0.0, state.wall + BEYOND - along)
+        ahead = math.remainder(bearing + aside, 2 * math.pi)
+        return Trajectory(ahead, float(self.arguments["speed"]), left, narrow=True)
+
+    def _look(
+        self,
+        ranges: Sequence[float],
+        echoes: Sequence[Point],
+        along: float,
+        across: float,
+    ) -> None:
+        """Find the wall, and put into the bins what the beams say of it."""
+        state = self.state
+        wall = _plane(echoes)
+        state.looks += 1
+        if state.stage == "looking" and state.looks == 1:
+            state.origin = across
+        if wall is not None and (state.wall is None or state.stage == "looking"):
+            state.wall = along + wall
+        if state.wall is None:
+            return
+        ahead = state.wall - along
+        for far, (x, y) in zip(ranges, echoes, strict=True):
+            if x <= 0.3 * far:
+                continue
+            opens = x > ahead + DEEPER or far >= SONAR_RANGE
+            if opens or abs(x - ahead) < DEEPER:
+                place = across - state.origin + (y * ahead / x if opens else y)
+                number = math.floor(place / BIN) + BINS
+                if 0 <= number < 2 * BINS:
+                    old = state.bins[number]
+                    state.bins[number] = 0.6 * old + (0.4 if opens else -0.4)
+
+    def _judge(self, along: float) -> None:
+        """Whether there is a gap, or the door is closed, or the robot is through."""
+        state = self.state
+        if state.wall is None:
+            if state.looks > 3 * LOOKS:
+                state.stage = "closed"
+            return
+        if along > state.wall + BEYOND - 0.05:
+            state.stage = "through"
+            return
+        if state.wall - along <= CLOSE and state.stage == "going":
+            return
+        gap = _gap(state.bins)
+        if gap is not None and state.looks >= LOOKS // 2:
+            state.middle = state.origin + gap
+            state.stage = "going"
+        elif gap is None and state.looks >= LOOKS:
+            state.stage = "closed"
+
+
+def _axes(pose: Pose, heading: float) -> Point:
+    """A place along and across a heading."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    return pose.x * cos + pose.y * sin, pose.y * cos - pose.x * sin
+
+
+def _plane(echoes: Sequence[Point]) -> float | None:
+    """How far ahead most echoes lie in one plane; None if no three do."""
+    ahead = sorted(x for x, y in echoes if 0.3 < x < 2.5 and abs(y) < 1.6)
+    best, found = 2, None
+    for x in ahead:
+        near = [other for other in ahead if x <= other < x + 0.15]
+        if len(near) > best:
+            best, found = len(near), sum(near) / len(near)
+    return found
+
+
+def _gap(bins: Sequence[float]) -> float | None:
+    """The middle of the gap nearest to the middle of the bins, in metres from it."""
+    opened = [number for number, value in enumerate(bins) if value > 0]
+    best: float | None = None
+    for start in opened:
+        if any(value > 0 for value in bins[max(0, start - 8) : start]) and not any(
+            value < 0 for value in _before(bins, start)
+        ):
+            continue
+        stop = start
+        for number in range(start, len(bins)):
+            if bins[number] < 0:
+                break
+            if bins[number] > 0:
+                stop = number
+        left, right = _edge(bins, start, -1), _edge(bins, stop, 1)
+        middle = (left + right) / 2 * BIN - BINS * BIN
+        wide = (right - left) * BIN
+        if wide >= LEAST and abs(middle) <= OFF and abs(middle) < abs(best or OFF + 1):
+            best = middle
+    return best
+
+
+def _before(bins: Sequence[float], start: int) -> Sequence[float]:
+    """The bins between an open one and the open one before it."""
+    for number in range(start - 1, -1, -1):
+        if bins[number] > 0:
+            return bins[number + 1 : start]
+    return bins[:start]
+
+
+def _edge(bins: Sequence[float], last: int, step: int) -> float:
+    """Where a gap ends, in bins, beyond its last open bin."""
+    number = last + step
+    while 0 <= number < len(bins) and bins[number] == 0 and abs(number - last) < 8:
+        number += step
+    return (last + number) / 2 + 0.5
+
+
+Place = tuple[float, float]
+"""A point in the frame of dead reckoning."""
+
+
+class Between(msgspec.Struct):
+    """What `detect-doorway` remembers."""
+
+    #: Where the left and the right side were last open.
+    open: list[Place | None] = msgspec.field(default_factory=lambda: [None, None])
+    #: Where the robot came between two jambs; None while it is not between any.
+    start: Place | None = None
+    #: Where it left them; None while it is not just behind some.
+    end: Place | None = None
+    #: The heading of the passage that ended there.
+    heading: float = 0.0
+
+
+SIDES = (5, 6, 7), (17, 18, 19)
+"""The sonars that look to the left and to the right."""
+
+TIGHT = 0.85
+"""In a doorway there is something as near as that on both sides, in metres."""
+
+TOGETHER = 1.15
+"""And both together are not farther away than that."""
+
+THROUGH = 0.3
+"""What the robot travels between the jambs at least, in metres."""
+
+AROUND = 0.8
+"""So shortly before and behind a doorway both sides are open, in metres."""
+
+
+class PassedDoorway(Event):
+    """The robot has come through something like a doorway, wherever it meant to go."""
+
+    name = "passed-doorway"
+    inputs = (PASSED,)
+    carries = (Parameter("heading", "number", "rad", "of the passage"),)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether it has just left a narrow place on the other side."""
+        heading = ports.get(PASSED)
+        return None if heading is None else (round(heading, 2),)
+
+
+class DetectDoorway(Skill):
+    """Notice by sonar that the robot goes between two jambs.
+
+    Both sides are open, then both are near, then both are open again, all within a
+    short way. Beside somebody in a hallway one side is near all the time: the wall.
+    """
+
+    name = "detect-doorway"
+    inputs = (SONAR, POSE)
+    outputs = (PASSED,)
+    events = (PassedDoorway,)
+    State = Between
+    state: Between
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Compare both sides, and say when they are open again."""
+        state, ranges = self.state, ports[SONAR]
+        here = (ports[POSE].x, ports[POSE].y)
+        near = [min(ranges[number] for number in side) for side in SIDES]
+        if max(near) < TIGHT and sum(near) < TOGETHER:
+            if state.start is None and all(_within(p, here) for p in state.open):
+                state.start, state.end = here, None
+            return
+        if state.start is not None:
+            if math.dist(state.start, here) >= THROUGH:
+                (x, y), (a, b) = state.start, here
+                state.end, state.heading = here, math.atan2(b - y, a - x)
+                state.open = [None, None]
+            state.start = None
+        for side, far in enumerate(near):
+            if far >= TIGHT:
+                state.open[side] = here
+        if state.end is not None:
+            if all(place is not None for place in state.open):
+                ports[PASSED] = state.heading
+                state.end = None
+            elif not _within(state.end, here):
+                state.end = None
+
+
+def _within(place: Place | None, here: Place) -> bool:
+    return place is not None and math.dist(place, here) <= AROUND

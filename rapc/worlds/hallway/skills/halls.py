@@ -1,0 +1,136 @@
+"""Following a hallway to its end [S 2, S 3]."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from statistics import median
+
+import msgspec
+
+from rapc.base.values import Atom
+from rapc.worlds.hallway.channels import (
+    HALL,
+    POSE,
+    PROGRESS,
+    SONAR,
+    TRAJECTORY,
+    Hall,
+    Trajectory,
+)
+from rapc.worlds.hallway.skills.sonar import (
+    Point,
+    Votes,
+    bearing_of,
+    points,
+    square_to,
+    vote,
+)
+from rapc.worlds.skills.declarations import Event, Ports, Skill
+
+SPEED = 0.5
+"""In a hallway, unless there is a limit, in metres a second."""
+
+BESIDE = 1.2
+"""Walls are looked for this far ahead and back, in metres."""
+
+WIDEST = 3.0
+"""The middle of something wider is not looked for."""
+
+END = 1.0
+"""How near the wall at the end has to be, in metres."""
+
+SURE = 4
+"""Ticks for which the end has to be seen."""
+
+BLOCKED = 6.0
+"""Seconds without moving after which a hallway is blocked."""
+
+
+class EndOfHall(Event):
+    """A wall closes the hallway right ahead, with or without a doorway in it."""
+
+    name = "end-o-hall"
+    inputs = (HALL,)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether the end is in sight."""
+        return () if ports[HALL].ends else None
+
+
+class HallBlocked(Event):
+    """Something fills the hallway, or seems to."""
+
+    name = "hall-blocked"
+    inputs = (HALL, PROGRESS)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether the robot does not get on, and not for the hallway's end."""
+        stuck = ports[PROGRESS].stalled >= BLOCKED
+        return () if stuck and not ports[HALL].ends else None
+
+
+class Tracking(msgspec.Struct):
+    """What `track-hallway` remembers."""
+
+    votes: Votes = msgspec.field(default_factory=Votes)
+    #: The hallway's heading in the frame of dead reckoning.
+    heading: float | None = None
+    left: float = 1.0
+    right: float = 1.0
+    #: For how many ticks an end has been seen.
+    ends: int = 0
+
+
+class TrackHallway(Skill):
+    """Keep an estimate of the hallway's direction and width, and stay in its middle.
+
+    Of the two directions of a hallway the one is taken in which the robot points when
+    the skill comes on.
+    """
+
+    name = "track-hallway"
+    inputs = (SONAR, POSE)
+    outputs = (HALL, TRAJECTORY)
+    events = (EndOfHall, HallBlocked)
+    State = Tracking
+    state: Tracking
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Look at the walls, and say where the middle leads."""
+        state, pose, ranges = self.state, ports[POSE], ports[SONAR]
+        vote(state.votes, ranges, pose)
+        before = pose.heading if state.heading is None else state.heading
+        state.heading = square_to(state.votes, before)
+        bearing = bearing_of(state.heading, pose)
+        echoes = turned(points(ranges), bearing)
+        self._measure(echoes)
+        state.ends = state.ends + 1 if self._ends(echoes) else 0
+        offset, width = (state.right - state.left) / 2, state.left + state.right
+        ports[HALL] = Hall(bearing, width, offset, state.ends >= SURE)
+        aside = math.atan2(offset, 1.0) if width < WIDEST else 0.0
+        ahead = math.remainder(bearing - aside, 2 * math.pi)
+        ports[TRAJECTORY] = Trajectory(ahead, SPEED)
+
+    def _measure(self, echoes: Sequence[Point]) -> None:
+        """Take the distances to the walls on both sides; doorways are deeper."""
+        beside = [y for x, y in echoes if abs(x) < BESIDE]
+        left = [y for y in beside if 0.2 < y < WIDEST]
+        right = [-y for y in beside if 0.2 < -y < WIDEST]
+        if len(left) > 1:
+            self.state.left = median(left)
+        if len(right) > 1:
+            self.state.right = median(right)
+
+    def _ends(self, echoes: Sequence[Point]) -> bool:
+        """Whether there is wall ahead on both sides of the middle, equally far."""
+        edge_left, edge_right = self.state.left - 0.12, self.state.right - 0.12
+        left = [x for x, y in echoes if 0.3 < x < END and 0.4 < y < edge_left]
+        right = [x for x, y in echoes if 0.3 < x < END and 0.4 < -y < edge_right]
+        return bool(left and right) and abs(max(left) - max(right)) < 0.2
+
+
+def turned(echoes: Sequence[Point], bearing: float) -> list[Point]:
+    """Return points as they are when `bearing` is ahead."""
+    cos, sin = math.cos(bearing), math.sin(bearing)
+    return [(x * cos + y * sin, y * cos - x * sin) for x, y in echoes]

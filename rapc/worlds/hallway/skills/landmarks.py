@@ -1,0 +1,374 @@
+"""Landmarks by laser: watching for them, and going to them.
+
+The laser gives the bearings of the two tags of a landmark, nothing else. With the angle
+between them, a rough knowledge of how far they are apart, and the way they are turned,
+their distance follows. Tags hang on walls, and the sonars tell how walls run: so they
+are turned in one of the two directions that are square to the walls and look towards
+the robot. Both are kept as guesses. Each gives a place for the landmark in every tick;
+of the right guess the places agree while the robot moves, of the wrong one they wander;
+and the sonars should find a wall where a guess has the tags hang.
+
+With the tags h to the left and the right of the middle, turned away from the line of
+sight by w and seen under the angle a, the distance d solves
+
+    tan a = 2 h d cos w / (d^2 - h^2).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.base.values import Atom
+from rapc.worlds.hallway.channels import (
+    FIX,
+    LASER_RANGE,
+    POSE,
+    SEEN,
+    SIGHTING,
+    SONAR,
+    SONARS,
+    TAGS,
+    TRAJECTORY,
+    TRAVEL,
+    Fix,
+    Pose,
+    Sighting,
+    Tag,
+    Trajectory,
+    Travel,
+)
+from rapc.worlds.hallway.skills.moving import FACING, SPEED, MovementComplete
+from rapc.worlds.hallway.skills.sonar import (
+    QUARTER,
+    Votes,
+    bearing_of,
+    square_to,
+    vote,
+)
+from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
+
+LOST = 6.0
+"""Seconds out of sight after which a landmark is lost."""
+
+LEARNING = 0.15
+"""How much of each new place is believed."""
+
+OPEN = 0.4
+"""A wall that is farther away by so much is another one, in metres."""
+
+AT = 0.12
+"""How near to its place before the landmark the robot stops, in metres."""
+
+MARK = (
+    Parameter("mark", "symbol", "", "what the landmark is called"),
+    Parameter("left", "number", "", "the code of its left tag"),
+    Parameter("right", "number", "", "the code of its right tag"),
+    Parameter("apart", "number", "m", "about how far the tags are apart", low=0.1),
+)
+
+SIGHT = (
+    Parameter("mark", "symbol"),
+    Parameter("distance", "number", "m", "roughly"),
+    Parameter("heading", "number", "rad", "in the frame of dead reckoning"),
+)
+
+
+class InView(msgspec.Struct):
+    """What `watch-for-landmark` remembers."""
+
+    #: Ticks for which both tags have been in view.
+    ticks: int = 0
+
+
+class LandmarkVisible(Event):
+    """The landmark has come into view."""
+
+    name = "landmark-visible"
+    inputs = (SIGHTING, POSE)
+    carries = SIGHT
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether both tags are seen, and roughly where."""
+        seen = ports.get(SIGHTING)
+        if seen is None:
+            return None
+        heading = math.remainder(seen.bearing + ports[POSE].heading, 2 * math.pi)
+        return (self.arguments["mark"], round(seen.distance, 2), round(heading, 2))
+
+
+class WatchForLandmark(Skill):
+    """Watch for one landmark."""
+
+    name = "watch-for-landmark"
+    inputs = (TAGS,)
+    outputs = (SIGHTING,)
+    parameters = MARK
+    events = (LandmarkVisible,)
+    State = InView
+    state: InView
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Write the sighting once both tags have been seen twice in a row."""
+        pair = both(ports[TAGS], self.arguments)
+        self.state.ticks = self.state.ticks + 1 if pair else 0
+        if pair is not None and self.state.ticks > 1:
+            left, right = pair
+            ports[SIGHTING] = sighting(left, right, float(self.arguments["apart"]))
+
+
+class LandmarkLost(Event):
+    """The landmark has not been seen for some time."""
+
+    name = "lost-landmark"
+    inputs = (FIX,)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether it was last seen too long ago."""
+        return () if ports[FIX].age > LOST else None
+
+
+class Guess(msgspec.Struct):
+    """A landmark, if it is turned in a certain direction."""
+
+    normal: float
+    x: float
+    y: float
+    #: How far the places lay from each other of late, and out of the laser's reach,
+    #: in metres.
+    wander: float = 0.0
+
+
+class Tracked(msgspec.Struct):
+    """What `track-landmark` remembers."""
+
+    votes: Votes = msgspec.field(default_factory=Votes)
+    guesses: list[Guess] = msgspec.field(default_factory=list)
+    #: When it was last seen; None before the first tick.
+    seen: float | None = None
+
+
+class TrackLandmark(Skill):
+    """Keep an estimate of where a landmark is and how it is turned."""
+
+    name = "track-landmark"
+    inputs = (TAGS, POSE, SONAR)
+    outputs = (FIX, SIGHTING)
+    parameters = MARK
+    events = (LandmarkVisible, LandmarkLost)
+    State = Tracked
+    state: Tracked
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Take in what the laser sees of the landmark."""
+        state, pose = self.state, ports[POSE]
+        vote(state.votes, ports[SONAR], pose)
+        state.seen = now if state.seen is None else state.seen
+        pair = both(ports[TAGS], self.arguments)
+        if pair is not None:
+            state.seen = now
+            half = float(self.arguments["apart"]) / 2
+            self._learn(pair, pose, half, ports[SONAR])
+            ports[SIGHTING] = sighting(*pair, 2 * half)
+        age = now - state.seen
+        if not state.guesses:
+            ports[FIX] = Fix(pose.x, pose.y, pose.heading, age, known=False)
+            return
+        best = min(state.guesses, key=lambda guess: guess.wander)
+        ports[FIX] = Fix(best.x, best.y, best.normal, age)
+
+    def _learn(
+        self,
+        pair: tuple[Tag, Tag],
+        pose: Pose,
+        half: float,
+        ranges: Sequence[float],
+    ) -> None:
+        """Let both guesses have the place that they imply."""
+        left, right = pair
+        sight = pose.heading + _between(left, right)
+        facing = sight + math.pi
+        nearest = square_to(self.state.votes, facing)
+        off = math.remainder(nearest - facing, 2 * math.pi)
+        other = nearest - math.copysign(QUARTER, off)
+        angle = math.remainder(left.bearing - right.bearing, 2 * math.pi)
+        places = []
+        for normal in (nearest, other):
+            cos = math.cos(normal - facing)
+            far = distance(angle, half, cos)
+            x, y = pose.x + far * math.cos(sight), pose.y + far * math.sin(sight)
+            beyond = max(0.0, far - LASER_RANGE)
+            if open_to(ranges, normal + math.pi - pose.heading, far * cos):
+                beyond += 1.0
+            places.append(Guess(math.remainder(normal, 2 * math.pi), x, y, beyond))
+        if not self.state.guesses:
+            places[1].wander += 0.1
+            self.state.guesses = places
+            return
+        for guess in self.state.guesses:
+            self._improve(guess, places)
+
+    def _improve(self, guess: Guess, places: Sequence[Guess]) -> None:
+        """Move a guess towards the place that is turned as it is."""
+        off, new = min(
+            (abs(math.remainder(p.normal - guess.normal, 2 * math.pi)), n, p)
+            for n, p in enumerate(places)
+        )[::2]
+        if off > QUARTER / 2:
+            guess.wander += 0.01
+            return
+        dx, dy = new.x - guess.x, new.y - guess.y
+        wander = math.hypot(dx, dy) + new.wander
+        guess.wander += 0.05 * (wander - guess.wander)
+        guess.x += LEARNING * dx
+        guess.y += LEARNING * dy
+        guess.normal = new.normal
+
+
+class Standing(msgspec.Struct):
+    """What `approach-landmark` remembers."""
+
+    #: Whether the robot is in its place and only turns.
+    turning: bool = False
+    done: bool = False
+
+
+class AtLandmark(Event):
+    """The robot stands before the landmark, and faces it squarely."""
+
+    name = "at-landmark"
+    inputs = (TRAVEL, POSE)
+    carries = (
+        Parameter("x", "number", "m", "by dead reckoning"),
+        Parameter("y", "number", "m"),
+        Parameter("heading", "number", "rad"),
+    )
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether it has arrived, and where that is."""
+        pose = ports[POSE]
+        here = round(pose.x, 2), round(pose.y, 2), round(pose.heading, 3)
+        return here if ports[TRAVEL].done else None
+
+
+class ApproachLandmark(Skill):
+    """Lead to a place straight in front of the landmark, and face it there."""
+
+    name = "approach-landmark"
+    inputs = (FIX, POSE)
+    outputs = (TRAJECTORY, TRAVEL)
+    parameters = (Parameter("standoff", "number", "m", low=0.4, high=3), SPEED)
+    events = (AtLandmark, MovementComplete)
+    State = Standing
+    state: Standing
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Say where the place is; wait while the landmark has not been seen."""
+        state, fix, pose = self.state, ports[FIX], ports[POSE]
+        ports[TRAVEL] = Travel(False)
+        if not fix.known:
+            ports[TRAJECTORY] = Trajectory(0.0, 0.0, turn=True)
+            return
+        standoff = float(self.arguments["standoff"])
+        dx = fix.x + standoff * math.cos(fix.normal) - pose.x
+        dy = fix.y + standoff * math.sin(fix.normal) - pose.y
+        left = math.hypot(dx, dy)
+        state.turning = left < (0.3 if state.turning else AT)
+        if state.turning:
+            bearing = bearing_of(fix.normal + math.pi, pose)
+            ports[TRAVEL] = Travel(abs(bearing) < FACING)
+            ports[TRAJECTORY] = Trajectory(bearing, 0.0, turn=True)
+            return
+        bearing = bearing_of(math.atan2(dy, dx), pose)
+        ports[TRAJECTORY] = Trajectory(bearing, float(self.arguments["speed"]), left)
+
+
+class TagsSeen(Event):
+    """A pair of tags has come into view, whichever landmark they belong to."""
+
+    name = "tags-seen"
+    inputs = (SEEN, POSE)
+    carries = (
+        Parameter("left", "number", "", "the code of the left tag"),
+        Parameter("right", "number", "", "the code of the right tag"),
+        Parameter("spread", "number", "rad", "the angle between them"),
+        Parameter("heading", "number", "rad", "in the frame of dead reckoning"),
+    )
+    again = 1.0
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether a pair is in view; of several the one seen under the widest angle."""
+        seen = ports[SEEN]
+        if not seen:
+            return None
+        left, right = seen[:2]
+        heading = ports[POSE].heading + _between(left, right)
+        spread = math.remainder(left.bearing - right.bearing, 2 * math.pi)
+        heading = math.remainder(heading, 2 * math.pi)
+        return left.code, right.code, round(spread, 3), round(heading, 2)
+
+
+class SeeTags(Skill):
+    """Look out for landmarks, whichever they are: an even tag and the next one."""
+
+    name = "see-tags"
+    inputs = (TAGS,)
+    outputs = (SEEN,)
+    events = (TagsSeen,)
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Write the nearest pair in view, left tag first."""
+        tags = {tag.code: tag for tag in ports[TAGS]}
+        pairs = [
+            (tag, tags[code + 1])
+            for code, tag in tags.items()
+            if code % 2 == 0 and code + 1 in tags
+        ]
+        widest = max(
+            pairs,
+            key=lambda p: abs(math.remainder(p[0].bearing - p[1].bearing, 2 * math.pi)),
+            default=(),
+        )
+        ports[SEEN] = tuple(widest)
+
+
+def open_to(ranges: Sequence[float], bearing: float, wall: float) -> bool:
+    """Return whether there is plainly no wall square to a bearing, so far ahead."""
+    middle = round(bearing / (2 * math.pi) * SONARS)
+    near = min(ranges[(middle + off) % SONARS] for off in (-1, 0, 1))
+    return near > wall + OPEN
+
+
+def both(tags: Sequence[Tag], arguments: Mapping[str, Any]) -> tuple[Tag, Tag] | None:
+    """Return the left and the right tag of a landmark, if both are in view."""
+    seen = {tag.code: tag for tag in tags}
+    left, right = seen.get(arguments["left"]), seen.get(arguments["right"])
+    return (left, right) if left is not None and right is not None else None
+
+
+def sighting(left: Tag, right: Tag, apart: float) -> Sighting:
+    """Return where a landmark is if its tags are not turned away."""
+    angle = math.remainder(left.bearing - right.bearing, 2 * math.pi)
+    far = min(LASER_RANGE, distance(angle, apart / 2, 1.0))
+    return Sighting(far, _between(left, right))
+
+
+def distance(angle: float, half: float, cos: float) -> float:
+    """Return how far away two tags are.
+
+    Args:
+        angle: under which they are seen.
+        half: half of what they are apart.
+        cos: the cosine of the angle by which they are turned away.
+    """
+    tan = math.tan(max(0.01, min(angle, QUARTER - 0.01)))
+    return half * (cos + math.sqrt(cos * cos + tan * tan)) / tan
+
+
+def _between(left: Tag, right: Tag) -> float:
+    """The bearing half-way between two tags."""
+    off = math.remainder(left.bearing - right.bearing, 2 * math.pi)
+    return right.bearing + off / 2

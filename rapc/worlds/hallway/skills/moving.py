@@ -1,0 +1,117 @@
+"""Moving by dead reckoning: in a direction, on the spot, backwards."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+from rapc.base.values import Atom
+from rapc.worlds.hallway.channels import (
+    DRIVE,
+    POSE,
+    TRAJECTORY,
+    TRAVEL,
+    Drive,
+    Trajectory,
+    Travel,
+)
+from rapc.worlds.hallway.skills.sonar import bearing_of
+from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
+
+ARRIVED = 0.3
+"""How near to its end a movement is complete, in metres."""
+
+FACING = 0.05
+"""How near to its bearing a turn is complete, in radians."""
+
+DIRECTION = Parameter(
+    "direction", "number", "rad", "a heading in the frame of dead reckoning"
+)
+SPEED = Parameter("speed", "number", "m/s", "at most", low=0.05, high=0.6)
+
+
+class MovementComplete(Event):
+    """The movement has come to its end."""
+
+    name = "movement-complete"
+    inputs = (TRAVEL,)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether nothing is left to go."""
+        return () if ports[TRAVEL].done else None
+
+
+class Start(msgspec.Struct):
+    """Where a movement began."""
+
+    x: float | None = None
+    y: float = 0.0
+
+
+class SteerInDirection(Skill):
+    """Make for the point that is so far in a direction from where it came on."""
+
+    name = "steer-in-direction"
+    inputs = (POSE,)
+    outputs = (TRAJECTORY, TRAVEL)
+    parameters = (DIRECTION, Parameter("distance", "number", "m", low=0), SPEED)
+    events = (MovementComplete,)
+    State = Start
+    state: Start
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Say where the point is, or that the robot is there or beyond."""
+        pose, state, wanted = ports[POSE], self.state, self.arguments
+        if state.x is None:
+            state.x, state.y = pose.x, pose.y
+        cos, sin = math.cos(wanted["direction"]), math.sin(wanted["direction"])
+        x = state.x + wanted["distance"] * cos - pose.x
+        y = state.y + wanted["distance"] * sin - pose.y
+        left, ahead = math.hypot(x, y), x * cos + y * sin
+        done = left < ARRIVED or ahead < 0
+        ports[TRAVEL] = Travel(done)
+        bearing = bearing_of(math.atan2(y, x), pose)
+        speed = 0.0 if done else float(wanted["speed"])
+        ports[TRAJECTORY] = Trajectory(bearing, speed, left)
+
+
+class FaceDirection(Skill):
+    """Turn on the spot to a heading."""
+
+    name = "face-direction"
+    inputs = (POSE,)
+    outputs = (TRAJECTORY, TRAVEL)
+    parameters = (DIRECTION,)
+    events = (MovementComplete,)
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Say how far there is to turn."""
+        bearing = bearing_of(self.arguments["direction"], ports[POSE])
+        ports[TRAVEL] = Travel(abs(bearing) < FACING)
+        ports[TRAJECTORY] = Trajectory(bearing, 0.0, turn=True)
+
+
+class BackOff(Skill):
+    """Go backwards a little, slowly and blindly, away from what was bumped into."""
+
+    name = "back-off"
+    inputs = (POSE,)
+    outputs = (DRIVE, TRAVEL)
+    parameters = (Parameter("distance", "number", "m", low=0, high=0.5),)
+    events = (MovementComplete,)
+    uses = ("wheels",)
+    State = Start
+    state: Start
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Drive until the distance has been made."""
+        pose, state = ports[POSE], self.state
+        if state.x is None:
+            state.x, state.y = pose.x, pose.y
+        done = (
+            math.hypot(pose.x - state.x, pose.y - state.y)
+            >= (self.arguments["distance"])
+        )
+        ports[TRAVEL] = Travel(done)
+        ports[DRIVE] = Drive(0.0 if done else -0.08, 0.0)

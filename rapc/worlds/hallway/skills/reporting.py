@@ -1,0 +1,61 @@
+"""Telling the RAP system how things are: position and battery."""
+
+from __future__ import annotations
+
+from rapc.base.values import Atom
+from rapc.worlds.hallway.channels import BATTERY, POSE
+from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
+
+
+class Position(Event):
+    """Where the robot is by dead reckoning, every second [S 4.2.1]."""
+
+    name = "position"
+    inputs = (POSE,)
+    carries = (
+        Parameter("x", "number", "m"),
+        Parameter("y", "number", "m"),
+        Parameter("heading", "number", "rad"),
+    )
+    again = 1.0
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Return the position, always."""
+        pose = ports[POSE]
+        return round(pose.x, 2), round(pose.y, 2), round(pose.heading, 3)
+
+
+class ReportPosition(Skill):
+    """Report the position by dead reckoning, every second."""
+
+    name = "report-position"
+    inputs = (POSE,)
+    events = (Position,)
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Do nothing: the event says it all."""
+
+
+class BatteryLow(Event):
+    """The battery has gone down to a level."""
+
+    name = "battery-low"
+    inputs = (BATTERY,)
+    carries = (Parameter("level", "number", "%"),)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether the level has been reached."""
+        level = ports[BATTERY]
+        return (round(level, 1),) if level <= self.arguments["level"] else None
+
+
+class WatchBattery(Skill):
+    """Watch for the battery to go down to a level."""
+
+    name = "watch-battery"
+    inputs = (BATTERY,)
+    parameters = (Parameter("level", "number", "%", low=0, high=100),)
+    events = (BatteryLow,)
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Do nothing: the event says it all."""

@@ -1,0 +1,1 @@
+"""Tests of the hallway world: its building, its robot, its skills."""

@@ -1,0 +1,132 @@
+"""Scripted controllers: skills switched on and off by hand, without any RAP."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable
+from random import Random
+
+import msgspec
+
+from rapc.base.values import Atom
+from rapc.worlds.hallway.default_map import MAP
+from rapc.worlds.hallway.map import Map, Sign, read_map
+from rapc.worlds.hallway.simulation import STANDOFF, Settings, Simulation
+from rapc.worlds.hallway.skills.all import catalogue
+from rapc.worlds.skills.catalogue import Request
+from rapc.worlds.skills.runtime import Told
+
+STILL = Settings(doors=0, people=0, lift=0, drift=0, usage=0)
+"""Nothing moves but the robot, which reckons well."""
+
+
+class Outcome(msgspec.Struct):
+    """What came of an activation."""
+
+    event: str
+    arguments: tuple[Atom, ...]
+    seconds: float
+
+
+class Driver:
+    """A robot in a simulation, and the activations that drive it."""
+
+    def __init__(
+        self, seed: int = 0, settings: Settings = STILL, map: Map | None = None
+    ) -> None:
+        self.sim = Simulation(map or read_map(MAP), catalogue(), Random(seed), settings)
+        self.ticket = 0
+        #: Everything told, with its time.
+        self.heard: list[tuple[float, Told]] = []
+
+    def on(self, *requests: Request, events: Iterable[str] = ()) -> int:
+        """Switch skills on; return the ticket."""
+        self.ticket += 1
+        refused = self.sim.runtime.activate(self.ticket, requests, events)
+        assert refused is None, refused
+        return self.ticket
+
+    def off(self, ticket: int) -> None:
+        """Switch an activation off."""
+        self.sim.runtime.deactivate(ticket)
+
+    def tick(self, ticks: int = 1) -> list[Told]:
+        """Let ticks pass; return what was told in the last one."""
+        told: list[Told] = []
+        for _ in range(ticks):
+            told = self.sim.tick()
+            self.heard += ((self.sim.now, one) for one in told)
+        return told
+
+    def until(
+        self, *requests: Request, events: Collection[str], within: float = 300
+    ) -> Outcome:
+        """Keep skills on until one of the events is told, then off.
+
+        The outcome is `timeout` if none is told within so many seconds.
+        """
+        ticket, start = self.on(*requests, events=events), self.sim.now
+        outcome = Outcome("timeout", (), within)
+        while self.sim.now - start < within:
+            for told in self.tick():
+                if ticket in told.tickets and told.event in events:
+                    seconds = self.sim.now - start
+                    self.off(ticket)
+                    return Outcome(told.event, told.arguments, seconds)
+        self.off(ticket)
+        return outcome
+
+    def place(self, x: float, y: float, heading: float, floor: int = 1) -> None:
+        """Put the robot somewhere, and let it know."""
+        body = self.sim.state.robot
+        body.x, body.y, body.heading, body.floor = x, y, heading, floor
+        body.reckoned_x, body.reckoned_y, body.reckoned_heading = x, y, heading
+        body.speed = body.turn = 0.0
+        self.sim.state.space = next(
+            space.name
+            for space in self.sim.map.space
+            if floor in space.floors
+            and space.box[0] <= x <= space.box[2]
+            and space.box[1] <= y <= space.box[3]
+        )
+
+    def place_at(self, landmark: str, space: str) -> Sign:
+        """Put the robot in its place before a landmark; return the landmark."""
+        sign = self.sim.sign_of(landmark, space)
+        x, y = sign.front(STANDOFF)
+        self.place(x, y, math.remainder(sign.normal + math.pi, math.tau), sign.floor)
+        return sign
+
+    def fastest_collision(self) -> float:
+        """How fast the robot ever ran into anything by itself."""
+        return max(
+            (c.speed for c in self.sim.state.collisions if c.what != "push"),
+            default=0.0,
+        )
+
+    def off_place(self, sign: Sign) -> float:
+        """How far the robot is from its place before a landmark, in metres."""
+        x, y = sign.front(STANDOFF)
+        body = self.sim.state.robot
+        return math.hypot(body.x - x, body.y - y)
+
+
+def to_landmark(sign: Sign, standoff: float = STANDOFF, speed: float = 0.5) -> Request:
+    """The skill that goes to a landmark."""
+    left, right = sign.tags
+    arguments = (sign.landmark, left, right, sign.apart, standoff, speed)
+    return Request("move-to-landmark", arguments)
+
+
+def watch(sign: Sign) -> Request:
+    """The skill that watches for a landmark."""
+    left, right = sign.tags
+    arguments = (sign.landmark, left, right, sign.apart)
+    return Request("watch-for-landmark", arguments)
+
+
+FOLLOW_HALL = (
+    Request("detect-obstacles"),
+    Request("track-hallway"),
+    Request("follow-trajectory"),
+)
