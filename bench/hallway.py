@@ -1,0 +1,116 @@
+"""An hour of driving in the hallway world by scripted skills: its cost, and a picture.
+
+python -m bench.hallway                     processor time of an hour
+python -m bench.hallway --picture FILE.png  the map and one long drive (needs viz)
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+from random import Random
+from typing import Any
+
+from rapc.worlds.hallway.picture import scene
+from rapc.worlds.hallway.simulation import Settings
+from tests.hallway.driver import Driver
+from tests.hallway.journey import Traveller
+
+HOUR = 3600.0
+
+Track = list[tuple[int, float, float, float, float]]
+"""Floor, true place, reckoned place, tick by tick."""
+
+
+def main() -> None:
+    """Measure, or draw."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--picture", type=Path, help="where to draw the drive")
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    seconds = HOUR if given.picture is None else 900.0
+    start = time.process_time()
+    driver, track, journeys = drive(given.seed, seconds)
+    used = time.process_time() - start
+    state = driver.sim.state
+    print(
+        f"{driver.sim.now:.0f} s of driving in {used:.1f} s of processor time, "
+        f"{used / state.ticks * 1000:.2f} ms a tick; {state.robot.distance:.0f} m, "
+        f"{journeys} journeys, {len(state.collisions)} collisions"
+    )
+    if given.picture is not None:
+        draw(driver, track, given.picture)
+
+
+def drive(seed: int, seconds: float) -> tuple[Driver, Track, int]:
+    """Drive from landmark to landmark for some time; return where the robot was."""
+    driver, rng = Driver(seed, Settings(usage=0)), Random(seed)
+    track: Track = []
+    tick = driver.tick
+
+    def traced(ticks: int = 1) -> Any:
+        told = tick(ticks)
+        body = driver.sim.state.robot
+        track.append((body.floor, body.x, body.y, body.reckoned_x, body.reckoned_y))
+        return told
+
+    driver.__dict__["tick"] = traced
+    signs = [sign for sign in driver.sim.signs if sign.space != "lift"]
+    traveller, journeys = Traveller(driver, "lab", "charger"), 0
+    while driver.sim.now < seconds:
+        goal = rng.choice(signs)
+        driver.sim.state.said.append((driver.sim.now, f"to {goal.says}"))
+        journeys += traveller.travel(goal.landmark, goal.space, within=600)
+    return driver, track, journeys
+
+
+def draw(driver: Driver, track: Track, path: Path) -> None:
+    """Draw both floors, the drive, and how things stand at its end."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 (only the picture needs viz)
+
+    figure = Figure(figsize=(15, 9), layout="constrained")
+    for number, floor in enumerate(sorted(driver.sim.plans)):
+        axes = figure.add_subplot(1, len(driver.sim.plans), number + 1)
+        draw_floor(axes, driver, floor)
+        true = [(x, y) for f, x, y, _, _ in track if f == floor]
+        reckoned = [(x, y) for f, _, _, x, y in track if f == floor]
+        axes.plot(*zip(*reckoned, strict=True), ",", color="tab:orange")
+        axes.plot(*zip(*true, strict=True), ",", color="tab:blue")
+        axes.set_aspect("equal")
+        axes.set_title(f"floor {floor}: true track blue, dead reckoning orange")
+    figure.savefig(path, dpi=90)
+
+
+def draw_floor(axes: Any, driver: Driver, floor: int) -> None:
+    """Draw a floor with all that stands and moves on it."""
+    from matplotlib.patches import Circle, Rectangle  # noqa: PLC0415
+
+    seen = scene(driver.sim, floor)
+    axes.set_facecolor("0.35")
+    boxes = [(box, "white") for _, box in seen.spaces]
+    boxes += [(box, "0.92") for box in seen.gaps]
+    boxes += [(box, "0.6") for box in seen.obstacles]
+    for (left, bottom, right, top), color in boxes:
+        corner = (left, bottom)
+        axes.add_patch(Rectangle(corner, right - left, top - bottom, color=color))
+    for left, bottom, right, top in seen.closed:
+        axes.plot((left, right), (bottom, top), color="tab:red", lw=3)
+    for name, (left, bottom, right, top) in seen.spaces:
+        middle = ((left + right) / 2, (bottom + top) / 2)
+        upright = top - bottom > 2 * (right - left)
+        turn = 90 if upright else 0
+        axes.text(*middle, name, ha="center", va="center", fontsize=7, rotation=turn)
+    for _, (x, y) in seen.landmarks:
+        axes.plot(x, y, "s", color="tab:green", ms=3)
+    for place in seen.people:
+        axes.add_patch(Circle(place, 0.25, color="tab:purple"))
+    if seen.robot is not None:
+        axes.add_patch(Circle(seen.robot[:2], 0.25, color="black"))
+        for x, y in seen.echoes:
+            axes.plot((seen.robot[0], x), (seen.robot[1], y), color="gold", lw=0.5)
+    axes.autoscale_view()
+
+
+if __name__ == "__main__":
+    main()
