@@ -10,15 +10,17 @@ interpreter cannot see into a world, nor a world into the interpreter.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Protocol, runtime_checkable
+from typing import Final, Protocol, runtime_checkable
 
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text
 
 __all__ = (
+    "NOT_KNOWN",
     "OKAY",
     "Atom",
     "Callables",
@@ -54,6 +56,9 @@ Time = Number
 
 OKAY = "okay"
 """The result symbol of a primitive that succeeded."""
+
+NOT_KNOWN: Final[Time] = math.inf
+"""What `World.next_time` returns where the world cannot say when it will send next."""
 
 
 class Datum(msgspec.Struct, frozen=True):
@@ -333,11 +338,19 @@ class World(ABC):
 
     @abstractmethod
     def next_time(self) -> Time | None:
-        """Return when the world will next send something if nothing is asked of it."""
+        """Return when the world will next send something if nothing is asked of it.
+
+        None: never. `NOT_KNOWN`: it cannot be said, as in a world whose time is
+        continuous; `advance` then stops at the first thing there is to send.
+        """
 
     @abstractmethod
     def advance(self, to: Time) -> None:
-        """Move the clock on to `to`, never backwards; the world lives meanwhile."""
+        """Move the clock on to `to`, never backwards; the world lives meanwhile.
+
+        A world whose next time is `NOT_KNOWN` stops as soon as it has something to
+        send; the rest of the way it is told again.
+        """
 
     @abstractmethod
     def messages(self) -> Sequence[Message]:

@@ -14,10 +14,10 @@ from rapc.base.values import number
 from rapc.runtime.authors import is_time, wrong
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
-from rapc.runtime.port import next_in_the_past, no_time_passed
+from rapc.runtime.port import next_in_the_past, no_time_passed, stopped_for_nothing
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.start import create_top, release_at_start_time
-from rapc.world import Time, World
+from rapc.world import NOT_KNOWN, Time, World
 
 _QUIET = ""
 """No reason to be over, only for not turning on."""
@@ -142,17 +142,37 @@ class Loop:
         if not known:
             return "stuck"
         target = max(min(known), now)
+        end = None
+        if target == NOT_KNOWN:
+            target = end = number(now + machine.settings.patience)
         if until is not None and target > until:
             if now == until:
                 return "until"
             target = until
         machine.world.advance(target)
-        state = machine.state
-        if machine.world.now() != now:
-            state.idle = 0
-        else:
-            state.idle += 1
+        moved = machine.world.now() != now
+        machine.state.idle = 0 if moved else machine.state.idle + 1
+        if target == end:
+            return self._wait_is_over(end)
+        if not moved:
             self._take_what_is_due(target)
+        return None
+
+    def _wait_is_over(self, end: Time) -> str | None:
+        """Take in what has come of a wait until `end` at most; `stuck` if nothing has.
+
+        Raises:
+            PortError: for a world that has stopped before, and sent nothing.
+        """
+        machine, world = self._machine, self._machine.world
+        machine.sync_clock()
+        messages = world.messages()
+        if messages or messages is None:
+            take_in(machine, messages)
+        elif world.ended() is None:
+            if machine.recorder.time < end:
+                raise stopped_for_nothing(world, machine.recorder.time, end)
+            return "stuck"
         return None
 
     def _take_what_is_due(self, target: Time) -> None:
@@ -179,7 +199,7 @@ class Loop:
         """
         machine = self._machine
         times = [machine.monitors.next_time(), machine.world.next_time()]
-        if times[1] is not None and not is_time(times[1]):
+        if times[1] not in (None, NOT_KNOWN) and not is_time(times[1]):
             raise wrong(machine.world, "next_time", "the next time", times[1])
         if times[1] is not None and times[1] < machine.recorder.time:
             raise next_in_the_past(machine.world, times[1], machine.recorder.time)

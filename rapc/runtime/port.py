@@ -170,6 +170,14 @@ def next_in_the_past(world: World, due: Time, now: Time) -> PortError:
     return breach(world, "next_time", f"says that it {said} {format_atom(now)} by now")
 
 
+def stopped_for_nothing(world: World, now: Time, target: Time) -> PortError:
+    """Return what to raise for a `world` that stops its clock and has sent nothing."""
+    said = (
+        f"stopped its clock at {format_atom(now)} on the way to {format_atom(target)}"
+    )
+    return breach(world, "advance", f"{said}, and sent nothing")
+
+
 def no_time_passed(world: World, target: Time, due: bool) -> PortError:
     """Return what to raise where waiting for a world leads nowhere.
 

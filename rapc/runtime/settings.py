@@ -16,18 +16,22 @@ _Cost = Annotated[int, msgspec.Meta(ge=0)] | Annotated[float, msgspec.Meta(ge=0)
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Settings of the interpreter (`--set rapc.NAME=value`).
+    """Settings of the interpreter (`--set rapc.NAME=value`)."""
 
-    `futile_limit`: how often one choice is allowed (T 3.2.5). `idle_cycles`: cycles
-    without the clock moving after which a run is called off. `cycle_cost`: time
-    units that a cycle takes (T 7.2.1). `max_layers`: how many layers an expectation
-    set keeps (docs/memory.md).
-    """
-
+    #: How often one choice is allowed [T 3.2.5].
     futile_limit: _Count = 2
+    #: The cycles without the clock moving after which a run is called off.
     idle_cycles: _Count = 100_000
+    #: The time units that a cycle takes [T 7.2.1].
     cycle_cost: _Cost = 0
+    #: How many layers an expectation set keeps (docs/memory.md).
     max_layers: _Count = 8
+    #: How long a run waits for a world that cannot say when it will send something.
+    patience: _Cost = 3600
+
+
+_TAKES = {"cycle-cost": "0 or more", "patience": "0 or more"}
+"""What settings take that are no whole numbers from 1."""
 
 
 def read_settings(texts: Mapping[str, str]) -> Settings:
@@ -47,6 +51,6 @@ def read_settings(texts: Mapping[str, str]) -> Settings:
             values[names[name]] = number(float(text))
             msgspec.convert({names[name]: values[names[name]]}, Settings)
         except ValueError:
-            takes = "0 or more" if name == "cycle-cost" else "a whole number, 1 or more"
+            takes = _TAKES.get(name, "a whole number, 1 or more")
             raise SettingError(f"`rapc.{name}` takes {takes}, not `{text}`") from None
     return msgspec.convert(values, Settings)

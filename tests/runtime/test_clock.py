@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import pytest
 
@@ -11,7 +12,7 @@ from rapc.runtime.events.events import Event, RunEnded
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import read_task_request
-from rapc.world import Reply, Time
+from rapc.world import NOT_KNOWN, Message, Reply, Signal, Time
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 from tests.runtime.helpers import ANY, compiled
@@ -51,23 +52,95 @@ class _Stuck(_Clock):
 
 
 def _run(
-    kind: type[_Clock], text: str, task: str, **told: object
+    kind: type[_Clock], text: str, task: str, patience: Time = 3600, **told: object
 ) -> tuple[Interpreter, _Clock, list[Event]]:
     library = compiled(text)
     world = kind(library.library)
     for name, value in told.items():
         setattr(world, name, value)
-    run = Interpreter(library, world, settings=Settings(idle_cycles=50))
+    settings = Settings(idle_cycles=50, patience=patience)
+    run = Interpreter(library, world, settings=settings)
     events: list[Event] = []
     run.listen(events.append)
     run.submit(read_task_request(task))
     return run, world, events
 
 
-@pytest.mark.parametrize("coming", [math.nan, math.inf])
+@pytest.mark.parametrize("coming", [math.nan, -math.inf])
 def test_a_next_time_that_is_none_is_laid_at_the_worlds_door(coming: float) -> None:
     run, _, _ = _run(_Clock, WAIT, "(wait)", coming=coming)
     with pytest.raises(PortError, match=f"the next time of the world .* is `{coming}`"):
+        run.run()
+
+
+class _Continuous(_Clock):
+    """A world that cannot say when it will send `sends`, nor that it never will."""
+
+    def __init__(self, library: object) -> None:
+        super().__init__(library)
+        #: What it sends, with its times; the clock stops at each.
+        self.sends: list[tuple[Time, Signal]] = []
+        #: How far the clock goes at a time, at most.
+        self.stride: Time = math.inf
+        self.ready: list[Signal] = []
+
+    def next_time(self) -> Time | None:
+        return super().now() if self.ready else NOT_KNOWN
+
+    def advance(self, to: Time) -> None:
+        to = min(to, super().now() + self.stride)
+        if self.sends and self.sends[0][0] <= to:
+            at, signal = self.sends.pop(0)
+            self.ready.append(signal)
+            to = at
+        super().advance(to)
+
+    def messages(self) -> Sequence[Message]:
+        ready, self.ready = self.ready, []
+        return ready
+
+
+HEAR = """
+(declare-event :done ())
+(declare-event :hum ())
+(define-rap (say) (method (primitive (look a))))
+(define-rap (hear)
+  (method (task-net (t1 (say) (wait-for (:done) :proceed)))))
+(define-rap (late) (method (task-net (t1 (say) (window absolute 20 50)))))
+"""
+DONE, HUM = Signal((":done",)), Signal((":hum",))
+
+
+def test_a_world_that_cannot_say_when_is_waited_for() -> None:
+    run, world, _ = _run(_Continuous, HEAR, "(hear)", sends=[(7, HUM), (3000, DONE)])
+    assert (run.run(), world.now()) == ("done", 3000)
+
+
+def test_patience_begins_anew_with_each_message() -> None:
+    sends = [(3000, HUM), (6000, HUM), (9000, DONE)]
+    run, world, _ = _run(_Continuous, HEAR, "(hear)", sends=sends)
+    assert (run.run(), world.now()) == ("done", 9000)
+
+
+def test_after_patience_has_ended_nothing_is_coming() -> None:
+    run, world, _ = _run(_Continuous, HEAR, "(hear)", sends=[(3601, DONE)])
+    assert (run.run(), world.now()) == ("stuck", 3600)
+    again, world, _ = _run(_Continuous, HEAR, "(hear)", patience=40)
+    assert (again.run(), world.now()) == ("stuck", 40)
+    assert _run(_Continuous, HEAR, "(hear)", patience=0)[0].run() == "stuck"
+
+
+def test_a_time_that_is_known_comes_before_patience_ends() -> None:
+    run, world, _ = _run(_Continuous, HEAR, "(late)", patience=5, sends=[(9, HUM)])
+    assert (run.run(), world.now()) == ("done", 20)
+    run, world, _ = _run(_Continuous, HEAR, "(hear)")
+    assert (run.run(until=60), world.now()) == ("until", 60)
+
+
+def test_a_world_that_stops_for_nothing_is_told_of() -> None:
+    run, _, _ = _run(_Continuous, HEAR, "(hear)", stride=8)
+    said = "stopped its clock at 8 on the way to 3600, and sent nothing; see `advance`"
+    with pytest.raises(PortError, match=said):
         run.run()
 
 

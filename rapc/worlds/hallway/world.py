@@ -14,7 +14,7 @@ from typing import NoReturn
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text, number
-from rapc.world import Kit, Offer, Option, Signal, Time, World
+from rapc.world import NOT_KNOWN, Kit, Offer, Option, Signal, Time, World
 from rapc.worlds.hallway import facts
 from rapc.worlds.hallway.default_map import MAP
 from rapc.worlds.hallway.map import Map, MapError, read_map
@@ -146,7 +146,7 @@ class HallwayWorld(World):
 
     def next_time(self) -> Time | None:
         """Return the present if something has been sent; else it is not known."""
-        return self._now if self._sent else None
+        return self._now if self._sent else NOT_KNOWN
 
     def advance(self, to: Time) -> None:
         """Let time pass up to `to`, or to the first thing there is to send."""
