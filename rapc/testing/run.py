@@ -19,8 +19,9 @@ from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.task_request import TaskRequest, of_node
-from rapc.testing.admission import Problem, problems
+from rapc.runtime.task_request import TaskRequest, of_agenda, of_node
+from rapc.testing.admission import Problem, options_of, problems
+from rapc.testing.answers import UnansweredQuestion, functions
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Evidence, judge
 from rapc.testing.patterns import flat
@@ -63,12 +64,15 @@ class Status(enum.Enum):
 
 
 class Outcome(msgspec.Struct, frozen=True):
-    """What became of a test under one seed; `trace` are its last lines if it failed."""
+    """What became of a test under one seed."""
 
     case: Case
     seed: int
     status: Status
     failures: tuple[Failure, ...] = ()
+    #: Why the test was over earlier than its author may have meant; or nothing.
+    note: str = ""
+    #: The last lines of the trace, if the test failed.
     trace: tuple[str, ...] = ()
 
 
@@ -88,26 +92,22 @@ def run_case(
 
     Args:
         case: the test and its library.
-        seed: the seed of interpreter and faults.
+        seed: the seed of interpreter and faults, unless the test has its own.
         wrap: what to put around the world: faults.
         coverage: is told what the run exercises.
         listener: is told every event of the run, as a trace is.
         modules: the modules of which the test may name worlds, as `module:Class`.
     """
-    place = case.test.name_span
+    test, place = case.test, case.test.name_span
+    seed = seed if test.seed is None else test.seed
     if case.faults:
         return _error(case, seed, [_problem(f) for f in case.faults])
     try:
-        helper = _helper(case.test, seed, modules)
-        found = problems(
-            case.test,
-            case.library.library,
-            handled=helper.kit.handlers.data if helper else (),
-            solved=helper.kit.solvers if helper else (),
-        )
+        kit, found = _borrowed(test, seed, modules)
+        found = found or problems(test, case.library.library, kit)
         if found:
             return _error(case, seed, found)
-        running = _Run(case, seed, helper, wrap)
+        running = _Run(case, seed, kit, wrap)
     except WorldError as error:
         said = f"{error.message}; {error.help}" if error.help else error.message
         return _error(case, seed, [Problem(place, said)])
@@ -138,14 +138,22 @@ def _problem(finding: Finding) -> Problem:
     return Problem(found.span, message)
 
 
-def _helper(
+def _borrowed(
     test: nodes.DefineTest, seed: int, modules: Collection[str]
-) -> World | None:
-    """Return the world whose handlers and functions a test uses, if it names one."""
+) -> tuple[Kit, list[Problem]]:
+    """Return what the world that a test names lends it, and why it cannot be had.
+
+    Raises:
+        WorldError: if there is no such world, or it may not be used.
+    """
     if test.world is None:
-        return None
+        said = "these are options of a world, and the test names none"
+        return Kit(), [Problem(option.span, said) for option in test.options[:1]]
     found = registry.find_permitted(test.world, modules)
-    return registry.build_world(found, seed, {})
+    options, problems = options_of(test, found)
+    if problems:
+        return found.kit, problems
+    return registry.build_world(found, seed, options).kit, []
 
 
 class _Run:
@@ -155,9 +163,7 @@ class _Run:
         RefusedError: if the library or a task cannot be run.
     """
 
-    def __init__(
-        self, case: Case, seed: int, helper: World | None, wrap: Wrap | None
-    ) -> None:
+    def __init__(self, case: Case, seed: int, kit: Kit, wrap: Wrap | None) -> None:
         self.test = case.test
         self._case = case
         self._seed = seed
@@ -166,18 +172,21 @@ class _Run:
         self._pending: list[nodes.Expect] = []
         self._unreached: dict[int, nodes.At] = dict(enumerate(case.test.ats))
         self._broken = False
+        self._note = ""
         scripted = ScriptedWorld(
             [row_of(row) for row in case.test.script],
             declared=case.library.library,
-            kit=helper.kit if helper else Kit(),
+            kit=kit,
             leaving=self._leaving,
         )
         self.interpreter = Interpreter(
             case.library,
             scripted if wrap is None else wrap(scripted, seed),
             seed,
+            functions=functions(case.test.answers),
         )
-        self.interpreter.check(_all_tasks(case.test))
+        self._tasks = _first_tasks(case)
+        self.interpreter.check([*self._tasks, *_later_tasks(case.test)])
 
     # --- while it runs -----------------------------------------------------------
 
@@ -189,15 +198,15 @@ class _Run:
         until = test.until or nodes.Until(None, None)
         cycles = MOST_CYCLES if until.cycles is None else until.cycles
         try:
-            interpreter.start(tasks=[format_list(flat(t.goal)) for t in test.tasks])
+            interpreter.start(tasks=[format_list(task.goal) for task in self._tasks])
             for fact in test.facts:
                 interpreter.assert_fact(*flat(fact))
             for number, at in enumerate(test.ats):
                 interpreter.call_at(at.time, self._action(number, at))
-            for task in test.tasks:
-                interpreter.submit(of_node(task))
+            for task in self._tasks:
+                interpreter.submit(task)
             interpreter.run(until=until.time, cycles=cycles)
-        except UnansweredRequest as error:
+        except (UnansweredRequest, UnansweredQuestion) as error:
             self._fail(test.name_span, str(error))
             return
         except (FactError, PortError) as error:
@@ -248,10 +257,21 @@ class _Run:
     def _judge_at_the_end(self) -> None:
         if self.interpreter.reason == "broken":  # the message says more than all else
             return
+        self._note = self._why_so_early()
         self._leaving()
         self._judge(self.test.expectations)
         for at in self._unreached.values():
             self._not_reached(at)
+
+    def _why_so_early(self) -> str:
+        """Say that only tasks in the background were left, if that ended the run."""
+        left = [
+            one for one in self.interpreter.results() if one.outcome == "unfinished"
+        ]
+        if self.interpreter.reason != "done" or not left:
+            return ""
+        now = format_atom(self.interpreter.now)
+        return f"the test was over at time {now}: only background tasks were left"
 
     def _judge(self, expectations: Sequence[nodes.Expectation]) -> None:
         self._record.refresh(self.interpreter.goals())
@@ -281,13 +301,20 @@ class _Run:
         status = Status.ERROR if self._broken else Status.FAILED
         count = self._failures[0].events
         trace = tuple(self._record.last_lines(count))
-        return Outcome(self._case, self._seed, status, tuple(self._failures), trace)
+        failures = tuple(self._failures)
+        return Outcome(self._case, self._seed, status, failures, self._note, trace)
 
 
-def _all_tasks(test: nodes.DefineTest) -> list[TaskRequest]:
+def _first_tasks(case: Case) -> list[TaskRequest]:
+    """Return the tasks of a test: those of its agenda come first."""
+    name = case.test.agenda
+    standing = of_agenda(case.library.library, name) if name is not None else ()
+    return [*standing, *map(of_node, case.test.tasks)]
+
+
+def _later_tasks(test: nodes.DefineTest) -> list[TaskRequest]:
     actions = [action for at in test.ats for action in at.actions]
-    later = [action for action in actions if isinstance(action, nodes.GivenTask)]
-    return [of_node(task) for task in (*test.tasks, *later)]
+    return [of_node(task) for task in actions if isinstance(task, nodes.GivenTask)]
 
 
 def row_of(row: nodes.ScriptRow) -> Row:

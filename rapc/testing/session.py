@@ -39,7 +39,8 @@ class TestSession(msgspec.Struct, frozen=True):
         def wrap(world: World, seed: int) -> World:
             return FaultyWorld(world, faults, seed) if faults else world
 
-        for seed in self.seeds:
+        own = case.test.seed
+        for seed in self.seeds if own is None else (own,):
             outcome = run_case(case, seed, wrap, self.coverage, modules=self.modules)
             if outcome.status is not Status.PASSED:
                 break

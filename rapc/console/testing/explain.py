@@ -46,6 +46,8 @@ def lines(outcome: Outcome) -> Iterator[Line]:
         yield Line("place", place(outcome, failure.span))
         yield from _excerpt(outcome, failure.span)
         yield from _happened(failure, wrong)
+    if outcome.note:
+        yield Line("text", f"  {outcome.note}")
     if outcome.trace:
         yield Line("text", "  the last cycles:")
         for text in outcome.trace:
