@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Final, Protocol, runtime_checkable
+from typing import Any, Final, Protocol, runtime_checkable
 
 import msgspec
 
@@ -135,6 +135,23 @@ class HandlerMemory(Protocol):
 
     def value(self, *index: Atom) -> Atom | None:
         """The asserted value of a property for an index, or None."""
+
+    def ask(
+        self, formula: str, given: Mapping[str, Atom] | None = None
+    ) -> list[dict[str, Any]]:
+        """All answers to a formula of the language, in the order in which it has them.
+
+        An answer holds the values of the variables by their names with question marks,
+        those in `given` left out; a formula without variables that holds has one
+        answer, an empty one. The formula is asked as a clause asks it, with defaults
+        and named queries; a fault in it, an unbound variable say, is traced, and
+        there is no answer. It is made ready once, when it is asked for the first time:
+        what differs from one time to another belongs in `given`.
+
+        Raises:
+            ValueError: for a text that is no formula, or names what the library does
+                not declare.
+        """
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
         """An item is seen: returns its memory name; it is accessible from now.

@@ -1,4 +1,4 @@
-"""Questions of a host: a formula made ready once and asked of a run's memory often.
+"""Questions of hosts and handlers: a formula made ready once and asked often.
 
 What a task asks is compiled with its RAP; here no task asks, so a question about the
 history of methods has no answer [L 2].
@@ -6,11 +6,12 @@ history of methods has no answer [L 2].
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from rapc.base.names import nearest
 from rapc.base.resources import Value
+from rapc.base.values import Atom
 from rapc.compiler.query.builtin import FUNCTIONS
 from rapc.compiler.query.code import ResultMode
 from rapc.compiler.query.query import Query
@@ -18,8 +19,9 @@ from rapc.ir import nodes
 from rapc.ir.nodes import Formula
 from rapc.ir.walk import subformulas, subterms, terms
 from rapc.library.signatures import Fault, Signatures
+from rapc.parser.parse import parse_formula
 from rapc.runtime.machine import Machine
-from rapc.runtime.query_context import HostContext
+from rapc.runtime.query_context import HostContext, QueryContext
 from rapc.runtime.tasks.rename_items import with_names
 
 Answer = dict[str, Value]
@@ -37,6 +39,7 @@ class HostQuery:
         machine: the run whose memory is asked.
         formula: what is asked.
         given: the variables, with their question marks, that get values.
+        context: what the query asks of the run; without one it leaves no mark there.
 
     Raises:
         ValueError: for a name that the library does not declare, or not with so many
@@ -56,13 +59,19 @@ class HostQuery:
     )
 
     def __init__(
-        self, machine: Machine, formula: Formula, given: Sequence[str] = ()
+        self,
+        machine: Machine,
+        formula: Formula,
+        given: Sequence[str] = (),
+        context: QueryContext | None = None,
     ) -> None:
         self.given = tuple(given)
         self._machine = machine
         self._formula = formula
         functions = machine.context.functions
-        self._context = HostContext(machine.memory, machine.recorder, functions)
+        if context is None:
+            context = HostContext(machine.memory, machine.recorder, functions)
+        self._context = context
         self._renamings = -1
         _check_names(formula, machine.library.signatures)
         self._query = self._compiled()
@@ -101,6 +110,36 @@ class HostQuery:
             compiler = self._machine.library.compiler
             self._query = compiler.query(formula, "question", formula.span)
         return self._query
+
+
+class HandlerQuestions:
+    """What the handlers of a run ask of memory; each formula is made ready once.
+
+    What a handler asks is a part of the run: a fault in it is traced, as in a clause.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+        functions = machine.context.functions
+        self._context = QueryContext(machine.memory, machine.recorder, functions)
+        self._ready: dict[tuple[str | Formula, tuple[str, ...]], HostQuery] = {}
+
+    def ask(
+        self, formula: str | Formula, given: Mapping[str, Atom] | None = None
+    ) -> list[Answer]:
+        """Return all answers to `formula`: see `rapc.world.HandlerMemory.ask`.
+
+        Raises:
+            ValueError: as `HostQuery`, and for a text that is no formula.
+        """
+        given = {} if given is None else given
+        key = formula, tuple(given)
+        ready = self._ready.get(key)
+        if ready is None:
+            read = parse_formula(formula) if isinstance(formula, str) else formula
+            ready = HostQuery(self._machine, read, tuple(given), self._context)
+            self._ready[key] = ready
+        return ready.all(*given.values())
 
 
 def _check_names(formula: Formula, signatures: Signatures) -> None:

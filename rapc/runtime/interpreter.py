@@ -23,7 +23,7 @@ from rapc.runtime.admission import misfitting, refusals, refuse_extension, refus
 from rapc.runtime.authors import blame, is_time, wrong
 from rapc.runtime.events.events import Event, Goal, RunEnded, TaskResult
 from rapc.runtime.events.recorder import Listener, Recording
-from rapc.runtime.host_query import HostQuery
+from rapc.runtime.host_query import HandlerQuestions, HostQuery
 from rapc.runtime.loop import Loop
 from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.view import MemoryView
@@ -97,6 +97,7 @@ class Interpreter:
                 self._code["the comparator"],
             )
             self._machine.recognizer.renamed = partial(rename, self._machine)
+            self._machine.access.answers = HandlerQuestions(self._machine).ask
             found = refusals(
                 library, world, self._code["the function"], self._code["the comparator"]
             )

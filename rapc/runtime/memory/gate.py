@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 from rapc.base.values import Atom, Fact, format_list
 from rapc.errors import FactError
+from rapc.ir.nodes import Formula
 from rapc.runtime.events.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.checking import check_prefix
@@ -15,6 +19,10 @@ from rapc.runtime.memory.view import MemoryView
 
 _BY_HANDLERS = ("class", "location")
 """What an introduced item has from `introduce`, `move` and `lose`."""
+
+
+Answers = Callable[[str | Formula, Mapping[str, Atom] | None], list[dict[str, Any]]]
+"""Returns all answers to a formula in which some variables have values."""
 
 
 class Batch:
@@ -57,6 +65,20 @@ class Gate(MemoryView):
             if any(argument.kind is not None for argument in relation.args or ())
         }
         self._batch = Batch(self)
+        #: Answers what handlers ask; the interpreter sets it.
+        self.answers: Answers | None = None
+
+    def ask(
+        self, formula: str | Formula, given: Mapping[str, Atom] | None = None
+    ) -> list[dict[str, Any]]:
+        """Return all answers to a formula: see `HandlerMemory.ask`.
+
+        Raises:
+            ValueError: for what is no formula, or asks for undeclared names.
+        """
+        if self.answers is None:
+            raise ValueError("formulas can be asked in a run alone")
+        return self.answers(formula, given)
 
     def batch(self) -> Batch:
         """What belongs together, for a `with`: the data of one result, say.
