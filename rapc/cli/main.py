@@ -26,6 +26,7 @@ COMMANDS = {
     "compile": "Compile a RAP library to one file.",
     "rule": "Explain a rule of the checker.",
     "run": "Run tasks of a library against a world.",
+    "repl": "Step a run, ask it why, go back.",
     "experiment": "Run many seeded runs, and say what they come to.",
     "test": "Run the tests of RAP libraries.",
     "worlds": "List worlds, or say what one offers.",

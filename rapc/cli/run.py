@@ -4,45 +4,25 @@ from __future__ import annotations
 
 import shutil
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 import click
 
 from rapc.base.interrupts import interrupts_held
-from rapc.base.values import Fact, number
+from rapc.base.values import number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, same_file, settings
-from rapc.compiler.program import Program
-from rapc.errors import (
-    FactError,
-    RefusedError,
-    SavedError,
-    SettingError,
-    TextError,
-    WorldError,
-)
-from rapc.library.signatures import Signatures
-from rapc.parser.parse import parse_fact
+from rapc.cli.given import prepare, run_options
 from rapc.runtime.authors import blame
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.settings import Settings, read_settings
-from rapc.runtime.task_request import (
-    TaskRequest,
-    as_text,
-    of_agenda,
-    read_task_request,
-)
-from rapc.testing.faults import read_fault
 from rapc.world import Drawable, Time, World
-from rapc.worlds import registry
-from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
 
 EXAMPLES = """\b
 Examples:
@@ -61,41 +41,8 @@ Examples:
 )
 @click.argument("path")
 @click.option("--world", "world_name", required=True, help="World to run against.")
-@click.option(
-    "--task",
-    "tasks",
-    multiple=True,
-    metavar="'(RAP ARGS) [OPTIONS]'",
-    help="Task to run; :priority N, :deadline T, :at T, :background true may follow.",
-)
-@click.option(
-    "--agenda",
-    metavar="NAME",
-    help="Agenda of the library: its tasks come before those of --task.",
-)
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the run.")
+@run_options
 @click.option("--until", type=float, metavar="TIME", help="Time at which to stop.")
-@click.option(
-    "--fact",
-    "facts",
-    multiple=True,
-    metavar="'(FACT)'",
-    help="Fact in memory at first.",
-)
-@click.option(
-    "--set",
-    "values",
-    multiple=True,
-    metavar="OWNER.NAME=VALUE",
-    help="Option of the world, or rapc.NAME for a setting of the interpreter.",
-)
-@click.option(
-    "--fault",
-    "faults",
-    multiple=True,
-    metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
-    help="Let requests fail so; may be given several times.",
-)
 @click.option("--trace", type=click.Path(dir_okay=False), help="File for the trace.")
 @click.option(
     "--trace-format",
@@ -135,12 +82,9 @@ def run(
     if agenda is None and not tasks:
         fail("there is nothing to do: give --task or --agenda")
     library = load_checked(path)
-    submissions = [*_of_agenda(library, agenda), *map(_submission, tasks)]
-    known = [_fact(text) for text in facts]
     end = _time(until)
-    failing = [_fault(text) for text in faults]
-    interpreter, options, world = _build(library, world_name, seed, values, failing)
-    _refuse(interpreter, submissions, known)
+    given = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
+    interpreter, world = given.interpreter, given.world
     drawn = _drawable(world, world_name) if show else None
     report = RunReport()
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
@@ -155,12 +99,7 @@ def run(
                 _show(stack, interpreter, drawn)
             elif not settings().quiet:
                 interpreter.listen(TextTrace(_Shown(sys.stdout)))
-            given = [as_text(task) for task in _of_agenda(library, agenda)]
-            interpreter.start(options, [*given, *tasks], faults)
-            for fact in known:
-                interpreter.assert_fact(*fact)
-            for submission in submissions:
-                interpreter.submit(submission)
+            given.begin()
         interpreter.run(until=end)
     for line in report.lines():
         click.echo(visible(line))
@@ -199,22 +138,6 @@ class _Shown:
         self._stream.flush()
 
 
-def _of_agenda(library: Program, name: str | None) -> tuple[TaskRequest, ...]:
-    if name is None:
-        return ()
-    try:
-        return of_agenda(library.library, name)
-    except RefusedError as refused:
-        fail(*[f"--agenda: {reason}" for reason in refused.reasons])
-
-
-def _submission(text: str) -> TaskRequest:
-    try:
-        return read_task_request(text)
-    except TextError as error:
-        fail(f"--task: {error}")
-
-
 def _time(until: float | None) -> Time | None:
     if until is None:
         return None
@@ -223,65 +146,6 @@ def _time(until: float | None) -> Time | None:
     except ValueError:
         fail("--until takes a finite number")
     return end if end >= 0 else fail("--until takes a time, and the clock begins at 0")
-
-
-def _fact(text: str) -> Fact:
-    try:
-        return parse_fact(text)
-    except TextError as error:
-        fail(f"--fact: {error}")
-
-
-def _fault(text: str) -> InjectedFault:
-    try:
-        return read_fault(text)
-    except TextError as error:
-        fail(f"--fault: {error}")
-
-
-def _with_faults(world: World, faults: Sequence[InjectedFault], seed: int) -> World:
-    """A world with faults, if any; ends the command for one that cannot be."""
-    offered = Signatures.offered(world.kit.offer)
-    for fault in faults:
-        wrong = problem(fault, offered)
-        if wrong is not None:
-            fail(f"--fault: {wrong}")
-    return FaultyWorld(world, faults, seed) if faults else world
-
-
-def _build(
-    library: Program,
-    world_name: str,
-    seed: int,
-    values: Sequence[str],
-    faults: Sequence[InjectedFault],
-) -> tuple[Interpreter, Mapping[str, Any], World]:
-    """The interpreter for a library in a world; ends the command if it cannot be."""
-    own: dict[str, str] = {}
-    texts: dict[str, str] = {}
-    try:
-        world_class = registry.find_world(world_name)
-        for setting in values:
-            owner, name, value = registry.split_setting(setting)
-            if owner not in ("rapc", world_class.name):
-                fail(f"--set: `{owner}` is neither `rapc` nor `{world_class.name}`")
-            (own if owner == "rapc" else texts)[name] = value
-        options = registry.read_options(world_class, texts)
-        world = registry.build_world(world_class, seed, options)
-        world = _with_faults(world, faults, seed)
-    except WorldError as error:
-        fail(error.message, error.help)
-    try:
-        return Interpreter(library, world, seed, _settings(own)), options, world
-    except RefusedError as refused:
-        fail(*refused.reasons)
-
-
-def _settings(texts: Mapping[str, str]) -> Settings:
-    try:
-        return read_settings(texts)
-    except SettingError as error:
-        fail(f"--set: {error}")
 
 
 def _opened(trace: str, files: Iterable[str]) -> TextIO:
@@ -318,19 +182,3 @@ def _show(stack: ExitStack, interpreter: Interpreter, world: Drawable) -> None:
         color=settings().colored(),
     )
     interpreter.listen(stack.enter_context(view))
-
-
-def _refuse(
-    interpreter: Interpreter, submissions: Sequence[TaskRequest], facts: Sequence[Fact]
-) -> None:
-    """Refuse tasks and facts that cannot be, before anything is run or written."""
-    try:
-        interpreter.check(submissions)
-        for fact in facts:
-            interpreter.check_fact(*fact)
-    except RefusedError as refused:
-        fail(*refused.reasons)
-    except FactError as error:
-        fail(f"--fact: {error}")
-    except SavedError as error:
-        fail(str(error))

@@ -115,6 +115,11 @@ class Interpreter:
         return self._machine.context.view
 
     @property
+    def machine(self) -> Machine:
+        """The parts of the run, for tools that look into it: they change nothing."""
+        return self._machine
+
+    @property
     def now(self) -> Time:
         """The time of the world's clock, as last looked at."""
         return self._machine.recorder.time
@@ -270,6 +275,23 @@ class Interpreter:
     def run_ready(self) -> int:
         """Run cycles until no task can go on now; how many they were."""
         return self._go(None, wait=False)
+
+    def come_to_choice(self) -> bool:
+        """Go on to the moment at which a task is about to be chosen, and stop there.
+
+        What comes before a choice is done: the clock moves on, messages are taken in,
+        monitors are tested. The next step makes the choice. Returns False, with the run
+        ended, if there is none to make.
+        """
+        self.start()
+        if self._machine.state.reason is None:
+            try:
+                reason = self._loop.run(1, wait=True, choose=False)
+            except BaseException as error:
+                self._break(error)
+            if reason is not None:
+                self.end(reason)
+        return self._machine.state.reason is None
 
     def _go(self, most: int | None, wait: bool) -> int:
         self.start()

@@ -31,21 +31,22 @@ class Loop:
         self._cost = machine.settings.cycle_cost
         self._patience = machine.settings.idle_cycles
 
-    def run(self, most: int | None, wait: bool) -> str | None:
+    def run(self, most: int | None, wait: bool, choose: bool = True) -> str | None:
         """Turn until the run is over, and return why, or `most` cycles are done.
 
-        Without `wait` also until no task can go on now. Both return None.
+        Without `wait` also until no task can go on now, without `choose` until one is
+        about to be chosen. Each of these returns None.
         """
         machine = self._machine
         machine.turning = machine.broken = True
         try:
-            reason = self._run(most, wait)
+            reason = self._run(most, wait, choose)
         finally:
             machine.turning = False
         machine.broken = False
         return reason
 
-    def _run(self, most: int | None, wait: bool) -> str | None:
+    def _run(self, most: int | None, wait: bool, choose: bool) -> str | None:
         machine, left = self._machine, -1 if most is None else most
         state, recorder, agenda = machine.state, machine.recorder, machine.agenda
         # These stay the same objects for the life of the machine; see where they are.
@@ -78,10 +79,10 @@ class Loop:
                 reason = self.reason()
                 if reason is not None:
                     return reason
-            task = agenda.choose()
+            task = agenda.choose() if choose else None
             if task is None:
                 state.idle = idle
-                reason = self._wait() if wait else _QUIET
+                reason = self._wait() if wait and not len(agenda) else _QUIET
                 if reason is not None:
                     return reason or None
                 idle = state.idle

@@ -33,7 +33,7 @@ from rapc.runtime.saving.records import (
     TopRecord,
     WaitRecord,
 )
-from rapc.runtime.state.states import ENDED
+from rapc.runtime.state.states import ENDED, RUNNING
 from rapc.runtime.state.task import Env, History, MethodRun, Task, WaitState
 from rapc.runtime.state.things import Ask
 from rapc.world import Time
@@ -123,9 +123,15 @@ def _agenda(machine: Machine) -> AgendaRecord:
 def _monitors(machine: Machine) -> MonitorsRecord:
     monitors = machine.monitors
     return MonitorsRecord(
-        to_test=tuple(monitors.to_test),
+        to_test=tuple(
+            # a running task is tested when its method ends, whether it is here or not
+            number
+            for number, task in monitors.to_test.items()
+            if task.state is not RUNNING
+        ),
         aging=tuple(monitors.aging),
-        tested_at=monitors.tested_at,
+        # where no belief ages it says nothing, and may be another after a restore
+        tested_at=monitors.tested_at if monitors.aging else -1,
         deadlines=tuple(
             (time, task.number) for time, task in monitors.deadlines.entries()
         ),

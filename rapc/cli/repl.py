@@ -1,0 +1,83 @@
+"""`rapc repl`: step a run, ask it why, go back, and try things."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Sequence
+
+import click
+
+from rapc.cli.checked import load_checked
+from rapc.cli.common import PIPED_WIDTH, common_options, settings
+from rapc.cli.given import Beginning, prepare, run_options
+from rapc.compiler.program import Program
+from rapc.debug.log import EventLog
+from rapc.debug.session import Session
+from rapc.host import CheckedLibrary
+from rapc.repl.commands.table import commands
+from rapc.repl.script import inputs, run_script
+from rapc.repl.shell import Shell
+
+EXAMPLES = """\b
+Examples:
+  rapc repl rocks.rap --world truck --task '(rock-order red 1)'
+  rapc repl rocks.rap --world truck --task '(rock-order red 1)' -c ':step 5' -c ':tree'
+  rapc repl rocks.rap --world truck --agenda deliveries --json < commands
+"""
+
+
+@click.command(
+    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.argument("path")
+@click.option("--world", "world_name", required=True, help="World to run against.")
+@run_options
+@click.option(
+    "-c",
+    "--command",
+    "given",
+    multiple=True,
+    metavar="INPUT",
+    help="What would be typed; may be given several times. Nothing is read then.",
+)
+@click.option(
+    "--json", "as_json", is_flag=True, help="Write each answer as a line of JSON."
+)
+@common_options
+def repl(
+    path: str,
+    world_name: str,
+    tasks: Sequence[str],
+    agenda: str | None,
+    seed: int,
+    facts: Sequence[str],
+    values: Sequence[str],
+    faults: Sequence[str],
+    given: Sequence[str],
+    as_json: bool,
+) -> None:
+    """Debug a run of the library at PATH in a world.
+
+    On a terminal there is a prompt, at which `:help` lists all commands. Else inputs
+    are read from standard input, and the answers are written without decoration.
+
+    Exit status: 0, or 1 if an input of a script could not be carried out; 2 if nothing
+    could be begun.
+    """
+    library = load_checked(path)
+    begun = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
+    shell = Shell(_session(library, begun), commands())
+    texts = given or inputs(sys.stdin)
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPED_WIDTH
+    color = settings().colored()
+    if not run_script(shell, texts, sys.stdout, width, color=color, as_json=as_json):
+        raise SystemExit(1)
+
+
+def _session(library: Program, begun: Beginning) -> Session:
+    """Begin the run, and put it under a debugger."""
+    log = EventLog()
+    begun.interpreter.listen(log)
+    begun.begin()
+    return Session(begun.interpreter, CheckedLibrary(library), log)

@@ -1,0 +1,1 @@
+"""The debugger, without terminal and protocol: step a run, ask it, go back."""

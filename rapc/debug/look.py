@@ -1,0 +1,222 @@
+"""What stands now: tasks with what they wait for, families, chains, things, memory.
+
+Nothing changes by looking.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from rapc.base.values import Fact, format_atom, format_list, number
+from rapc.debug.acts import live_task
+from rapc.errors import ArgumentError
+from rapc.runtime.events.events import Cause, Goal
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.memory.store import NEVER
+from rapc.runtime.snapshot import waiting_circles
+from rapc.runtime.state.task import Task
+from rapc.runtime.state.things import format_thing
+from rapc.world import Time
+
+
+class Node(msgspec.Struct, frozen=True):
+    """A live task in its family."""
+
+    #: How deep it stands below its top-level task.
+    depth: int
+    task: int
+    goal: Goal
+    state: str
+    #: The method that it is at work on, or tried last; empty before the first.
+    method: str
+    #: What its last method has come to.
+    result: str | None
+    waits_for: str
+    #: Why its last method ended badly.
+    because: Cause | None
+
+
+def tree(run: Interpreter) -> list[Node]:
+    """Return all live tasks, each behind its parent, by number."""
+    entries = {entry.task: entry for entry in run.agenda()}
+    below: dict[int | None, list[Task]] = {}
+    for task in run.machine.state.live_tasks():
+        above = None if task.parent is None else task.parent.number
+        below.setdefault(above, []).append(task)
+    found: list[Node] = []
+    stack = [(0, task) for task in reversed(below.get(None, []))]
+    while stack:
+        depth, task = stack.pop()
+        entry = entries[task.number]
+        found.append(
+            Node(
+                depth=depth,
+                task=task.number,
+                goal=entry.goal,
+                state=entry.state,
+                method="" if task.method is None else task.method.name,
+                result=task.last_result,
+                waits_for=entry.waits_for,
+                because=None if task.history is None else task.history.because,
+            )
+        )
+        lower = below.get(task.number, [])
+        stack.extend((depth + 1, one) for one in reversed(lower))
+    return found
+
+
+def chain(run: Interpreter, number: int) -> list[tuple[int, Goal, str]]:
+    """Return a live task and all above it: number, goal, and method under way.
+
+    Raises:
+        ArgumentError: if there is no such live task.
+    """
+    found = []
+    task: Task | None = live_task(run, number)
+    while task is not None:
+        method = "" if task.run is None else task.run.plan.name
+        found.append((task.number, task.goal(), method))
+        task = task.parent
+    return found
+
+
+class Belief(msgspec.Struct, frozen=True):
+    """A fact of memory with its age."""
+
+    fact: Fact
+    #: When it was last asserted; None if it never was.
+    since: Time | None
+
+
+def beliefs(run: Interpreter, name: str, *pattern: object) -> list[Belief]:
+    """Return the facts of a name that match a pattern of values and None.
+
+    Raises:
+        ArgumentError: if nothing is declared by that name.
+    """
+    machine = run.machine
+    if name not in machine.library.signatures.relations:
+        raise ArgumentError(str(machine.library.signatures.unknown("test", name)))
+    facts = machine.memory.facts
+    size = len(pattern)
+    found = []
+    for fact in facts.table(name).stamps:
+        given = zip(pattern, fact[1 : size + 1], strict=False)
+        if all(want is None or want == value for want, value in given):
+            stamp = facts.stamp(fact)
+            since = None if stamp is None or stamp == NEVER else number(stamp)
+            found.append(Belief(fact, since))
+    return found
+
+
+def names_with_facts(run: Interpreter) -> list[tuple[str, int]]:
+    """Return each name that facts have, with how many they are."""
+    tables = run.machine.memory.facts.tables
+    return [
+        (str(name), len(t.stamps)) for name, t in sorted(tables.items()) if t.stamps
+    ]
+
+
+class Known(msgspec.Struct, frozen=True):
+    """An item that memory knows."""
+
+    name: str
+    kind: str
+    place: str
+    #: Its sensor name, if it is in reach.
+    sensor: str | None
+
+
+def items(run: Interpreter) -> list[Known]:
+    """Return the items that memory knows, in the order of their introduction."""
+    memory = run.machine.memory
+    found = []
+    for item in memory.items.known.values():
+        place = memory.facts.asserted(("location", item.name))
+        at = "" if place is None else format_atom(place[-1])
+        sensor = item.sensor if item.accessible else None
+        found.append(Known(item.name, item.kind, at, sensor))
+    return found
+
+
+class Wait(msgspec.Struct, frozen=True):
+    """A task that listens for a change, or waits for a time."""
+
+    task: int
+    goal: Goal
+    state: str
+    #: What its monitor waits for, as it is bound.
+    formula: str
+    #: The next time at which it is looked at, if there is one.
+    at: Time | None
+    deadline: Time | None
+
+
+def monitors(run: Interpreter) -> list[Wait]:
+    """Return the live tasks that have monitors, by number."""
+    machine = run.machine
+    entries = {entry.task: entry for entry in run.agenda()}
+    found = []
+    for task in machine.state.live_tasks():
+        if task.plan.monitored:
+            entry = entries[task.number]
+            wait = task.wait
+            found.append(
+                Wait(
+                    task.number,
+                    entry.goal,
+                    entry.state,
+                    machine.monitors.reason(task) if task.bound else "",
+                    None if wait is None else wait.timer,
+                    entry.deadline,
+                )
+            )
+    return found
+
+
+class Claim(msgspec.Struct, frozen=True):
+    """A thing that a method holds, with those who wait for it."""
+
+    thing: str
+    holder: int
+    goal: Goal
+    #: Whether its request uses the thing; else the method claims it.
+    used: bool
+    waiters: tuple[int, ...]
+
+
+def claims(run: Interpreter) -> tuple[list[Claim], tuple[str, ...]]:
+    """Return what is held, by holder, and each circle of waiting in words."""
+    things = run.machine.things
+    found = []
+    for _, holds in sorted(things.held.items()):
+        for hold in holds:
+            task, thing = hold.run.task, hold.ask.thing
+            waiters = tuple(
+                sorted(
+                    wait.task.number
+                    for wait in things.waits.values()
+                    if any(
+                        ask.thing == thing for way in wait.alternatives for ask in way
+                    )
+                )
+            )
+            said = hold.said or format_thing(thing)
+            found.append(Claim(said, task.number, task.goal(), hold.ask.used, waiters))
+    return found, waiting_circles(run.machine)
+
+
+class Request(msgspec.Struct, frozen=True):
+    """A request that is under way."""
+
+    ticket: int
+    task: int | None
+    request: str
+
+
+def requests(run: Interpreter) -> list[Request]:
+    """Return the requests that the world has not answered yet."""
+    return [
+        Request(ticket, None if task is None else task.number, format_list(asked))
+        for ticket, (task, asked) in sorted(run.machine.state.pending.items())
+    ]

@@ -1,0 +1,1 @@
+"""What a person types to a session, and what is shown: commands, tables, the prompt."""

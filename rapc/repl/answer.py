@@ -1,0 +1,77 @@
+"""Answers to commands: lines of text and tables, for people and for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.base.values import format_atom
+
+Cell = str | int | float | None
+"""What a cell of a table holds; None is shown as nothing."""
+
+
+class Table(msgspec.Struct, frozen=True):
+    """Rows under headings."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+
+class Answer(msgspec.Struct, frozen=True):
+    """What a command has to say."""
+
+    #: Lines before the table.
+    lines: tuple[str, ...] = ()
+    table: Table | None = None
+    #: Lines after the table.
+    notes: tuple[str, ...] = ()
+    #: Whether the command could not be carried out.
+    failed: bool = False
+    #: Whether the lines are RAP text.
+    is_code: bool = False
+
+    def record(self) -> dict[str, Any]:
+        """Return the answer as an object for programs: its keys are stable."""
+        found: dict[str, Any] = {"failed": self.failed}
+        if self.lines or self.notes:
+            found["lines"] = [*self.lines, *self.notes]
+        if self.table is not None:
+            columns = self.table.columns
+            found["rows"] = [
+                dict(zip(columns, row, strict=True)) for row in self.table.rows
+            ]
+        return found
+
+
+def say(*lines: str) -> Answer:
+    """Return an answer of some lines."""
+    return Answer(lines)
+
+
+def failure(*lines: str) -> Answer:
+    """Return an answer that says why a command could not be carried out."""
+    return Answer(lines, failed=True)
+
+
+def table(
+    columns: Sequence[str],
+    rows: Iterable[Sequence[Cell]],
+    *lines: str,
+    none: str = "nothing",
+    notes: Sequence[str] = (),
+) -> Answer:
+    """Return an answer with a table, or the words for `none` where it has no rows."""
+    made = tuple([tuple(row) for row in rows])
+    if not made:
+        return Answer((*lines, none), notes=tuple(notes))
+    return Answer(lines, Table(tuple(columns), made), tuple(notes))
+
+
+def shown(cell: Cell) -> str:
+    """Return a cell as text."""
+    if cell is None:
+        return ""
+    return cell if isinstance(cell, str) else format_atom(cell)

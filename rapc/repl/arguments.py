@@ -1,0 +1,128 @@
+"""The arguments of a command: words, lists and strings, taken one after another."""
+
+from __future__ import annotations
+
+import re
+
+from rapc.base.values import Fact, number
+from rapc.errors import TextError
+from rapc.parser.parse import parse_fact
+from rapc.world import Time
+
+_PART = re.compile(r'"(?:[^"\\]|\\.)*"?|[()]|;[^\n]*|[^\s()";]+|\s+')
+
+
+def split(text: str) -> list[str]:
+    """Return the arguments in a text: whole lists, strings, and words.
+
+    What is not closed goes to the end of the text.
+    """
+    found: list[str] = []
+    depth, start = 0, 0
+    for part in _PART.finditer(text):
+        said = part.group()
+        if depth == 0 and not said.isspace() and said[0] != ";":
+            start = part.start()
+        depth += (said == "(") - (said == ")")
+        if depth <= 0 and not said.isspace() and said[0] != ";":
+            found.append(text[start : part.end()])
+            depth = 0
+    if depth > 0:
+        found.append(text[start:].rstrip())
+    return found
+
+
+def is_balanced(text: str) -> bool:
+    """Whether no list and no string of a text is left open."""
+    depth = 0
+    for part in _PART.finditer(text):
+        said = part.group()
+        if said[0] == '"' and (len(said) == 1 or said[-1] != '"'):
+            return False
+        depth += (said == "(") - (said == ")")
+    return depth <= 0
+
+
+class Arguments:
+    """What stands behind the name of a command.
+
+    Args:
+        text: all of it.
+    """
+
+    def __init__(self, text: str) -> None:
+        #: All of it as it was typed.
+        self.text = text.strip()
+        self._left = split(text)
+
+    def __bool__(self) -> bool:
+        """Whether there are any left."""
+        return bool(self._left)
+
+    def peek(self) -> str:
+        """Return the next argument, an empty text if there is none."""
+        return self._left[0] if self._left else ""
+
+    def word(self, what: str) -> str:
+        """Take the next argument.
+
+        Raises:
+            TextError: if there is none; `what` says what it should have been.
+        """
+        if not self._left:
+            raise TextError(f"{what} is missing")
+        return self._left.pop(0)
+
+    def rest(self) -> list[str]:
+        """Take all arguments that are left."""
+        found, self._left = self._left, []
+        return found
+
+    def takes(self, word: str) -> bool:
+        """Take the next argument if it is `word`; whether it was."""
+        if self.peek() == word:
+            self._left.pop(0)
+            return True
+        return False
+
+    def count(self, what: str, default: int | None = None) -> int:
+        """Take the next argument as a whole number; a task may stand in brackets.
+
+        Raises:
+            TextError: for anything else, or if it is missing and has no `default`.
+        """
+        if not self._left and default is not None:
+            return default
+        said = self.word(what).removeprefix("[").removesuffix("]")
+        if not said.isdecimal():
+            raise TextError(f"{what} is a whole number, not `{said}`")
+        return int(said)
+
+    def time(self, what: str) -> Time:
+        """Take the next argument as a time.
+
+        Raises:
+            TextError: for anything else.
+        """
+        said = self.word(what)
+        try:
+            return number(float(said))
+        except ValueError:
+            raise TextError(f"{what} is a number, not `{said}`") from None
+
+    def fact(self, what: str) -> Fact:
+        """Take the next argument as a fact without variables.
+
+        Raises:
+            TextError: for anything else.
+        """
+        return parse_fact(self.word(what))
+
+    def end(self) -> None:
+        """See that none is left.
+
+        Raises:
+            TextError: if one is.
+        """
+        if self._left:
+            raise TextError(f"`{self._left[0]}` is too much here")

@@ -1,0 +1,1 @@
+"""The commands of the debugger, a module for each kind, and a table of all."""

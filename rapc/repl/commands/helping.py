@@ -1,0 +1,61 @@
+"""`:help` and `:quit`."""
+
+from __future__ import annotations
+
+from rapc.base.names import nearest
+from rapc.errors import TextError
+from rapc.repl.answer import Answer, say, table
+from rapc.repl.arguments import Arguments
+from rapc.repl.command import Command
+from rapc.repl.shell import Shell
+
+_TYPED = (
+    "(define-rap ...)   a definition is checked and joins the library",
+    "(location ?x ?y)   a query is asked of memory; *1 *2 *3 are the last answers",
+    "(rap input ...)    a goal is given to the robot, with :priority N and the like",
+)
+
+
+def _help(shell: Shell, args: Arguments) -> Answer:
+    if args:
+        return _of_command(shell, args.word("a command").removeprefix(":"))
+    rows: list[tuple[str, str]] = []
+    group = ""
+    for command in shell.commands.values():
+        if command.group != group:
+            group = command.group
+            rows.append((group.upper(), ""))
+        rows.append((f":{command.name} {command.takes}".rstrip(), command.doc))
+    notes = ("", *_TYPED, "", "`:help COMMAND` says more, with examples.")
+    return table(("command", "what it does"), rows, notes=notes)
+
+
+def _of_command(shell: Shell, name: str) -> Answer:
+    command = shell.commands.get(name)
+    if command is None:
+        near = nearest(name, shell.commands)
+        hint = f"; did you mean `:{near}`?" if near else ""
+        raise TextError(f"there is no command `:{name}`{hint}")
+    lines = [f":{command.name} {command.takes}".rstrip(), "", command.doc]
+    if command.more:
+        lines.append(command.more)
+    if command.examples:
+        lines += ["", *(f"  {example}" for example in command.examples)]
+    return say(*lines)
+
+
+def _quit(shell: Shell, args: Arguments) -> Answer:
+    shell.left = True
+    return Answer()
+
+
+HELPING = (
+    Command(
+        "help",
+        "[COMMAND]",
+        "List the commands, or say more of one.",
+        _help,
+        (":help", ":help goto"),
+    ),
+    Command("quit", "", "Leave; the run is given up.", _quit, (":quit",)),
+)

@@ -1,0 +1,296 @@
+"""Commands that show what stands now."""
+
+from __future__ import annotations
+
+from rapc.base.source import SourceFile, Span
+from rapc.base.values import format_atom, format_list
+from rapc.debug import look
+from rapc.debug.acts import live_task
+from rapc.errors import ArgumentError, TextError
+from rapc.ir.nodes import Const, Proposition
+from rapc.parser.parse import parse_formula, parse_pattern
+from rapc.repl.answer import Answer, Cell, table
+from rapc.repl.arguments import Arguments
+from rapc.repl.command import Command
+from rapc.repl.shell import Shell
+from rapc.runtime.events.report import cause_lines
+from rapc.world import Drawable, Thing
+
+
+def _agenda(shell: Shell, args: Arguments) -> Answer:
+    entries = shell.session.run.agenda()
+    rows = [
+        (
+            one.task,
+            str(one.goal),
+            one.state,
+            one.priority or None,
+            one.deadline,
+            one.slack,
+            one.waits_for,
+        )
+        for one in entries
+    ]
+    columns = ("task", "goal", "state", "priority", "deadline", "slack", "waits for")
+    return table(columns, rows, none="no task is under way")
+
+
+def _tree(shell: Shell, args: Arguments) -> Answer:
+    nodes = look.tree(shell.session.run)
+    rows = [
+        (
+            "  " * one.depth + f"[{one.task}] {one.goal}",
+            one.state,
+            one.method,
+            one.result,
+            "" if one.because is None else one.because.clause,
+        )
+        for one in nodes
+    ]
+    columns = ("task", "state", "method", "last result", "because of")
+    return table(columns, rows, none="no task is under way")
+
+
+def _chain(shell: Shell, args: Arguments) -> Answer:
+    found = look.chain(shell.session.run, shell.task(args))
+    rows = [(number, str(goal), method) for number, goal, method in found]
+    return table(("task", "goal", "method"), rows)
+
+
+def _task(shell: Shell, args: Arguments) -> Answer:
+    run = shell.session.run
+    number = shell.task(args)
+    task = live_task(run, number)
+    entry = next(one for one in run.agenda() if one.task == number)
+    rows: list[tuple[Cell, ...]] = [
+        ("goal", str(entry.goal)),
+        ("state", entry.state),
+        ("waits for", entry.waits_for or None),
+        ("family", f"[{entry.family}]"),
+        ("parent", None if entry.parent is None else f"[{entry.parent}]"),
+        ("step", None if task.step is None else str(task.step.node.tag)),
+        ("priority", entry.priority),
+        ("deadline", entry.deadline),
+        ("slack", entry.slack),
+        ("method", None if task.method is None else task.method.name),
+        ("last result", task.last_result),
+        ("defined at", shell.place(task.plan.node.name_span)),
+    ]
+    rows += [(name, format_atom(value)) for name, value in task.env.items()]
+    if task.run is not None:
+        own = task.env
+        rows += [
+            (name, format_atom(value))
+            for name, value in task.run.env.items()
+            if name not in own
+        ]
+    history = task.history
+    if history is not None:
+        plans = run.machine.state.methods(task.plan)
+        rows += [
+            (f"failures of {plans[at].name}", count)
+            for at, count in history.failures.items()
+        ]
+    notes = () if history is None else tuple(cause_lines(history.because))
+    kept = [row for row in rows if row[1] is not None]
+    return table(("of", "is"), kept, f"task [{number}]", notes=notes)
+
+
+def _memory(shell: Shell, args: Arguments) -> Answer:
+    run = shell.session.run
+    if not args:
+        names = look.names_with_facts(run)
+        return table(("facts of", "number"), names, none="memory is empty")
+    text = args.word("a query")
+    if not text.startswith("("):
+        return _beliefs(shell, Proposition(text.lower(), ()))
+    formula = parse_formula(text)
+    if isinstance(formula, Proposition):
+        plain = shell.session.library.program.signatures.relations
+        if formula.name in plain:
+            return _beliefs(shell, parse_pattern(text))
+    return shell.ask(text)
+
+
+def _beliefs(shell: Shell, pattern: Proposition) -> Answer:
+    """The facts that a proposition matches, each with its age."""
+    run = shell.session.run
+    values = [a.value if isinstance(a, Const) else None for a in pattern.args]
+    found = look.beliefs(run, pattern.name, *values)
+    rows = [
+        (
+            format_list(one.fact),
+            one.since,
+            None if one.since is None else run.now - one.since,
+        )
+        for one in found
+    ]
+    return table(("fact", "since", "age"), rows, none="no such fact")
+
+
+def _items(shell: Shell, args: Arguments) -> Answer:
+    rows = [
+        (one.name, one.kind, one.place, one.sensor)
+        for one in look.items(shell.session.run)
+    ]
+    columns = ("item", "class", "location", "sensor name")
+    return table(columns, rows, none="memory knows no items")
+
+
+def _monitors(shell: Shell, args: Arguments) -> Answer:
+    rows = [
+        (one.task, str(one.goal), one.state, one.formula, one.at, one.deadline)
+        for one in look.monitors(shell.session.run)
+    ]
+    columns = ("task", "goal", "state", "waits for", "looks at", "deadline")
+    return table(columns, rows, none="no task has a monitor")
+
+
+def _claims(shell: Shell, args: Arguments) -> Answer:
+    found, circles = look.claims(shell.session.run)
+    rows = [
+        (
+            one.thing,
+            one.holder,
+            str(one.goal),
+            "uses" if one.used else "claims",
+            " ".join(f"[{number}]" for number in one.waiters) or None,
+        )
+        for one in found
+    ]
+    columns = ("thing", "held by", "goal", "how", "waited for by")
+    return table(columns, rows, none="no thing is held", notes=circles)
+
+
+def _requests(shell: Shell, args: Arguments) -> Answer:
+    rows = [
+        (one.ticket, one.task, one.request) for one in look.requests(shell.session.run)
+    ]
+    return table(("ticket", "task", "request"), rows, none="no request is under way")
+
+
+def _world(shell: Shell, args: Arguments) -> Answer:
+    world = shell.session.run.machine.world
+    if not isinstance(world, Drawable):
+        raise ArgumentError(f"the world `{world.name}` has no picture of itself")
+    picture = world.picture()
+    rows = [
+        (
+            ("* " if spot.name == picture.here else "") + spot.name,
+            " ".join(map(_thing, spot.things)),
+            spot.note or None,
+        )
+        for spot in picture.spots
+    ]
+    gauges = [f"{one.name}: {format_atom(one.value)}" for one in picture.gauges]
+    said = "what is true in the world; the robot does not know it"
+    return table(("place", "things", "besides"), rows, said, notes=gauges)
+
+
+def _thing(thing: Thing) -> str:
+    return (
+        thing.kind if thing.look is None else f"{format_atom(thing.look)} {thing.kind}"
+    )
+
+
+def _source(shell: Shell, args: Arguments) -> Answer:
+    library = shell.session.library.program.library
+    name = args.peek()
+    if not name or name.strip("[]").isdecimal():
+        number = shell.task(args)
+        node = live_task(shell.session.run, number).plan.node
+    else:
+        name = args.word("a RAP").lower()
+        found = library.raps.get(name)
+        if found is None:
+            known = shell.session.library.program.signatures
+            raise ArgumentError(str(known.unknown("goal", name)))
+        node = found
+    source = library.files.get(node.span.file)
+    if source is None or not source.text:
+        raise TextError(f"the text of `{node.name}` is not at hand")
+    return Answer(tuple(_numbered(source, node.span)), is_code=True)
+
+
+def _numbered(source: SourceFile, span: Span) -> list[str]:
+    """Return the lines of a span, each behind its number, under the file's name."""
+    first, last = source.row(span.start), source.row(span.end)
+    width = len(str(last))
+    rows = range(first, last + 1)
+    return [source.name, *(f"{row:>{width}} {source.line(row)}" for row in rows)]
+
+
+LOOKING = (
+    Command(
+        "agenda",
+        "",
+        "List the tasks under way, and what keeps each from going on.",
+        _agenda,
+        (":agenda",),
+    ),
+    Command(
+        "tree",
+        "",
+        "Show the families of tasks, with states, methods and last results.",
+        _tree,
+        (":tree",),
+    ),
+    Command(
+        "task",
+        "[TASK]",
+        "Show all of a task: its bindings, method, times, and what it came to.",
+        _task,
+        (":task", ":task 12"),
+    ),
+    Command(
+        "chain",
+        "[TASK]",
+        "Show a task and all above it, up to its top-level task.",
+        _chain,
+        (":chain 157",),
+    ),
+    Command(
+        "memory",
+        "[NAME | QUERY]",
+        "Show facts with their ages, or the answers to a query.",
+        _memory,
+        (":memory", ":memory location", ":memory (location ?item depot)"),
+    ),
+    Command("items", "", "List the items that memory knows.", _items, (":items",)),
+    Command(
+        "monitors",
+        "",
+        "List the tasks with monitors, and what each waits for.",
+        _monitors,
+        (":monitors",),
+    ),
+    Command(
+        "claims",
+        "",
+        "List the things that are held, by whom, and who waits for them.",
+        _claims,
+        (":claims",),
+        "Circles of tasks that wait for each other are named below.",
+    ),
+    Command(
+        "requests",
+        "",
+        "List the requests that the world has not answered yet.",
+        _requests,
+        (":requests",),
+    ),
+    Command(
+        "world",
+        "",
+        "Show what is true in the world, which the robot need not know.",
+        _world,
+        (":world",),
+    ),
+    Command(
+        "source",
+        "[TASK | RAP]",
+        "Show the text of a RAP, or of the RAP of a task.",
+        _source,
+        (":source", ":source 12", ":source fill-order"),
+    ),
+)

@@ -1,0 +1,246 @@
+"""Commands that let the run go on, or stop it, or take it back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rapc.base.names import plural
+from rapc.debug.acts import live_task
+from rapc.debug.session import Session, Stop
+from rapc.errors import ArgumentError
+from rapc.repl.answer import Answer, say, table
+from rapc.repl.arguments import Arguments
+from rapc.repl.command import Command
+from rapc.repl.shell import Shell
+from rapc.runtime.events.events import PrimitiveEnded
+
+_SHOWN = 40
+"""How many lines of what has happened are shown at once."""
+
+
+def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
+    """Let the run go on, and tell what has happened and where it stands."""
+    before = shell.session.serial
+    stop = go()
+    lines = shell.happened(before)
+    left = len(lines) - _SHOWN
+    if left > 0:
+        lines = [f"... {plural(left, 'line')} left out", *lines[-_SHOWN:]]
+    said = {
+        "break": f"stopped: {stop.said}",
+        "pause": "paused",
+        "broken": f"the run broke off: {stop.said}",
+    }.get(stop.kind, stop.said if stop.kind == "asked" else "")
+    watched = shell.watched()
+    told = [*lines, *([said] if said else []), *watched, shell.session.stand()]
+    return Answer(tuple(told), failed=stop.kind == "broken")
+
+
+def _step(shell: Shell, args: Arguments) -> Answer:
+    cycles = args.count("how many cycles", 1)
+    return _went(shell, lambda: shell.session.step(cycles))
+
+
+def _run(shell: Shell, args: Arguments) -> Answer:
+    return _went(shell, shell.session.go)
+
+
+def _out(shell: Shell, args: Arguments) -> Answer:
+    session = shell.session
+    task = live_task(session.run, shell.task(args))
+
+    def ended() -> str | None:
+        return None if task.live else f"task [{task.number}] has ended"
+
+    return _went(shell, lambda: session.go(ended))
+
+
+def _parent(shell: Shell, args: Arguments) -> Answer:
+    session = shell.session
+    parent = live_task(session.run, shell.task(args)).parent
+    if parent is None:
+        raise ArgumentError("a top-level task has no parent")
+
+    def came_up() -> str | None:
+        if not parent.live:
+            return f"task [{parent.number}] has ended"
+        if session.selected == parent.number:
+            return f"task [{parent.number}] has come up"
+        return None
+
+    return _went(shell, lambda: session.go(came_up))
+
+
+def _primitive(shell: Shell, args: Arguments) -> Answer:
+    session, begun = shell.session, shell.session.serial
+
+    def answered() -> str | None:
+        told = session.log.last(PrimitiveEnded)
+        return "" if told is not None and told.serial >= begun else None
+
+    return _went(shell, lambda: session.go(answered))
+
+
+def _to(shell: Shell, args: Arguments) -> Answer:
+    """Go on to a cycle or a time, never back."""
+    session = shell.session
+    if args.takes("at"):
+        time = args.time("a time")
+        if time < session.now:
+            raise ArgumentError("that has been; `:goto` goes back")
+        return _went(shell, lambda: session.goto_time(time))
+    cycle = args.count("a cycle")
+    if cycle < session.cycle:
+        raise ArgumentError("that has been; `:goto` goes back")
+    return _went(shell, lambda: session.goto(cycle))
+
+
+def _moved(shell: Shell, move: Callable[[Session], Stop]) -> Answer:
+    """Go somewhere else in time, without telling what happens on the way."""
+    stop = move(shell.session)
+    shell.forget_trace()
+    failed = stop.kind == "broken"
+    lines = [stop.said] if failed else []
+    return Answer((*lines, *shell.watched(), shell.session.stand()), failed=failed)
+
+
+def _back(shell: Shell, args: Arguments) -> Answer:
+    cycles = args.count("how many cycles", 1)
+    return _moved(shell, lambda session: session.goto(session.cycle - cycles))
+
+
+def _goto(shell: Shell, args: Arguments) -> Answer:
+    if args.takes("at"):
+        time = args.time("a time")
+        return _moved(shell, lambda session: session.goto_time(time))
+    if args.takes("end"):
+        return _moved(shell, lambda session: session.goto(session.branch.end.cycle))
+    cycle = args.count("a cycle")
+    return _moved(shell, lambda session: session.goto(cycle))
+
+
+def _branch(shell: Shell, args: Arguments) -> Answer:
+    session = shell.session
+    name = args.peek() and args.word("a name")
+    if any(branch.name == name for branch in session.branches):
+        session.take_up(name)
+        shell.forget_trace()
+    else:
+        session.branch_off(name)
+    return say(f"on {session.branch.name}", session.stand())
+
+
+def _branches(shell: Shell, args: Arguments) -> Answer:
+    session = shell.session
+    rows = [
+        (
+            "*" if branch is session.branch else "",
+            branch.name,
+            branch.begun,
+            branch.end.cycle,
+            "; ".join(f"{cycle}: {act}" for cycle, act in branch.acts),
+        )
+        for branch in session.branches
+    ]
+    return table(("", "branch", "from", "seen to", "acts"), rows)
+
+
+def _show(shell: Shell, args: Arguments) -> Answer:
+    ways = ("all", "requests", "none")
+    if args:
+        way = args.word("what to show")
+        if way not in ways:
+            raise ArgumentError(f"`:show` takes {', '.join(ways)}; not `{way}`")
+        shell.shows = way
+    return say(f"after a step is shown: {shell.shows}")
+
+
+def _trace(shell: Shell, args: Arguments) -> Answer:
+    cycles = args.count("how many cycles", 5)
+    session = shell.session
+    first = max(session.cycle - cycles + 1, 1)
+    told = session.scan(first=first)
+    return Answer(tuple(shell.trace(told)))
+
+
+MOVING = (
+    Command(
+        "step",
+        "[N]",
+        "Run a cycle, or N of them.",
+        _step,
+        (":step", ":step 10"),
+        "A cycle is what happens to one task from being chosen to succeeding, failing, "
+        "waiting, or beginning a method.",
+    ),
+    Command("out", "[TASK]", "Run until a task has ended.", _out, (":out", ":out 12")),
+    Command(
+        "parent",
+        "[TASK]",
+        "Run until the task above a task comes up again.",
+        _parent,
+        (":parent", ":parent 12"),
+    ),
+    Command(
+        "primitive",
+        "",
+        "Run until the next primitive has been carried out.",
+        _primitive,
+        (":primitive",),
+    ),
+    Command(
+        "to",
+        "CYCLE | at TIME",
+        "Run to the end of a cycle, or as far as a time.",
+        _to,
+        (":to 264", ":to at 240"),
+    ),
+    Command(
+        "run",
+        "",
+        "Run until a breakpoint, Ctrl-C or the end stops it.",
+        _run,
+        (":run",),
+    ),
+    Command(
+        "show",
+        "[all | requests | none]",
+        "Say what is shown of the events after a step.",
+        _show,
+        (":show requests",),
+    ),
+    Command(
+        "trace",
+        "[N]",
+        "Show what has happened in the last cycles once more.",
+        _trace,
+        (":trace", ":trace 20"),
+    ),
+)
+
+TIME = (
+    Command(
+        "back",
+        "[N]",
+        "Go back a cycle, or N of them.",
+        _back,
+        (":back", ":back 100"),
+        "The run is then as it was, and goes on as it did. Changing it there begins a "
+        "new branch.",
+    ),
+    Command(
+        "goto",
+        "CYCLE | at TIME | end",
+        "Go to the end of a cycle, or to a time, back or forth.",
+        _goto,
+        (":goto 264", ":goto at 240", ":goto end"),
+    ),
+    Command(
+        "branch",
+        "[NAME]",
+        "Go on in another branch, or begin a new one here.",
+        _branch,
+        (":branch", ":branch main", ":branch with-fuel"),
+    ),
+    Command("branches", "", "List the branches.", _branches, (":branches",)),
+)

@@ -1,0 +1,26 @@
+"""All commands, in the order of `:help`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain
+
+from msgspec.structs import replace
+
+from rapc.repl.command import Command
+from rapc.repl.commands.helping import HELPING
+from rapc.repl.commands.looking import LOOKING
+from rapc.repl.commands.moving import MOVING, TIME
+
+_GROUPS: Sequence[tuple[str, Sequence[Command]]] = (
+    ("going on", MOVING),
+    ("time", TIME),
+    ("looking", LOOKING),
+    ("this and that", HELPING),
+)
+
+
+def commands() -> tuple[Command, ...]:
+    """Return all commands, each with the group that it belongs to."""
+    groups = ([replace(one, group=name) for one in found] for name, found in _GROUPS)
+    return tuple(chain.from_iterable(groups))

@@ -1,0 +1,189 @@
+"""The shell: one input after the other, each answered; no terminal is needed.
+
+An input that begins with a colon is a command. Any other is RAP text: a definition is
+checked and joins the library, a goal is submitted, a formula is asked of memory.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from io import StringIO
+
+from rapc.base.names import nearest
+from rapc.base.resources import Value
+from rapc.base.source import Span
+from rapc.debug.acts import SubmitTask
+from rapc.debug.log import Told
+from rapc.debug.session import Session
+from rapc.errors import Error, RefusedError, TextError
+from rapc.language.heads import ALONE, QUERIES
+from rapc.repl.answer import Answer, failure, say, table
+from rapc.repl.arguments import Arguments, is_balanced, split
+from rapc.repl.command import Command
+from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
+from rapc.runtime.events.trace import TextTrace
+from rapc.runtime.task_request import read_task_request
+
+MOST = 50
+"""How many solutions of a query are shown at once."""
+
+
+_OF_REQUESTS = (PrimitiveRequested, PrimitiveEnded)
+
+
+class Shell:
+    """Answers what is typed about a session.
+
+    Args:
+        session: what is debugged.
+        commands: what there is to be typed.
+    """
+
+    def __init__(self, session: Session, commands: Sequence[Command]) -> None:
+        self.session = session
+        self.commands = {command.name: command for command in commands}
+        #: The last answers to queries, the newest first: `*1`, `*2`, `*3`.
+        self.answers: list[list[dict[str, Value]]] = []
+        #: What is shown of the events after a step: `all`, `requests` or `none`.
+        self.shows = "all"
+        #: Whether the user wants to leave.
+        self.left = False
+        self.forget_trace()
+
+    def answer(self, text: str) -> Answer:
+        """Carry out an input and return what there is to say."""
+        text = text.strip()
+        if not text or text.startswith(";"):
+            return Answer()
+        try:
+            if text.startswith(":"):
+                return self._command(text[1:])
+            return self._rap_text(text)
+        except RefusedError as error:
+            return failure(*error.reasons)
+        except Error as error:
+            return failure(error.message, *([error.help] if error.help else []))
+        except ValueError as error:  # a question that names what there is not
+            return failure(str(error))
+
+    def _command(self, text: str) -> Answer:
+        name, _, rest = text.partition(" ")
+        command = self.commands.get(name)
+        if command is None:
+            near = nearest(name, self.commands)
+            hint = f"did you mean `:{near}`?" if near else "`:help` lists all commands"
+            return failure(f"there is no command `:{name}`; {hint}")
+        arguments = Arguments(rest)
+        found = command.does(self, arguments)
+        arguments.end()
+        return found
+
+    # --- what commands share ---------------------------------------------------------
+
+    def task(self, args: Arguments) -> int:
+        """Return the number of the task that a command is about.
+
+        The next argument, or the task whose cycle was run last.
+
+        Raises:
+            TextError: if it is no number, or no task was selected yet.
+        """
+        number = args.count("a task", self.session.selected or 0)
+        if not number:
+            raise TextError("no task has been chosen yet: say which is meant")
+        return number
+
+    def place(self, span: Span) -> str:
+        """Return a file and row as text."""
+        return self.session.library.program.compiler.row(span)
+
+    def happened(self, since: int) -> list[str]:
+        """Return what has happened since a serial number, as far as it is shown."""
+        if self.shows == "none":
+            return []
+        told = self.session.log.since(since)
+        if self.shows == "requests":
+            told = [one for one in told if one.kind in _OF_REQUESTS]
+        return self.trace(told)
+
+    def trace(self, told: Iterable[Told]) -> list[str]:
+        """Return events as lines of a text trace."""
+        for one in told:
+            self._trace(one.event())
+        text = self._written.getvalue()
+        self._written.seek(0)
+        self._written.truncate()
+        return text.splitlines()
+
+    def forget_trace(self) -> None:
+        """Begin a new trace: the run stands at another time."""
+        self._written = StringIO()
+        self._trace = TextTrace(self._written)
+
+    def watched(self) -> list[str]:
+        """Return what is to be shown after every stop."""
+        return []
+
+    # --- RAP text -----------------------------------------------------------------
+
+    def _rap_text(self, text: str) -> Answer:
+        if text in ("*1", "*2", "*3"):
+            return self._earlier(int(text[1]))
+        if not text.startswith("("):
+            raise TextError(
+                f"`{text.split(maxsplit=1)[0]}` is neither a command, which begins "
+                "with a colon, nor RAP text, which begins with a parenthesis"
+            )
+        if not is_balanced(text):
+            raise TextError("a parenthesis or a string is left open")
+        words = text[1:].split(maxsplit=1)
+        head = words[0].rstrip("()").lower() if words else ""
+        if head.startswith(("define-", "declare-")):
+            raise TextError("definitions cannot be typed yet")
+        return self.submit(text) if self._is_goal(head, text) else self.ask(text)
+
+    def _is_goal(self, head: str, text: str) -> bool:
+        """Whether a list is a goal; what may be both is a query if it has variables."""
+        program = self.session.library.program
+        asks = head in program.signatures.predicates or head in (*ALONE, *QUERIES)
+        return head in program.library.raps and not (asks and "?" in text)
+
+    def submit(self, text: str) -> Answer:
+        """Give the robot a task."""
+        request = read_task_request(text)
+        self.session.act(SubmitTask(request))
+        later = request.at is not None and request.at > self.session.now
+        number = self.session.run.machine.state.numbers
+        return say(f"submitted for later: {text}" if later else f"[{number}] {text}")
+
+    def ask(self, text: str) -> Answer:
+        """Ask memory, and show all solutions."""
+        forms = split(text)
+        if len(forms) != 1:
+            raise TextError("one formula is wanted, not more")
+        solutions = self.session.run.question(forms[0]).all()
+        self.answers = [solutions, *self.answers[:2]]
+        return self._solutions(solutions)
+
+    def _earlier(self, number: int) -> Answer:
+        if number > len(self.answers):
+            return failure(f"there is no answer `*{number}` yet")
+        return self._solutions(self.answers[number - 1])
+
+    def _solutions(self, solutions: list[dict[str, Value]]) -> Answer:
+        if not solutions:
+            return say("no")
+        names = list(dict.fromkeys(name for found in solutions for name in found))
+        if not names:
+            return say("yes")
+        rows = [
+            tuple([_cell(found[name]) if name in found else None for name in names])
+            for found in solutions[:MOST]
+        ]
+        left = len(solutions) - MOST
+        notes = [f"and {left} more"] if left > 0 else []
+        return table(names, rows, notes=notes)
+
+
+def _cell(value: Value) -> str | int | float:
+    return value if isinstance(value, int | float) else str(value)

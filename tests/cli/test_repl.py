@@ -1,0 +1,47 @@
+"""`rapc repl` where there is no terminal: inputs from options and standard input."""
+
+from __future__ import annotations
+
+import json
+
+from tests.cli.command import rapc
+
+TRUCK = ("examples/rock-order.rap", "--world", "truck", "--task", "(rock-order red 1)")
+
+
+def test_inputs_come_from_options() -> None:
+    done = rapc("repl", *TRUCK, "-c", ":show none", "-c", ":step 5")
+    assert done.returncode == 0
+    assert done.stdout.endswith("cycle 5, time 0\n")
+    assert done.stderr == ""
+
+
+def test_inputs_come_from_standard_input() -> None:
+    done = rapc("repl", *TRUCK, stdin=":show none\n\n:step\n:back\n:quit\n:step\n")
+    assert done.returncode == 0
+    assert done.stdout.splitlines()[1:] == ["cycle 1, time 0", "cycle 0, time 0"]
+
+
+def test_an_input_that_fails_makes_the_status_1() -> None:
+    done = rapc("repl", *TRUCK, "-c", ":stpe", "-c", ":step")
+    assert done.returncode == 1
+    assert "did you mean `:step`?" in done.stdout
+    assert "cycle 1, time 0" in done.stdout
+
+
+def test_answers_come_as_json() -> None:
+    done = rapc("repl", *TRUCK, "--json", "-c", ":step 9", "-c", ":chain 9", "-c", ":x")
+    records = [json.loads(line) for line in done.stdout.splitlines()]
+    assert [record["failed"] for record in records] == [False, False, True]
+    assert records[1]["input"] == ":chain 9"
+    assert records[1]["rows"][-1] == {
+        "task": 1,
+        "goal": "(rock-order red 1)",
+        "method": "red",
+    }
+
+
+def test_what_cannot_begin_is_said() -> None:
+    done = rapc("repl", "examples/rock-order.rap", "--world", "truk")
+    assert done.returncode == 2
+    assert "did you mean `truck`" in done.stderr

@@ -1,0 +1,165 @@
+"""A session stands where it was, wherever it goes back to, and goes on as it did."""
+
+from __future__ import annotations
+
+import random
+from collections import deque
+
+import pytest
+
+from rapc.debug.acts import AssertFact, FailTask, SubmitTask
+from rapc.debug.log import Told
+from rapc.debug.saves import Moment, Saves
+from rapc.debug.session import Session
+from rapc.errors import ArgumentError, StateError
+from rapc.runtime.task_request import read_task_request
+from tests.debug.sessions import truck
+
+
+def _states(session: Session) -> list[bytes]:
+    """Run to the end and return the state after each cycle, the first one too."""
+    found = [session.run.save()]
+    while session.step().kind == "asked":
+        found.append(session.run.save())
+    return found
+
+
+def _told(session: Session) -> list[Told]:
+    return session.scan()
+
+
+def test_every_moment_is_reached_again_as_it_was() -> None:
+    session = truck("(rock-order red 1)", "(rock-order blue 1) :at 30 :priority 1")
+    states = _states(session)
+    events = _told(session)
+    chance = random.Random(4)
+    for _ in range(60):
+        cycle = chance.randrange(len(states))
+        session.goto(cycle)
+        assert session.cycle == cycle
+        assert session.run.save() == states[cycle]
+    session.go()
+    assert _told(session) == events
+    assert len(states) > 300
+
+
+def test_going_on_from_the_past_gives_the_same_events() -> None:
+    session = truck()
+    session.go()
+    events = _told(session)
+    session.goto(40)
+    assert _told(session) == [one for one in events if one.serial < session.serial]
+    assert session.go().kind == "over"
+    assert _told(session) == events
+
+
+def test_a_time_is_reached_from_both_sides() -> None:
+    session = truck()
+    session.goto_time(50)
+    there = session.moment, session.now
+    assert session.now <= 50
+    session.go()
+    session.goto_time(50)
+    assert (session.moment, session.now) == there
+    session.step()
+    assert session.now > 50
+
+
+def test_what_the_log_has_lost_is_made_again() -> None:
+    session = truck()
+    session.go()
+    events = _told(session)
+    here = session.moment, session.run.save()
+    session.log._kept = deque(session.log._kept, maxlen=50)
+    assert session.log.first > 0
+    assert _told(session) == events
+    late = [one for one in events if one.cycle >= 90]
+    assert session.scan(first=90) == late
+    assert (session.moment, session.run.save()) == here
+
+
+def test_looking_elsewhere_changes_nothing() -> None:
+    session = truck()
+    session.step(60)
+    here, events = session.run.save(), _told(session)
+    with session.elsewhere(10):
+        assert session.cycle == 10
+        session.run.step()
+        session.run.assert_fact("truck-status", "broken")
+    assert session.run.save() == here
+    assert _told(session) == events
+    assert session.moment == (60, 0)
+
+
+def test_acts_are_done_again_where_they_were_done() -> None:
+    session = truck()
+    session.step(20)
+    session.act(SubmitTask(read_task_request("(rock-order blue 1) :priority 3")))
+    session.step(30)
+    session.act(AssertFact(("truck-status", "broken")))
+    states = {session.cycle: session.run.save()}
+    session.step(20)
+    states[session.cycle] = session.run.save()
+    for cycle in (70, 50):
+        session.goto(3)
+        session.goto(cycle)
+        assert session.run.save() == states[cycle]
+    assert [branch.name for branch in session.branches] == ["main"]
+
+
+def test_an_act_in_the_past_begins_a_branch() -> None:
+    session = truck()
+    session.go()
+    end = session.run.results()
+    session.goto(30)
+    session.act(SubmitTask(read_task_request("(rock-order blue 1)")))
+    assert [branch.name for branch in session.branches] == ["main", "branch-1"]
+    session.go()
+    assert len(session.run.results()) == 2
+    session.take_up("main")
+    assert session.cycle == 30
+    session.go()
+    assert session.run.results() == end
+    session.take_up("branch-1")
+    assert len(session.run.results()) == 2
+    with pytest.raises(ArgumentError, match="no branch `x`"):
+        session.take_up("x")
+
+
+def test_an_act_that_cannot_be_done_changes_nothing() -> None:
+    session = truck()
+    session.step(5)
+    here = session.run.save()
+    with pytest.raises(ArgumentError, match="there is no task"):
+        session.act(FailTask(99))
+    assert session.run.save() == here
+    assert session.moment == (5, 0)
+
+
+def test_saves_grow_few_with_age() -> None:
+    session = truck("(rock-order red 4)", "(rock-order blue 4)")
+    session.go()
+    assert session.cycle > 700
+    few = Saves()
+    for cycle in range(0, 100_000, 64):
+        few.add(Moment(cycle), b"")
+    assert 10 < len(session.branch.saves) < 40
+    assert 60 < len(few) < 120
+    at = [few.before(Moment(cycle)) for cycle in range(0, 99_000, 500)]
+    gaps = [
+        (100_000 - cycle) / (cycle - found[0].cycle)
+        for cycle, found in zip(range(0, 99_000, 500), at, strict=True)
+        if found is not None and cycle - found[0].cycle > 128
+    ]
+    assert min(gaps) > 6
+
+
+def test_a_run_that_cannot_be_saved_goes_forth_alone() -> None:
+    session = truck()
+    session.run.call_at(500, lambda: None)
+    session.no_way_back = ""
+    session._save()
+    session.step(10)
+    with pytest.raises(StateError, match="there is no way back"):
+        session.goto(2)
+    assert session.cycle == 10

@@ -1,0 +1,151 @@
+"""Each command that moves or looks, and what is said where it cannot be."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc.repl.arguments import is_balanced, split
+from rapc.repl.commands.table import commands
+from rapc.repl.script import inputs
+from tests.repl.shells import rows, said, truck_shell
+
+
+def test_a_step_tells_what_has_happened_and_where_it_stands() -> None:
+    shell = truck_shell()
+    text = said(shell, ":step")
+    assert "--> considering (rock-order red 1) [1]" in text
+    assert text.endswith("cycle 1, time 0\n")
+    assert said(shell, ":show none", ":step 4") == "cycle 5, time 0\n"
+
+
+def test_out_parent_and_primitive_stop_where_they_say() -> None:
+    shell = truck_shell()
+    shell.answer(":show none")
+    shell.answer(":step 15")
+    number = shell.session.selected
+    assert number is not None
+    assert f"task [{number}] has ended" in said(shell, ":out")
+    text = said(shell, ":goto 16", ":parent 19")
+    assert "task [15] has come up" in text or "task [15] has ended" in text
+    assert shell.session.selected == 15
+    shell.answer(":show requests")
+    assert said(shell, ":primitive").count("primitive operation") == 1
+    assert said(shell, ":parent 1") == "a top-level task has no parent\n"
+
+
+def test_to_goes_forth_and_goto_goes_back() -> None:
+    shell = truck_shell()
+    shell.answer(":show none")
+    assert said(shell, ":to 40").startswith("cycle 40,")
+    assert said(shell, ":to 20") == "that has been; `:goto` goes back\n"
+    assert said(shell, ":back 10").startswith("cycle 30,")
+    assert said(shell, ":goto at 50").startswith("cycle 28,")
+    assert said(shell, ":goto end").startswith("cycle 40,")
+    assert "run over (done)" in said(shell, ":run")
+
+
+def test_tables_show_what_stands() -> None:
+    shell = truck_shell()
+    shell.answer(":step 12")
+    assert (1, "(rock-order red 1)", "running", None, None, None, "its method") in rows(
+        shell, ":agenda"
+    )
+    assert rows(shell, ":tree")[0][:2] == ("[1] (rock-order red 1)", "running")
+    assert [row[0] for row in rows(shell, ":chain 9")] == [9, 8, 7, 5, 3, 2, 1]
+    assert ("state", "running") in rows(shell, ":task 9")
+    assert ("(truck-location depot)", 0, 2) in rows(shell, ":memory truck-location")
+    assert ("truck-location", 1) in rows(shell, ":memory")
+    assert rows(shell, ":memory (place ?where quarry)")
+    assert rows(shell, ":monitors")[0][0] == 6
+    assert "no request is under way" in said(shell, ":requests")
+    assert "no thing is held" in said(shell, ":claims")
+    assert "* depot" in [row[0] for row in rows(shell, ":world")]
+    assert "(define-rap (travel-road" in said(shell, ":source 9")
+    assert "(define-rap (rock-order" in said(shell, ":source rock-order")
+    assert rows(shell, ":goto at 240", ":items")
+
+
+def test_queries_are_asked_and_their_answers_kept() -> None:
+    shell = truck_shell()
+    found = rows(shell, "(and (place ?p quarry) (produces ?p ?what))")
+    assert len(found) == 3
+    assert said(shell, "(place depot quarry)") == "no\n"
+    assert said(shell, "(truck-status ready)") in ("yes\n", "no\n")
+    assert rows(shell, "*3") == found
+    assert "did you mean `place`" in said(shell, "(plaec ?x ?y)")
+
+
+def test_goals_are_submitted() -> None:
+    shell = truck_shell()
+    assert said(shell, "(rock-order blue 1) :priority 2") == (
+        "[2] (rock-order blue 1) :priority 2\n"
+    )
+    assert "submitted for later" in said(shell, "(rock-order blue 1) :at 99")
+    assert "`rock-order` has 2 inputs, not 1" in said(shell, "(rock-order blue)")
+
+
+def test_branches_are_listed_and_taken_up() -> None:
+    shell = truck_shell()
+    shell.answer(":show none")
+    text = said(shell, ":step 30", ":back 10", "(rock-order blue 1)", ":branches")
+    assert "main at cycle 20" in text
+    assert "20: submit (rock-order blue 1)" in text
+    assert said(shell, ":branch main").startswith("on main\ncycle 20,")
+    assert said(shell, ":branch other").startswith("on other\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "answer"),
+    [
+        (":stpe", "there is no command `:stpe`; did you mean `:step`?"),
+        (":step x", "how many cycles is a whole number, not `x`"),
+        (":step 1 2", "`2` is too much here"),
+        (":to", "a cycle is missing"),
+        (":goto at noon", "a time is a number, not `noon`"),
+        (":task 99", "there is no task [99]"),
+        (":out", "no task has been chosen yet: say which is meant"),
+        (":source frob", "no RAP is called `frob`"),
+        (":show some", "`:show` takes all, requests, none; not `some`"),
+        (":help stpe", "there is no command `:stpe`; did you mean `:step`?"),
+        ("hello", "`hello` is neither a command, which begins with a colon, nor"),
+        ("(", "a parenthesis or a string is left open"),
+        ("*2", "there is no answer `*2` yet"),
+        (":memory frob", "`frob` is not declared"),
+    ],
+)
+def test_what_cannot_be_is_said(text: str, answer: str) -> None:
+    shell = truck_shell()
+    found = shell.answer(text)
+    assert found.failed
+    assert found.lines[0].startswith(answer)
+
+
+def test_help_knows_every_command_with_examples() -> None:
+    shell = truck_shell()
+    listed = said(shell, ":help")
+    for command in commands():
+        assert f":{command.name}" in listed
+        assert command.examples, command.name
+        told = said(shell, f":help {command.name}")
+        assert command.doc in told.replace("\n", " ")
+        assert command.examples[0] in told
+
+
+@pytest.mark.parametrize("width", [40, 80, 200])
+def test_answers_keep_to_the_width(width: int) -> None:
+    shell = truck_shell()
+    shell.answer(":step 12")
+    for text in (":agenda", ":tree", ":help", ":monitors", ":world", ":trace 3"):
+        drawn = said(shell, text, width=width)
+        assert max(map(len, drawn.splitlines())) <= width, text
+
+
+def test_inputs_may_go_over_several_lines() -> None:
+    lines = ["; a word", "", "(and (p ?x)", "     (q ?x))", ":step", '(say "a (b")']
+    assert [text for text in inputs(lines) if not text.startswith(";")] == [
+        "(and (p ?x)\n     (q ?x))",
+        ":step",
+        '(say "a (b")',
+    ]
+    assert is_balanced("(a ; no ) here\n)")
+    assert split('12 (a (b "c)")) take') == ["12", '(a (b "c)"))', "take"]
