@@ -6,8 +6,10 @@ checked and joins the library, a goal is submitted, a formula is asked of memory
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from io import StringIO
+
+import msgspec
 
 from rapc.base.names import nearest
 from rapc.base.resources import Value
@@ -19,13 +21,33 @@ from rapc.errors import Error, RefusedError, TextError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import Answer, failure, say, table
 from rapc.repl.arguments import Arguments, is_balanced, split
-from rapc.repl.command import Command
 from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.task_request import read_task_request
 
 MOST = 50
 """How many solutions of a query are shown at once."""
+
+
+Does = Callable[["Shell", Arguments], Answer]
+"""Carries out a command: given the shell and what stands behind its name."""
+
+
+class Command(msgspec.Struct, frozen=True):
+    """Something that begins with a colon."""
+
+    #: Its name, without the colon.
+    name: str
+    #: What it is given, as it is written in the help: `[N]`.
+    takes: str
+    #: What it does, in one sentence.
+    doc: str
+    does: Does
+    examples: tuple[str, ...] = ()
+    #: What else there is to know, a paragraph.
+    more: str = ""
+    #: The group under which `:help` lists it.
+    group: str = ""
 
 
 _OF_REQUESTS = (PrimitiveRequested, PrimitiveEnded)

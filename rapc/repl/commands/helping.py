@@ -6,8 +6,7 @@ from rapc.base.names import nearest
 from rapc.errors import TextError
 from rapc.repl.answer import Answer, say, table
 from rapc.repl.arguments import Arguments
-from rapc.repl.command import Command
-from rapc.repl.shell import Shell
+from rapc.repl.shell import Command, Shell
 
 _TYPED = (
     "(define-rap ...)   a definition is checked and joins the library",

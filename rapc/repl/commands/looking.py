@@ -11,8 +11,7 @@ from rapc.ir.nodes import Const, Proposition
 from rapc.parser.parse import parse_formula, parse_pattern
 from rapc.repl.answer import Answer, Cell, table
 from rapc.repl.arguments import Arguments
-from rapc.repl.command import Command
-from rapc.repl.shell import Shell
+from rapc.repl.shell import Command, Shell
 from rapc.runtime.events.report import cause_lines
 from rapc.world import Drawable, Thing
 

@@ -10,8 +10,7 @@ from rapc.debug.session import Session, Stop
 from rapc.errors import ArgumentError
 from rapc.repl.answer import Answer, say, table
 from rapc.repl.arguments import Arguments
-from rapc.repl.command import Command
-from rapc.repl.shell import Shell
+from rapc.repl.shell import Command, Shell
 from rapc.runtime.events.events import PrimitiveEnded
 
 _SHOWN = 40

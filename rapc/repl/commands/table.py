@@ -7,10 +7,10 @@ from itertools import chain
 
 from msgspec.structs import replace
 
-from rapc.repl.command import Command
 from rapc.repl.commands.helping import HELPING
 from rapc.repl.commands.looking import LOOKING
 from rapc.repl.commands.moving import MOVING, TIME
+from rapc.repl.shell import Command
 
 _GROUPS: Sequence[tuple[str, Sequence[Command]]] = (
     ("going on", MOVING),
