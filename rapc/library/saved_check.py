@@ -115,7 +115,7 @@ class Verifier:
             self.formula(form.formula)
         elif isinstance(form, nodes.DefineAgenda):
             for task in form.tasks:
-                self._goal(task.goal)
+                self._goal(task.goal, given=True)
         elif isinstance(form, nodes.DefineRap):
             raise UnsoundError("a RAP stands among the declarations")
 
@@ -165,9 +165,12 @@ class Verifier:
                 if tag not in tags:
                     raise UnsoundError(f"there is no step `{tag}`")
 
-    def _goal(self, goal: nodes.Goal) -> None:
-        inputs, outputs = len(goal.args), len(goal.outputs)
-        _raise(self._signatures.fault("goal", goal.name, inputs, outputs))
+    def _goal(self, goal: nodes.Goal, *, given: bool = False) -> None:
+        """Look at a goal. One that is `given` need not name its outputs."""
+        outputs: int | None = len(goal.outputs)
+        if given:
+            outputs = outputs or None
+        _raise(self._signatures.fault("goal", goal.name, len(goal.args), outputs))
 
 
 def _raise(fault: Fault | None) -> None:

@@ -127,7 +127,7 @@ def test_only_what_is_asked_for_is_read(monkeypatch: pytest.MonkeyPatch) -> None
         return decode(data, kind)
 
     monkeypatch.setattr(saved_module, "_decode", noted)
-    assert list(library.raps) == ["push-all", "push-one"]
+    assert list(library.raps) == ["push-all", "push-one", "weigh"]
     assert "push-one" in library.raps
     assert read == []
     assert library.raps["push-one"] is library.raps["push-one"]
