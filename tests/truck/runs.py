@@ -14,7 +14,7 @@ from rapc.compiler.program import Program
 from rapc.library.loader import load
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.task_request import TaskRequest
+from rapc.runtime.task_request import TaskRequest, of_agenda
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.default_map import MAP
@@ -51,6 +51,11 @@ def order(
 def task(*goal: Atom, **how: Any) -> TaskRequest:
     """Any other task."""
     return TaskRequest(goal, **how)
+
+
+def agenda(name: str) -> tuple[TaskRequest, ...]:
+    """The tasks of an agenda of the truck library."""
+    return of_agenda(library(STDLIB / "truck").library, name)
 
 
 def map_with(*items: tuple[str, str, int, str | None]) -> Text:

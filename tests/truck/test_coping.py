@@ -8,6 +8,7 @@ from itertools import pairwise
 import pytest
 
 from rapc.base.values import Atom, Text
+from rapc.errors import RefusedError
 from tests.effort import first
 
 from .runs import FACTORIES, PLENTY, Run, map_with, order, task
@@ -157,9 +158,13 @@ def test_urgent_orders_go_first_and_none_is_lost(seed: int) -> None:
     run.assert_honest()
 
 
-@pytest.mark.parametrize(("color", "factory"), [("green", None), ("red", "factory-9")])
-def test_what_cannot_be_is_given_up_at_once(color: str, factory: str | None) -> None:
-    run = Run(order(color, factory=factory))
+def test_a_color_that_is_none_is_refused() -> None:
+    with pytest.raises(RefusedError, match="`green` is no color"):
+        Run(order("green"))
+
+
+def test_what_cannot_be_is_given_up_at_once() -> None:
+    run = Run(order("red", factory="factory-9"))
     assert (run.reason, run.outcomes) == ("done", ["failed"])
     assert run.delivered == Counter()
     assert run.interpreter.now < 10

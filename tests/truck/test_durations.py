@@ -15,7 +15,7 @@ import pytest
 from rapc.base.values import Text
 from rapc.worlds.truck.options import TruckSettings
 
-from .runs import STDLIB, Run, library, task
+from .runs import STDLIB, Run, agenda, library, task
 
 WATCH = task("watch-surroundings", priority=8, background=True)
 
@@ -115,8 +115,7 @@ def mounting(seed: int) -> Sequence[str]:
     """What is asked for at the warehouse, after the two looks on arrival."""
     options = {"warehouse-interval": 0, "depot-interval": 0, "enemy-interval": 0}
     run = Run(
-        WATCH,
-        task("ready-weapon", priority=4),
+        *agenda("mounting-a-weapon"),
         seed=seed,
         options={"map": Text(json.dumps(WAREHOUSE)), **options},
         compiled=library(STDLIB / "truck"),
@@ -140,13 +139,7 @@ def test_the_monitor_wakes_where_it_does_in_trace_1(seed: int) -> None:
 def test_trace_2_comes_about(seed: int) -> None:
     options = {"gun-rounds": 15, "quarry-interval": 0, "enemy-interval": 0}
     run = Run(
-        WATCH,
-        task("handle-enemy-troops", priority=6, background=True),
-        task("eye-scan-p", "external", priority=7),
-        task("ready-weapon", priority=4),
-        task("arm-empty", "arm2", priority=3),
-        task("arm-move-to-thing", "arm2", "gun-1", priority=2),
-        task("truck-travel-to", "factory-2", priority=1),
+        *agenda("meeting-troops"),
         seed=seed,
         options={"map": Text(json.dumps(TROOPS)), "capture-time": 0, **options},
         compiled=library(STDLIB / "truck"),

@@ -22,7 +22,7 @@ from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
 from tests.effort import first
 
-from .runs import FACTORIES, STDLIB, library, order, task
+from .runs import STDLIB, agenda, library
 
 GOLDEN = Path(__file__).parent / "golden" / "hardest-runs.txt"
 SEEDS = range(20)
@@ -39,17 +39,6 @@ SETTINGS: tuple[Options, ...] = (
 )
 """Each seed has one of them, in turn."""
 
-TASKS = (
-    task("set-up", priority=3),
-    task("watch-fuel", priority=4, background=True),
-    task("watch-surroundings", priority=8, background=True),
-    task("handle-enemy-troops", priority=6, background=True),
-    *(
-        order(color, priority=2, at=120 + 60 * number)
-        for number, color in enumerate([*FACTORIES] * 3)
-    ),
-)
-
 
 def digest(seed: int) -> str:
     """The trace of a run as JSON Lines, in a few letters."""
@@ -57,7 +46,7 @@ def digest(seed: int) -> str:
     interpreter = Interpreter(library(STDLIB / "truck"), world, seed)
     stream = io.StringIO()
     interpreter.listen(JsonTrace(stream))
-    for each in TASKS:
+    for each in agenda("nine-orders"):
         interpreter.submit(each)
     interpreter.run(until=UNTIL)
     text = stream.getvalue().replace(str(STDLIB), "stdlib")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from pathlib import Path
 
 import pytest
 
 from rapc.analysis.driver import check_library
+from rapc.analysis.index import Index
 from rapc.base.files import TEST_SUFFIX
 from rapc.console.testing.explain import lines
+from rapc.ir import nodes
+from rapc.ir.printer import format_formula
 from rapc.library.loader import load
 from rapc.testing.coverage import Coverage
 from rapc.testing.discover import find
@@ -58,3 +62,25 @@ def test_the_tests_of_a_file_choose_every_method(file: str) -> None:
 
 def test_nothing_is_found_wrong_with_library_and_tests() -> None:
     assert check_library(load([LIBRARY], tests=True)).findings == ()
+
+
+def test_no_conjunction_of_four_parts_stands_twice() -> None:
+    """Variables may be called otherwise; what is asked more than once has a name."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for asked in Index(load([STDLIB]).library).of(nodes.And):
+        parts = asked.node.parts
+        for first in range(len(parts) - 3):
+            said = _nameless(parts[first : first + 4])
+            found.setdefault(said, []).append(str(asked.node.span))
+    assert found
+    assert [places for places in found.values() if len(places) > 1] == []
+
+
+def _nameless(parts: tuple[nodes.Formula, ...]) -> tuple[str, ...]:
+    """Formulas as text, their variables numbered in the order of the text."""
+    names: dict[str, str] = {}
+
+    def numbered(found: re.Match[str]) -> str:
+        return names.setdefault(found[0], f"?{len(names)}")
+
+    return tuple(re.sub(r"\?[\w-]+", numbered, format_formula(p)) for p in parts)

@@ -24,12 +24,6 @@ _DISTINCT = ("gun", "gun-tool")
 _LIQUIDS = ("liquid-held", "quantity-held")
 
 
-def _replace(memory: HandlerMemory, *fact: Atom, keep: int = 1) -> None:
-    """Assert a fact in place of all that begin with its first `keep` parts."""
-    memory.erase(*fact[:keep])
-    memory.assert_fact(*fact)
-
-
 def _spot(memory: HandlerMemory, place: Atom) -> Atom:
     """A place as the truck names it: where it stands is `external`."""
     return "external" if place == memory.place else place
@@ -42,8 +36,7 @@ def _true_place(memory: HandlerMemory, place: Atom) -> Atom:
 
 
 def _arm_place(memory: HandlerMemory, arm: Atom) -> Atom:
-    places = memory.query("arm-place", arm, None)
-    return places[-1][2] if places else "unknown"
+    return memory.value("arm-place", arm) or "unknown"
 
 
 def _nest(memory: HandlerMemory, arm: Atom) -> tuple[Atom, ...]:
@@ -79,7 +72,7 @@ def _arm_move(memory: HandlerMemory, request: Fact, result: str) -> None:
     memory.erase("arm-interference")
     spot = _spot(memory, target)
     if spot == "external" or spot in _ON_BOARD:
-        _replace(memory, "arm-place", arm, spot, keep=2)
+        memory.assert_fact("arm-place", arm, spot)
     else:
         memory.assert_fact("arm-at", arm, target)
 
@@ -112,7 +105,7 @@ def _arm_ungrasp(memory: HandlerMemory, request: Fact, result: str) -> None:
     if result == OKAY:
         memory.erase("arm-holding", arm, item)
         memory.erase("too-full-for", arm)
-        _replace(memory, "arm-at", arm, item, keep=2)
+        memory.assert_fact("arm-at", arm, item)
         memory.move(str(item), place)
     elif result == "container-full":
         memory.assert_fact("too-full-for", place, item)
@@ -204,7 +197,7 @@ def _eye_unmonitor(memory: HandlerMemory, request: Fact, result: str) -> None:
 def _truck_move(memory: HandlerMemory, request: Fact, result: str) -> None:
     """A trip that ended well speaks by its datum `new-location`."""
     if result == "truck-mishap":
-        _replace(memory, "truck-status", "mishap")
+        memory.assert_fact("truck-status", "mishap")
         memory.expire()
 
 
@@ -237,8 +230,8 @@ def _new_location(memory: HandlerMemory, datum: Fact) -> None:
         place = memory.value("location", item)
         if place in _ON_BOARD:
             memory.introduce(str(item), str(kind), place)
-    _replace(memory, "truck-location", datum[1])
-    _replace(memory, "time-arrived", memory.now)
+    memory.assert_fact("truck-location", datum[1])
+    memory.assert_fact("time-arrived", memory.now)
     for stale in ("scanned-since-move", "examined-since-move", "direction"):
         memory.erase(stale)
 
@@ -269,10 +262,10 @@ def _property(memory: HandlerMemory, datum: Fact) -> None:
 
 
 def _gauge(name: str) -> DatumHandler:
-    """A gauge's reading replaces the one before."""
+    """A gauge's reading is what the truck knows of itself under another name."""
 
     def read(memory: HandlerMemory, datum: Fact) -> None:
-        _replace(memory, name, datum[1])
+        memory.assert_fact(name, datum[1])
 
     return read
 
