@@ -30,6 +30,7 @@ from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings
 from rapc.runtime.snapshot import AgendaEntry
+from rapc.runtime.strict import hold_handlers
 from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.runtime.tasks.finish import remove
 from rapc.runtime.tasks.rename_items import rename
@@ -98,6 +99,8 @@ class Interpreter:
             )
             self._machine.recognizer.renamed = partial(rename, self._machine)
             self._machine.access.answers = HandlerQuestions(self._machine).ask
+            if self.settings.strict:
+                hold_handlers(self._machine)
             found = refusals(
                 library, world, self._code["the function"], self._code["the comparator"]
             )

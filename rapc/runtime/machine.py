@@ -103,7 +103,7 @@ class Machine:
         #: in. Without solvers only those whose plans are `recursive` can.
         self.all_may_recur = bool(solvers)
         #: Holds the world to what it offers and the library declares.
-        self.port = Port(library.library, library.signatures, world)
+        self.port = Port(library.library, library.signatures, world, settings.strict)
         self.handlers = world.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)

@@ -39,9 +39,16 @@ class Port:
         library: the library that runs.
         signatures: the signatures of the library.
         world: the world it runs in.
+        strict: whether data must be among those that `:tells` names.
     """
 
-    def __init__(self, library: Library, signatures: Signatures, world: World) -> None:
+    def __init__(
+        self,
+        library: Library,
+        signatures: Signatures,
+        world: World,
+        strict: bool = False,
+    ) -> None:
         self._world = world
         self._kinds = signatures.kinds
         offered = Signatures.offered(world.kit.offer)
@@ -55,6 +62,13 @@ class Port:
         self._atomic = frozenset(
             name for name, form in library.primitives.items() if form.atomic
         )
+
+        #: The data that may come with a primitive; nothing where nothing is said.
+        self._tells = {
+            name: frozenset(form.tells)
+            for name, form in library.primitives.items()
+            if strict and form.tells
+        }
 
     def checked(self, sent: Fact, reply: object) -> Reply | None:
         """Return `reply`, once it is seen that the request `sent` may have it.
@@ -94,8 +108,13 @@ class Port:
             raise breach(
                 self._world, call, f"answered {format_list(asked)} with {told}"
             )
+        tells = self._tells.get(str(asked[0]))
         for content in reply.data:
             self.check_datum(content, call)
+            if tells is not None and content[0] not in tells:
+                told = f"sent {format_list(content)} with {format_list(asked)}"
+                said = f"{told}, which `:tells` does not say"
+                raise breach(self._world, call, said)
 
     def result_told(self, asked: Fact, told: object, handler: ResultHandler) -> str:
         """Return the result that a handler has put in place of the world's.

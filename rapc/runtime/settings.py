@@ -28,9 +28,15 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     max_layers: _Count = 8
     #: How long a run waits for a world that cannot say when it will send something.
     patience: _Cost = 3600
+    #: Whether handlers are held to what the library declares of them.
+    strict: bool = False
 
 
-_TAKES = {"cycle-cost": "0 or more", "patience": "0 or more"}
+_TAKES = {
+    "cycle-cost": "0 or more",
+    "patience": "0 or more",
+    "strict": "true or false",
+}
 """What settings take that are no whole numbers from 1."""
 
 
@@ -48,7 +54,8 @@ def read_settings(texts: Mapping[str, str]) -> Settings:
             hint = f"; did you mean `{near}`?" if near else ""
             raise SettingError(f"there is no setting `rapc.{name}`{hint}")
         try:
-            values[names[name]] = number(float(text))
+            flag = {"true": True, "false": False}.get(text)
+            values[names[name]] = number(float(text)) if flag is None else flag
             msgspec.convert({names[name]: values[names[name]]}, Settings)
         except ValueError:
             takes = _TAKES.get(name, "a whole number, 1 or more")

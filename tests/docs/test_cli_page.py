@@ -46,7 +46,7 @@ def test_page_tells_the_options_of_a_command(name: str) -> None:
 
 
 def test_page_tells_the_settings_with_their_defaults() -> None:
-    rows = re.findall(r"^\| `rapc\.([a-z-]+)` \| (\d+) \| ", PAGE, re.M)
+    rows = re.findall(r"^\| `rapc\.([a-z-]+)` \| (\w+) \| ", PAGE, re.M)
     names = Settings.__struct_fields__
-    defaults = {n.replace("_", "-"): str(getattr(Settings(), n)) for n in names}
+    defaults = {n.replace("_", "-"): str(getattr(Settings(), n)).lower() for n in names}
     assert dict(rows) == defaults

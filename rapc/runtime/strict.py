@@ -1,0 +1,279 @@
+"""Handlers held to what the library declares of them: the setting `rapc.strict`.
+
+`:on` says what the handler of a result, or of a datum, changes [L 1]. Here a handler is
+given a memory that notes what it does. After it has run, what is declared must hold,
+and what it did must be declared; else the run ends, for planner and checker believe
+the declarations. What memory makes of the changes when the batch ends (merging,
+counting, expiry) needs no word, nor does what an exclusion takes away.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from rapc.base.source import Span
+from rapc.base.values import Atom, Fact, format_list, match
+from rapc.errors import PortError
+from rapc.ir import nodes
+from rapc.runtime.authors import place_of
+from rapc.runtime.host_query import HostQuery
+from rapc.runtime.machine import Machine
+from rapc.runtime.memory.gate import Gate
+from rapc.world import DatumHandler, Handlers, ResultHandler, Time
+
+
+class _Change(msgspec.Struct, frozen=True):
+    """A fact that a handler has asserted or erased, and where its author does so."""
+
+    fact: Fact
+    place: str
+
+
+class NotingMemory:
+    """The memory that a handler is given when it is held: it notes what is changed.
+
+    It does all that `rapc.world.HandlerMemory` says, through the gate behind it.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self._gate: Gate = machine.access
+        self._memory = machine.memory
+        #: What was asserted, and what was erased that had been there, in order.
+        self.made: list[_Change] = []
+        self.taken: list[_Change] = []
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what only asks memory as the gate has it."""
+        return getattr(self._gate, name)
+
+    @property
+    def now(self) -> Time:
+        """The time of the clock."""
+        return self._gate.now
+
+    def assert_fact(self, *fact: Atom) -> None:
+        """Assert a fact now, and note it."""
+        self._gate.assert_fact(*fact)
+        self._note(self._memory.checked(fact))
+
+    def erase(self, *prefix: Atom) -> None:
+        """Erase every fact that starts so, and note each."""
+        place = _place_of_caller()
+        known = self._memory.signatures.relations
+        there = []
+        if prefix and prefix[0] in known:
+            there = self._memory.facts.starting(self._memory.canonical(prefix))
+        self._gate.erase(*prefix)
+        self.taken += [_Change(fact, place) for fact in there]
+
+    def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
+        """An item is seen; its class and place are noted."""
+        name = self._gate.introduce(sensor_name, kind, place)
+        self._note(("class", name, kind, "true"))
+        self._note_place(name)
+        return name
+
+    def move(self, item: str, place: Atom) -> None:
+        """An item now is elsewhere; its place is noted."""
+        self._gate.move(item, place)
+        self._note_place(item)
+
+    def lose(self, item: str) -> None:
+        """An item is not where it was; its place is noted."""
+        self._gate.lose(item)
+        self._note_place(item)
+
+    def _note_place(self, item: str) -> None:
+        name = self._memory.items.canonical(item)
+        place = self._gate.value("location", name)
+        if place is not None:
+            self._note(("location", name, place), 3)
+
+    def _note(self, fact: Fact, depth: int = 2) -> None:
+        self.made.append(_Change(fact, _place_of_caller(depth)))
+
+
+def _place_of_caller(depth: int = 1) -> str:
+    """Return the line of the handler that called, `depth` calls above the caller."""
+    frame = sys._getframe(depth + 1)
+    return f"{Path(frame.f_code.co_filename).name}:{frame.f_lineno}"
+
+
+class _Told(msgspec.Struct, frozen=True):
+    """What a library says of a primitive or a datum: all that a handler is held to."""
+
+    form: nodes.DeclarePrimitive | nodes.DeclareDatum
+    #: Names the handler: `the handler of `look``.
+    whose: str
+
+    def effects(self, result: str) -> Sequence[nodes.DeclaredEffect] | None:
+        """Return what is said to change with `result`; None: nothing is said."""
+        if isinstance(self.form, nodes.DeclareDatum):
+            return self.form.on
+        told = {one.result: one.effects for one in self.form.on}
+        return told.get(result)
+
+
+class _Held:
+    """Holds the handlers of one run.
+
+    Args:
+        machine: the run, whose handlers are looked at.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+        self._questions: dict[int, HostQuery] = {}
+
+    def result(
+        self,
+        told: _Told,
+        handler: ResultHandler | None,
+        _: object,
+        request: Fact,
+        result: str,
+    ) -> str | None:
+        """Run the handler of a result, then see that it kept to what is told of it.
+
+        Raises:
+            PortError: if not, or for another result that is not declared.
+        """
+        noting = NotingMemory(self._machine)
+        other = None
+        if handler is not None:
+            other = handler(noting, request, result)
+        if handler is not None and other is not None:
+            result = other = self._machine.port.result_told(request, other, handler)
+        self._hold(told, handler, noting, request, result)
+        return other
+
+    def datum(self, told: _Told, handler: DatumHandler, _: object, datum: Fact) -> None:
+        """Run the handler of a datum, then see that it kept to what is told of it.
+
+        Raises:
+            PortError: if not.
+        """
+        noting = NotingMemory(self._machine)
+        handler(noting, datum)
+        self._hold(told, handler, noting, datum, "")
+
+    def _hold(
+        self, told: _Told, handler: object, noting: NotingMemory, of: Fact, result: str
+    ) -> None:
+        effects = told.effects(result)
+        if effects is None:
+            return
+        form, library = told.form, self._machine.library.library
+        names = [arg.variable.name for arg in form.args]
+        given = dict(zip(names, of[1:], strict=True))
+        patterns = [(effect, self._filled(effect, given)) for effect in effects]
+        world = self._machine.world.name
+        behind = f" behind {format_list(of)}" + (f" - {result}" if result else "")
+        whose = f"in the world `{world}` {told.whose}"
+        for said, place in self._faults(noting, patterns, given):
+            at = f" ({place})" if place else place_of(handler)
+            declared = _row(library.files, form.span)
+            raise PortError(f"{whose}{at}{behind} {said}; see {declared}")
+
+    def _faults(
+        self,
+        noting: NotingMemory,
+        patterns: Sequence[tuple[nodes.DeclaredEffect, Fact]],
+        given: Mapping[str, Atom],
+    ) -> Iterator[tuple[str, str]]:
+        """Yield what a handler did wrong, and the place in it where that is known."""
+        relations = self._machine.memory.signatures.relations
+        for change in noting.made:
+            if not any(
+                not effect.negated and match(pattern, change.fact) is not None
+                for effect, pattern in patterns
+            ):
+                told = format_list(change.fact)
+                yield f"asserted {told}, which `:on` does not say", change.place
+        for change in noting.taken:
+            is_property = relations[str(change.fact[0])].is_property
+            if not any(_takes(e, p, change.fact, is_property) for e, p in patterns):
+                told = format_list(change.fact)
+                yield f"erased {told}, which `:on` does not say", change.place
+        for effect, pattern in patterns:
+            if effect.possible:
+                continue
+            if effect.negated:
+                left = self._matching(pattern)
+                if left is not None:
+                    yield f"left {format_list(left)}, which is to go by `:on`", ""
+            elif not self._holds(effect, given):
+                told = format_list(pattern)
+                yield f"has not made {told} hold, as `:on` says", ""
+
+    def _filled(self, effect: nodes.DeclaredEffect, given: Mapping[str, Atom]) -> Fact:
+        """Return the pattern of an effect with the values of the arguments put in."""
+        pattern = effect.pattern
+        signature = self._machine.memory.signatures.relations[pattern.name]
+        parts: list[Atom] = [pattern.name]
+        for term in signature.full(pattern.args):
+            if isinstance(term, nodes.Var):
+                parts.append(given.get(term.name, term.name))
+            elif isinstance(term, nodes.Const):
+                parts.append(term.value)
+            else:
+                parts.append("?")
+        return self._machine.memory.checked(tuple(parts))
+
+    def _matching(self, pattern: Fact) -> Fact | None:
+        """Return the oldest fact in memory that matches `pattern`."""
+        facts = self._machine.memory.facts.starting((pattern[0],))
+        return next((fact for fact in facts if match(pattern, fact) is not None), None)
+
+    def _holds(self, effect: nodes.DeclaredEffect, given: Mapping[str, Atom]) -> bool:
+        """Whether the fact of an effect holds, as a clause would ask it."""
+        formula = effect.pattern
+        used = {arg.name for arg in formula.args if isinstance(arg, nodes.Var)}
+        names = [name for name in given if name in used]
+        ready = self._questions.get(id(effect))
+        if ready is None:
+            ready = HostQuery(self._machine, formula, names)
+            self._questions[id(effect)] = ready
+        return ready.holds(*[given[name] for name in names])
+
+
+def _takes(
+    effect: nodes.DeclaredEffect, pattern: Fact, fact: Fact, is_property: bool
+) -> bool:
+    """Whether an effect says that `fact` may go, as a property's old value may."""
+    if (effect.negated or effect.possible) and match(pattern, fact) is not None:
+        return True
+    replaced = is_property and not effect.negated
+    return replaced and match(pattern[:-1], fact[:-1]) is not None
+
+
+def _row(files: Mapping[str, Any], span: Span) -> str:
+    source = files.get(span.file)
+    return (
+        "its declaration"
+        if source is None
+        else (f"{span.file}:{source.position(span.start).row}")
+    )
+
+
+def hold_handlers(machine: Machine) -> None:
+    """Have the handlers of a run held to what its library declares, from now on."""
+    held, handlers = _Held(machine), machine.handlers
+    library = machine.library.library
+    for name, form in library.primitives.items():
+        if form.on:
+            told = _Told(form, f"the handler of `{name}`")
+            handler = handlers.results.get(name)
+            machine.result_handlers[name] = partial(held.result, told, handler)
+    data = dict(handlers.data)
+    for name, datum in library.data.items():
+        if datum.on is not None and name in data:
+            told = _Told(datum, f"the handler of the datum `{name}`")
+            data[name] = partial(held.datum, told, data[name])
+    machine.handlers = Handlers(handlers.results, data)
