@@ -105,6 +105,8 @@ class Readers(dict[str, Read]):
         if shape[0] != "or":
             raise TypeError(f"no single operand has the shape {shape}")
         parts = [self.part(one) for one in shape[1:]]
+        if "SYMBOL" in shape and "STRING" in shape:
+            parts[shape.index("STRING") - 1] = Part(_is_string, term, True)
 
         def read(ctx: Context, datum: Datum) -> Any:
             fitting = next((one for one in parts if one.fits(datum)), parts[-1])
@@ -208,11 +210,18 @@ def _alone(make: Maker) -> Read:
     return lambda ctx, datum: make(ctx.text(datum).lower(), (), ctx.span(datum))
 
 
+def _own_word(rule: str) -> str:
+    """The word that heads a rule, whatever is written for it; empty of several."""
+    words = heads(rule)
+    return words[0] if len(words) == 1 else ""
+
+
 def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:
     """The reader of a list with a fixed number of operands."""
     count = len(parts) + 1
     reads = [part.read for part in parts]
     strict = [(at, part.fits) for at, part in enumerate(parts, 1) if part.strict]
+    own = _own_word(rule)
 
     def read(ctx: Context, datum: List) -> Any:
         items = datum.items
@@ -226,7 +235,7 @@ def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:
         for value in values:
             if value is None:
                 return None
-        head = items[0].name  # type: ignore[union-attr]  # it has been looked at
+        head = own or items[0].name  # type: ignore[union-attr]  # it has been looked at
         return make(head, values, Span(ctx.file, datum.start, datum.end))
 
     return read
@@ -234,6 +243,7 @@ def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:
 
 def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
     """The reader of a list with operands that may be left out or repeated."""
+    own = _own_word(rule)
 
     def read(ctx: Context, datum: List) -> Any:
         rows = _shared_out(datum.items[1:], operands)
@@ -249,7 +259,7 @@ def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
                 return None
             else:
                 values.append(found[0] if found else None)
-        return make(head_of(datum) or "", values, ctx.span(datum))
+        return make(own or head_of(datum) or "", values, ctx.span(datum))
 
     return read
 
@@ -306,6 +316,10 @@ def _is_name(datum: Datum) -> bool:
     return type(datum) is Symbol and datum.name != ARROW
 
 
+def _is_string(datum: Datum) -> bool:
+    return type(datum) is String
+
+
 def _is_parameter(datum: Datum) -> bool:
     return type(datum) is Variable and datum.name != "?"
 
@@ -317,7 +331,7 @@ def _terminal(name: str) -> Part:
     if name in _NUMBERS:
         return Part(_is_numeral, _number(name), False)
     if name == "STRING":
-        return Part(lambda datum: type(datum) is String, _text, True)
+        return Part(_is_string, _text, True)
     if TERMINALS[name] == TERMINALS["SYMBOL"]:
         return Part(_is_name, _named, True)
     raise TypeError(f"no operand is a {name} alone")
