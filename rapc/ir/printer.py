@@ -1,84 +1,401 @@
-"""IR to RAP text: terms, formulas, goals, with values put in for bound variables.
+"""IR to RAP text: terms, formulas, goals, whole definitions, by the grammar's shapes.
 
-The text reads back as what was printed. Whole definitions are not printed here.
+The text reads back as what was printed; it is one line, which `rapc.ir.layout` breaks.
+A node is written by the rule that it is read by: each operand of the rule takes the
+next field of the node, each clause or option the field of its name. What would be so
+without being said is left out. `_OPERANDS` has the nodes whose fields are not the
+operands of their rules, `_BY_HAND` those that no shape tells how to write.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from typing import Any
 
-from rapc.base.values import format_atom
+from rapc.base.values import Text, format_atom
 from rapc.ir import nodes
-from rapc.ir.fields import CHILDREN, declared
-from rapc.language.heads import ALONE, heads, rule_named
+from rapc.ir.productions import Part, fields, parts, rule_of, rule_of_kind, unsaid
+from rapc.language.grammar import RULES, TERMINALS
+from rapc.language.heads import ARROW, heads
+from rapc.language.shapes import Shape, is_rule, is_word
 
 Bindings = Mapping[str, object]
 """Values by variable name (with its question mark): atoms, or what `str` writes."""
 
+Tree = str | tuple["Tree", ...]
+"""A text as it is nested: an atom as it is written, or what stands in a list."""
+
+Row = Sequence[Tree]
+"""Trees that stand side by side: most nodes are one, options a word and its value."""
+
+Write = Callable[[Any, Bindings | None], Row]
+"""Makes trees of a value."""
+
 
 def format_term(term: nodes.Term, bindings: Bindings | None = None) -> str:
     """A term; a variable that is bound is written as its value."""
-    match term:
-        case nodes.Const(value):
-            return format_atom(value)
-        case nodes.Var(name):
-            if bindings and name in bindings:
-                return format_atom(bindings[name])
-            return name
-        case nodes.Call(function, args):
-            return _list(function, args, bindings)
+    return format_node(term, bindings)
 
 
 def format_goal(goal: nodes.Goal, bindings: Bindings | None = None) -> str:
     """A goal: `(find box => ?place)`."""
-    words = [goal.name, *(format_term(arg, bindings) for arg in goal.args)]
-    if goal.outputs:
-        words += ["=>", *(format_term(out, bindings) for out in goal.outputs)]
-    return f"({' '.join(words)})"
+    return format_node(goal, bindings)
 
 
 def format_formula(
     formula: nodes.Formula | nodes.Pattern, bindings: Bindings | None = None
 ) -> str:
     """A formula on one line, or any name with its arguments."""
-    if isinstance(formula, nodes.Truth):
-        return "true" if formula.value else "false"
-    if isinstance(formula, nodes.Thing) and not formula.args:
-        return formula.name
-    if isinstance(formula, nodes.Pattern):
-        return _list(formula.name, formula.args, bindings)
-    word, field = _WORDS[type(formula)]
-    if type(formula) in _ALONE:
-        return word
-    words = [getattr(formula, field) if field else word]
-    for field in CHILDREN[type(formula)]:
-        value = getattr(formula, field)
-        for part in value if type(value) is tuple else (value,):
-            is_term = isinstance(part, nodes.Term)
-            words.append((format_term if is_term else format_formula)(part, bindings))
+    return format_node(formula, bindings)
+
+
+def format_node(node: nodes.Node, bindings: Bindings | None = None) -> str:
+    """Any node on one line: a formula, a method, a whole definition."""
+    return " ".join(map(one_line, trees(node, bindings)))
+
+
+def one_line(tree: Tree) -> str:
+    """A tree as text on one line."""
+    if isinstance(tree, str):
+        return tree
+    words = [one if type(one) is str else one_line(one) for one in tree]
     return f"({' '.join(words)})"
 
 
-def _list(name: str, args: Iterable[nodes.Term], bindings: Bindings | None) -> str:
-    return f"({' '.join((name, *(format_term(arg, bindings) for arg in args)))})"
+def trees(node: nodes.Node, bindings: Bindings | None = None) -> Row:
+    """The trees of a node; more than one for options alone."""
+    return _writer(type(node))(node, bindings)
 
 
-def _word(kind: type[nodes.Node]) -> tuple[str, str]:
-    """The word that heads a kind of formula, or else the field that holds the word."""
-    for field in kind.__struct_fields__:
-        if declared(kind, field).startswith("Literal["):
-            return "", field
-    return heads(rule_named(kind.__name__))[0], ""
+@cache
+def _writer(kind: type[nodes.Node]) -> Write:
+    """What writes nodes of a kind."""
+    by_hand = _BY_HAND.get(kind)
+    if by_hand is not None:
+        return by_hand
+    rule = rule_of_kind(kind)
+    if isinstance(rule, str):
+        return _by_rule(rule, kind)
+    return lambda node, bindings: _by_rule(rule(node), kind)(node, bindings)
 
 
-_SAID: frozenset[type] = frozenset((nodes.Truth, nodes.Proposition))
-"""Kinds of formulas whose nodes say what they begin with."""
+@cache
+def _by_rule(rule: str, kind: type[nodes.Node]) -> Write:
+    """What writes nodes of a kind as their rule has them."""
+    known = parts(rule, kind)
+    operands = _OPERANDS.get(kind) or _in_order(fields(kind, known))
+    writes = [_part(part, kind, known) for part in known]
+    return _row(rule, writes, operands)
 
-_KINDS = [kind for kind in nodes.Formula.__args__ if kind not in _SAID]
 
-_WORDS = {kind: _word(kind) for kind in _KINDS}
+def _in_order(names: Sequence[str]) -> Callable[[Any], Iterable[Any]]:
+    """What takes the values of some fields from a node."""
+    return lambda node: [getattr(node, name) for name in names]
 
-_ALONE = frozenset(
-    kind for kind in _KINDS if rule_named(kind.__name__) in ALONE.values()
-)
-"""Kinds of formulas that are a word without parentheses."""
+
+_WritePart = Callable[[Any, Iterator[Any], Bindings | None], Row]
+"""Writes a part of a node: a clause of its own, or the operand that comes next."""
+
+
+def _row(
+    rule: str,
+    writes: Sequence[_WritePart],
+    operands: Callable[[Any], Iterable[Any]],
+) -> Write:
+    """What writes the parts of a rule, in parentheses if it is a list."""
+    nested = RULES[rule][0] == "list"
+
+    def write(node: Any, bindings: Bindings | None) -> Row:
+        values = iter(operands(node))
+        row = [tree for one in writes for tree in one(node, values, bindings)]
+        return (tuple(row),) if nested else row
+
+    return write
+
+
+def _part(part: Part, kind: type[nodes.Node], known: Sequence[Part]) -> _WritePart:
+    if part.field:
+        return _clause(str(part.shape), part.field, kind, known)
+    if is_word(part.shape):
+        word = (_word(part.shape),)
+        return lambda node, values, bindings: word
+    write = _of_shape(part.shape)
+    return lambda node, values, bindings: write(next(values, None), bindings)
+
+
+def _clause(
+    rule: str, field: str, kind: type[nodes.Node], known: Sequence[Part]
+) -> _WritePart:
+    """What writes a clause or an option, if there is something to say in it.
+
+    Of clauses that share a field that one stands which its node is.
+    """
+    left_out, words, whole = unsaid(rule, kind, field), heads(rule), _whole(rule)
+    shared = sum(part.field == field for part in known) > 1
+
+    def itself(value: Any) -> bool:
+        own = rule_of(value) if isinstance(value, nodes.Node) else ""
+        return own in RULES and heads(own) == words
+
+    def write(node: Any, values: Iterator[Any], bindings: Bindings | None) -> Row:
+        value = getattr(node, field)
+        if value == left_out or (shared and not itself(value)):
+            return ()
+        many = value if type(value) is tuple else (value,)
+        if many and all(map(itself, many)):
+            return [tree for one in many for tree in trees(one, bindings)]
+        return whole(value, bindings)
+
+    return write
+
+
+@cache
+def _whole(rule: str) -> Write:
+    """What writes a rule of a single operand that is no node of its own."""
+    shape = RULES[rule]
+    if is_word(shape):
+        return lambda value, bindings: (_word(shape),)
+    writes = [_part(Part(one), nodes.Node, ()) for one in shape[1:]]
+    return _row(rule, writes, lambda value: (value,))
+
+
+# --- operands ----------------------------------------------------------------------
+
+
+@cache
+def _of_shape(shape: Shape) -> Write:
+    """What writes an operand: a node by its own rule, other values by the shape."""
+    plain = _plain(shape)
+
+    def write(value: Any, bindings: Bindings | None) -> Row:
+        if isinstance(value, nodes.Node):
+            return trees(value, bindings)
+        return plain(value, bindings)
+
+    return write
+
+
+def _plain(shape: Shape) -> Write:
+    """What writes values that are no nodes: names, numbers, words, rows of anything."""
+    if isinstance(shape, str):
+        return _plain_leaf(shape)
+    kind, *inner = shape
+    if kind in ("*", "+"):
+        write = _of_shape(inner[0])
+        return lambda value, bindings: [t for v in value for t in write(v, bindings)]
+    if kind == "or":
+        return _plain_choice(inner)
+    made = {"?": _if_any, "seq": _in_row}.get(str(kind))
+    return made(shape) if made is not None else _any
+
+
+def _plain_leaf(leaf: str) -> Write:
+    if is_rule(leaf):
+        return _whole(leaf) if RULES[leaf][0] == "seq" else _listed(leaf)
+    return _text if leaf in ("STRING", "FILE") else _any
+
+
+def _plain_choice(choices: Sequence[Shape]) -> Write:
+    """What writes one of several words, or an atom of one of several kinds."""
+    if all(map(is_word, choices)):
+        colon = ":" * (_word(choices[0])[0] == ":")
+        return lambda value, bindings: (f"{colon}{_said(value)}",)
+    return _name_or_text if "STRING" in choices and "SYMBOL" not in choices else _any
+
+
+def _if_any(shape: Shape) -> Write:
+    """What writes an operand that may be left out."""
+    inner = shape[1]
+    write = _of_shape(inner)
+    row = inner[0] == "seq" and inner[-1][0] == "*"
+
+    def maybe(value: Any, bindings: Bindings | None) -> Row:
+        left_out = value is None or value == "" or (row and not value)
+        return () if left_out else write(value, bindings)
+
+    return maybe
+
+
+def _in_row(shape: Shape) -> Write:
+    """What writes one value with the words before it; words behind it are left out."""
+    *words, last = [part for part in shape[1:] if part[0] != "?"]
+    said, write = [_word(word) for word in words], _of_shape(last)
+    return lambda value, bindings: [*said, *write(value, bindings)]
+
+
+@cache
+def _listed(rule: str) -> Write:
+    """What writes a list, behind its word if it has one, of values in a row."""
+    shape = RULES[rule]
+    word = [_word(shape[1])] if shape[0] == "list" and is_word(shape[1]) else []
+
+    def write(value: Any, bindings: Bindings | None) -> Row:
+        if type(value) is not tuple:
+            return (format_atom(value),)
+        return ((*word, *_all(value, bindings)),)
+
+    return write
+
+
+def _all(values: Iterable[Any], bindings: Bindings | None) -> list[Tree]:
+    """Values in a row: nodes and atoms."""
+    return [tree for value in values for tree in _any(value, bindings)]
+
+
+def _any(value: Any, bindings: Bindings | None) -> Row:
+    """A node, an atom, or several of them in a list."""
+    if isinstance(value, nodes.Node):
+        return trees(value, bindings)
+    if type(value) is tuple:
+        return (tuple(_all(value, bindings)),)
+    return (format_atom(value),)
+
+
+def _word(shape: Shape) -> str:
+    return str(shape)[1:-1]
+
+
+def _said(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _text(value: Any, bindings: Bindings | None) -> Row:
+    return (format_atom(Text(value)),)
+
+
+def _name_or_text(value: Any, bindings: Bindings | None) -> Row:
+    """A name where it can be one, and a text where not."""
+    named = re.fullmatch(TERMINALS["SYMBOL"], value) and value == value.lower()
+    return (format_atom(value if named else Text(value)),)
+
+
+# --- nodes that need a hand --------------------------------------------------------
+
+
+def _index(node: nodes.DefineRap) -> Iterable[Any]:
+    kinds = {one.variable: one for one in node.kinds}
+    inputs, outputs = (
+        [kinds.get(one.name, one) for one in row] for row in (node.inputs, node.outputs)
+    )
+    arrow = [ARROW] if outputs else []
+    return ((node.name, *inputs, *arrow, *outputs),)
+
+
+def _row_request(node: nodes.ScriptRow) -> Iterable[Any]:
+    asked = node.request if node.kind == "request" else (node.kind, node.request)
+    return (asked, node.result)
+
+
+_OPERANDS: Mapping[type, Callable[[Any], Iterable[Any]]] = {
+    nodes.SetTest: lambda node: node.args,
+    nodes.HistoryTest: lambda node: node.args,
+    nodes.For: lambda node: [one for one in (node.formula, node.tag) if one],
+    nodes.ResourceChange: lambda node: (node.resource, node.amount),
+    nodes.WaitFor: lambda node: (nodes.Signal(node.signal, node.args), node.mode),
+    nodes.Step: lambda node: (
+        *(node.tag, node.priority or None, node.goal),
+        node.annotations,
+    ),
+    nodes.DefineRap: _index,
+    nodes.DefineQuery: lambda node: ((node.name, *node.args), node.formula, node.doc),
+    nodes.ResultEffects: lambda node: ((node.result, *node.effects),),
+    nodes.EventRule: lambda node: (nodes.Signal(node.signal, node.args), node.rules),
+    nodes.ScriptRow: _row_request,
+}
+"""The operands of nodes whose fields are not those of their rules."""
+
+
+def _term(term: nodes.Term, bindings: Bindings | None) -> Tree:
+    if isinstance(term, nodes.Var):
+        bound = bindings is not None and term.name in bindings
+        return format_atom(bindings[term.name]) if bindings and bound else term.name
+    if isinstance(term, nodes.Const):
+        return format_atom(term.value)
+    return (term.function, *[_term(arg, bindings) for arg in term.args])
+
+
+def _of_term(node: nodes.Term, bindings: Bindings | None) -> Row:
+    return (_term(node, bindings),)
+
+
+def _pattern(node: nodes.Pattern, bindings: Bindings | None) -> Row:
+    return ((node.name, *[_term(arg, bindings) for arg in node.args]),)
+
+
+def _thing(node: nodes.Thing, bindings: Bindings | None) -> Row:
+    return _pattern(node, bindings) if node.args else (node.name,)
+
+
+def _truth(node: nodes.Truth, bindings: Bindings | None) -> Row:
+    return ("true" if node.value else "false",)
+
+
+def _effect(node: nodes.DeclaredEffect, bindings: Bindings | None) -> Row:
+    fact = _pattern(node.pattern, bindings)
+    word = "not" if node.negated else "may"
+    return ((word, *fact),) if node.negated or node.possible else fact
+
+
+def _argument(node: nodes.Argument, bindings: Bindings | None) -> Row:
+    name = node.variable.name
+    return (name,) if node.kind is None else ((name, node.kind),)
+
+
+def _variable_kind(node: nodes.VariableKind, bindings: Bindings | None) -> Row:
+    return ((node.variable, node.kind),)
+
+
+def _comparator(node: nodes.DeclareComparator, bindings: Bindings | None) -> Row:
+    names = [one for one in (node.class_name, node.place, node.function) if one]
+    return (("declare-class-comparator", *names, *_all(node.rows, bindings)),)
+
+
+def _comparator_row(node: nodes.ComparatorRow, bindings: Bindings | None) -> Row:
+    weight = [format_atom(node.weight)] if node.treatment == "score" else []
+    return ((node.treatment, node.property, *weight),)
+
+
+def _skills(node: nodes.Skills, bindings: Bindings | None) -> Row:
+    enable, disable = (
+        [(word, *_all(named, bindings))] if named else []
+        for word, named in (("enable", node.enable), ("disable", node.disable))
+    )
+    said = [*enable, *_all(node.waits, bindings), *disable]
+    return (("primitive", *(said or [("enable",)])),)
+
+
+def _until(node: nodes.Until, bindings: Bindings | None) -> Row:
+    told = (("until", node.time), ("cycles", node.cycles))
+    return [(word, format_atom(value)) for word, value in told if value is not None]
+
+
+def _event(node: nodes.EventPattern, bindings: Bindings | None) -> Row:
+    keys = [(f":{key}", *trees(value, bindings)) for key, value in node.keys]
+    return ((node.event, *[tree for key in keys for tree in key]),)
+
+
+def _list_pattern(node: nodes.ListPattern, bindings: Bindings | None) -> Row:
+    return (tuple(_all(node.items, bindings)),)
+
+
+_BY_HAND: Mapping[type, Callable[[Any, Bindings | None], Row]] = {
+    **dict.fromkeys((nodes.Const, nodes.Var, nodes.Call), _of_term),
+    **dict.fromkeys(
+        (nodes.Proposition, nodes.Request, nodes.Signal, nodes.Skill, nodes.Datum),
+        _pattern,
+    ),
+    nodes.Thing: _thing,
+    nodes.Truth: _truth,
+    nodes.DeclaredEffect: _effect,
+    nodes.Argument: _argument,
+    nodes.VariableKind: _variable_kind,
+    nodes.DeclareComparator: _comparator,
+    nodes.ComparatorRow: _comparator_row,
+    nodes.Skills: _skills,
+    nodes.Until: _until,
+    nodes.EventPattern: _event,
+    nodes.ListPattern: _list_pattern,
+}
+"""What writes nodes that no shape tells how to write."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rapc.base.source import SourceFile
 from rapc.base.values import Text, number
 from rapc.ir import nodes
-from rapc.ir.printer import format_formula, format_goal, format_term
+from rapc.ir.layout import laid_out, lines
+from rapc.ir.printer import format_formula, format_goal, format_node, format_term
 from rapc.parser.context import Context
 from rapc.parser.reader import read
 from rapc.parser.special.formulas import formula
@@ -17,6 +18,9 @@ from rapc.parser.special.table import readers
 from rapc.parser.syntax import Datum
 from rapc.parser.terms import goal, term
 from tests.effort import examples
+from tests.parser.programs import programs, texts
+from tests.parser.reading import parsed
+from tests.parser.round_trip import changed
 
 NAMES = st.sampled_from(["p", "arm-at", "#1", "x2", "..."])
 NUMBERS = st.one_of(
@@ -122,3 +126,99 @@ def test_what_is_bound_is_put_in(
     made = formula(*_datum(text))
     assert made is not None
     assert format_formula(made, bindings) == shown
+
+
+# --- whole definitions ---------------------------------------------------------------
+
+
+def test_every_definition_of_the_repository_reads_back() -> None:
+    found = {where: changed(text) for where, text in texts().items()}
+    assert {where: printed for where, printed in found.items() if printed} == {}
+    assert sum(len(parsed(text).forms) for text in texts().values()) > 1500
+
+
+@settings(max_examples=80, suppress_health_check=[HealthCheck.too_slow])
+@given(programs())
+def test_generated_definitions_read_back(text: str) -> None:
+    """`python -m tests.parser.round_trip 2000` holds more of them."""
+    assert changed(text) == []
+
+
+def test_methods_are_written_as_rap_text() -> None:
+    """A method that a problem solver has made, say."""
+    step = nodes.Step("t1", 0, nodes.Goal("go", (nodes.Const("hall"),), ()), ())
+    context = nodes.Proposition("at", (nodes.Var("?here"),))
+    made = nodes.Method("walk", 1, context, (), nodes.TaskNet((step,)))
+    text = "(method walk (context (at ?here)) (task-net (t1 (go hall))))"
+    assert format_node(made) == text
+    (rap,) = parsed(f"(define-rap (move) {text})").forms
+    assert isinstance(rap, nodes.DefineRap)
+    assert rap.methods == (made,)
+
+
+LAID_OUT = """\
+(define-rap (stow-fuel-reserve (?kind symbol) => ?drum)
+  (succeed (and (location ?drum bay1) (class ?drum ?kind true)))
+  (repeat-while (and (location ?other external)
+                     (not (quantity-held ?other 0))
+                     (n= ?other ?drum)))
+  (method look
+    (context otherwise)
+    (claims wheels)
+    (task-net
+      (t1 2 (eye-examine ?drum) ((location ?drum bay1) for t2) (for t2))
+      (t2 (move-thing-to ?drum bay1)))))
+"""
+
+TEST_LAID_OUT = """\
+(define-test a-door-is-opened
+  "It is pushed
+   twice."
+  (facts (door-state hall shut))
+  (script
+    ((push ?door) okay :takes 2 :asserts ((door-state ?door open)))
+    ((look-at ?door) okay
+     :asserts ((door-state ?door shut) (seen ?door at-this-very-moment))
+     :erases ((seen ?door))))
+  (task (open-door hall) :priority 2)
+  (expect
+    (succeeds (open-door hall))
+    (primitives (push hall) (push hall) (look-at hall) (push hall) (look-at hall) (g))))
+"""
+
+
+@pytest.mark.parametrize("text", [LAID_OUT, TEST_LAID_OUT])
+def test_definitions_are_laid_out(text: str) -> None:
+    unit = parsed(text)
+    assert unit.diagnostics == ()
+    form = [*unit.forms, *unit.tests][0]
+    assert f"{laid_out(form)}\n" == text
+
+
+def test_strings_that_a_task_hands_out_read_back() -> None:
+    text = '(define-test said (expect (succeeds (say) "a word" b)))'
+    (test,) = parsed(text).tests
+    (found,) = test.expectations
+    assert isinstance(found, nodes.Succeeds)
+    assert found.outputs == (nodes.Const(Text("a word")), nodes.Const("b"))
+    assert format_node(test) == text
+
+
+def test_narrow_lines_break_what_they_can() -> None:
+    made = formula(*_datum("(and (p ?x) (not (q ?x)) (> (+ ?x 1) 3))"))
+    assert made is not None
+    assert (
+        laid_out(made, 12)
+        == "(and (p ?x)\n     (not (q ?x))\n     (> (+ ?x\n           1)\n        3))"
+    )
+
+
+def test_parentheses_behind_a_list_count_for_its_line() -> None:
+    made = formula(*_datum("(not (and (p) (q)))"))
+    assert made is not None
+    assert laid_out(made, 19) == "(not (and (p) (q)))"
+    assert laid_out(made, 18) == "(not (and (p)\n          (q)))"
+
+
+def test_a_tree_of_nothing_is_an_empty_list() -> None:
+    assert lines(()) == "()"
