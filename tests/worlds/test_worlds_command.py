@@ -19,7 +19,7 @@ def truck(width: int) -> str:
 def test_installed_worlds_are_listed_with_what_they_are() -> None:
     done = CliRunner().invoke(worlds, [])
     assert done.exit_code == 0
-    assert "truck  A delivery truck among quarries and factories" in done.output
+    assert "truck    A delivery truck among quarries and factories" in done.output
 
 
 def test_a_world_is_described_with_all_it_offers() -> None:

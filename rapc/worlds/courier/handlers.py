@@ -1,0 +1,75 @@
+"""What results and data mean to the robot's memory, and what it can work out."""
+
+from __future__ import annotations
+
+from rapc.base.values import Atom, Fact
+from rapc.world import HandlerMemory, Handlers
+from rapc.worlds.courier import building
+
+
+def _taken_on(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, goods, ward = request
+    if result == "okay":
+        memory.assert_fact("aboard", goods, ward)
+    elif result == "sold-out" and memory.value("robot-at") is not None:
+        memory.assert_fact("sold-out", memory.value("robot-at") or "", goods)
+
+
+def _handed_over(memory: HandlerMemory, request: Fact, result: str) -> None:
+    _, goods, ward = request
+    if result == "okay":
+        memory.erase("aboard", goods, ward)
+        memory.assert_fact("delivered", goods, ward)
+
+
+def _docked(memory: HandlerMemory, request: Fact, result: str) -> None:
+    if result == "okay":
+        memory.assert_fact("docked")
+
+
+def _helped(memory: HandlerMemory, request: Fact, result: str) -> None:
+    if result in {"okay", "not-called"}:
+        memory.erase("call", request[1])
+
+
+def _position(memory: HandlerMemory, datum: Fact) -> None:
+    _, place, along = datum
+    memory.assert_fact("robot-at", place)
+    memory.assert_fact("robot-along", along)
+    memory.erase("docked")
+
+
+def _battery(memory: HandlerMemory, datum: Fact) -> None:
+    memory.assert_fact("battery", datum[1])
+
+
+def _called(memory: HandlerMemory, datum: Fact) -> None:
+    memory.assert_fact("call", datum[1])
+
+
+def way(memory: HandlerMemory, from_: Atom, to: Atom) -> int | None:
+    """How long the way between two rooms is; `corridor` is where the robot is there.
+
+    None where one of them is no room, or nobody has told where the robot is.
+    """
+    if to not in building.ROOMS:
+        return None
+    if from_ == to:
+        return 0
+    if from_ == building.CORRIDOR:
+        along = memory.value("robot-along")
+        return building.way(along, 0, str(to)) if isinstance(along, int) else None
+    if from_ not in building.ROOMS:
+        return None
+    return building.way(building.at(str(from_)), building.DEPTH, str(to))
+
+
+HANDLERS = Handlers(
+    results={
+        "take-on": _taken_on,
+        "hand-over": _handed_over,
+        "dock": _docked,
+        "help": _helped,
+    },
+    data={"position": _position, "battery": _battery, "call": _called},
+)

@@ -1,0 +1,170 @@
+"""Shifts of the courier under many seeds, with the claims of its library and without.
+
+    python -m tests.courier.shifts --seeds 200
+    python -m tests.courier.shifts --seeds 200 --without-claims
+
+Two standing tasks and three orders want one body. What is counted is taken from the
+trace, by the methods that claim the wheels, and from the world, which knows what was
+true. With the claims taken out the methods are the same and hold nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+
+import msgspec
+
+import rapc
+from rapc.runtime.events import events
+from rapc.world import Time
+from rapc.worlds.courier import CourierWorld
+from rapc.worlds.registry import build_world
+
+COURIER = Path(__file__).parents[2] / "examples" / "courier"
+
+CLAIM = "    (claims wheels)\n"
+
+CLAIMANTS = {
+    ("keep-charged", "charge"),
+    ("keep-charged", "try-later"),
+    ("answer-calls", "go"),
+    ("fetch", "from-a-store"),
+    ("bring", "#1"),
+}
+"""The methods that claim the wheels, each by its RAP and its name."""
+
+LONG = 20_000
+"""A shift that has not ended by then never will."""
+
+
+class Shift(msgspec.Struct):
+    """What came of one shift."""
+
+    reason: str
+    time: Time
+    delivered: int
+    failed: int
+    #: Drives while another task of no lower priority was to have the wheels.
+    moved_from_under: int
+    #: Drives that took the wheels from a claimant of lower priority.
+    overruled: int
+    suspended: int
+    #: Suspended tasks that were still blocked when the shift was over.
+    not_resumed: int
+    #: How often the world saw somebody left standing.
+    in_vain: int
+
+
+@cache
+def library(claims: bool) -> rapc.CheckedLibrary:
+    """The library of the courier, or the same text without its claims."""
+    if claims:
+        return rapc.load(COURIER)
+    files = [file for file in COURIER.glob("*.rap") if ".test." not in file.name]
+    text = "".join(file.read_text(encoding="utf-8") for file in sorted(files))
+    kept = [line for line in text.splitlines() if not line.startswith("(require")]
+    return rapc.loads("\n".join(kept).replace(CLAIM, ""), "without-claims")
+
+
+class Watch:
+    """Follows who is to have the wheels, and who drives."""
+
+    def __init__(self) -> None:
+        self.parents: dict[int, int | None] = {}
+        self.priorities: dict[int, int] = {}
+        self.working: set[int] = set()
+        self.suspended: set[int] = set()
+        self.times_suspended = self.moved = self.overruled = 0
+
+    def __call__(self, event: events.Event) -> None:
+        """Take an event of the run into account."""
+        match event:
+            case events.TaskCreated():
+                self.parents[event.task] = event.parent
+                self.priorities[event.task] = event.priority
+            case events.MethodChosen():
+                self.suspended.discard(event.task)
+                if (event.rap, event.method) in CLAIMANTS:
+                    self.working.add(event.task)
+            case events.MethodSuspended():
+                self.times_suspended += 1
+                self.suspended.add(event.task)
+                self.working.discard(event.task)
+            case events.MethodEnded():
+                self.working.discard(event.task)
+            case events.TaskRemoved() | events.TaskSucceeded() | events.TaskFailed():
+                self.working.discard(event.task)
+                self.suspended.discard(event.task)
+            case events.PrimitiveRequested() if event.request[0] == "drive":
+                self._drive(event.task)
+
+    def _drive(self, task: int) -> None:
+        above = set(self._up(task))
+        mine = self.priorities[task]
+        for other in self.working - above:
+            if self.priorities[other] >= mine:
+                self.moved += 1
+            else:
+                self.overruled += 1
+
+    def _up(self, task: int | None) -> Iterable[int]:
+        """A task and all above it."""
+        while task is not None:
+            yield task
+            task = self.parents[task]
+
+
+def work_a_shift(
+    seed: int, claims: bool = True, options: Mapping[str, int] | None = None
+) -> Shift:
+    """Run the agenda `shift` under a seed."""
+    world = build_world(CourierWorld, seed, options or {})
+    watch = Watch()
+    blocked: list[set[int]] = []
+    run = library(claims).start(world, agenda="shift", seed=seed, listeners=[watch])
+    run.call_at_end(lambda: blocked.append(set(watch.suspended)))
+    reason = run.run(until=LONG)
+    assert isinstance(world, CourierWorld)
+    return Shift(
+        reason,
+        run.now,
+        len(world.state.deliveries),
+        sum(task.outcome == "failed" for task in run.results()),
+        watch.moved,
+        watch.overruled,
+        watch.times_suspended,
+        len(blocked[0]),
+        world.state.in_vain,
+    )
+
+
+def report(shifts: Mapping[int, Shift]) -> Iterable[str]:
+    """What came of shifts by their seeds, line by line."""
+    done = list(shifts.values())
+    reasons = Counter(shift.reason for shift in done)
+    yield f"{len(done)} shifts: " + ", ".join(f"{n} {r}" for r, n in reasons.items())
+    for name in Shift.__struct_fields__[1:]:
+        values = [getattr(shift, name) for shift in done]
+        told = f"{name.replace('_', ' '):18} {sum(values) / len(values):8.2f}"
+        yield f"{told}  from {min(values)} to {max(values)}"
+    bad = [seed for seed, shift in shifts.items() if shift.reason != "done"]
+    yield f"seeds not done: {str(bad[:10])[1:-1] or 'none'}{' ...' * (len(bad) > 10)}"
+
+
+def main() -> None:
+    """Work so many shifts and print what came of them."""
+    parser = argparse.ArgumentParser(description="Shifts of the courier.")
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--without-claims", action="store_true")
+    given = parser.parse_args()
+    claims = not given.without_claims
+    shifts = {seed: work_a_shift(seed, claims) for seed in range(given.seeds)}
+    print("\n".join(report(shifts)))
+
+
+if __name__ == "__main__":
+    main()
