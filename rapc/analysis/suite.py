@@ -20,6 +20,8 @@ from rapc.analysis.passes import (
     functions,
     kinds,
     misspelt_variable,
+    needs_itself,
+    never_holds,
     not_a_number,
     nothing_awaited,
     otherwise,
@@ -27,8 +29,10 @@ from rapc.analysis.passes import (
     query_circles,
     resource_as_value,
     resources,
+    settled,
     signals,
     task_nets,
+    times,
     unbindable_output,
     unbound_variable,
     undeclared_predicate,
@@ -74,6 +78,10 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     kinds.ANALYZER,
     unused_claim.ANALYZER,
     unknown_agenda.ANALYZER,
+    never_holds.ANALYZER,
+    settled.ANALYZER,
+    times.ANALYZER,
+    needs_itself.ANALYZER,
 )
 """Every pass."""
 

@@ -40,7 +40,7 @@ def test_long_circle_is_one_finding() -> None:
 
 def test_formula_nested_as_deeply_as_can_be() -> None:
     depth = 90
-    text = "(and (p ?x) (not " * (depth // 2) + "(p ?x)" + "))" * (depth // 2)
+    text = "(and (p ?x) (not " * (depth // 2) + "(p deep)" + "))" * (depth // 2)
     program = f"(declare-memory-proposition p (?x))\n(define-rap (y) (succeed {text}))"
     assert _found(program) == []
 

@@ -1,0 +1,173 @@
+"""Which single slips in real libraries `check` finds, how near, and in how many words.
+
+    python -m bench.mutation [KIND]... [--each N] [--seed N] [--missed] [PATH]...
+
+Each slip is made in a library in which nothing is found before; what is found then is
+due to the slip. A slip that leaves the nodes of the library as they were is none. The
+place of a finding is where its span begins; it names the cause if it, or one of its
+labels, is on a line of the slip.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import msgspec
+
+from bench import mutation_sense, mutation_words
+from bench.mutation_base import Base, Edit, Kind
+from rapc.analysis.driver import CheckReport, check_library
+from rapc.base.diagnostics import Diagnostic
+from rapc.base.source import SourceFile
+from rapc.library import library
+from rapc.library.loader import Loaded, load
+from rapc.parser.parse import parse
+
+KINDS: Mapping[str, tuple[str, Kind]] = {**mutation_words.KINDS, **mutation_sense.KINDS}
+"""Every kind of slip, with the group that it is of."""
+
+ROOT = Path(__file__).parent.parent
+LIBRARIES: Sequence[Sequence[str]] = (
+    ("stdlib/truck",),
+    ("examples/greenhouse.rap",),
+    ("bench/porter.rap",),
+)
+"""The libraries in which slips are made, each by its paths from the root."""
+
+
+class Outcome(msgspec.Struct, frozen=True):
+    """What became of one slip."""
+
+    edit: Edit
+    #: The line where the slip was made.
+    row: int
+    found: tuple[Diagnostic, ...]
+    #: How many lines lie between the slip and the first finding.
+    distance: int | None
+    #: Whether the first finding, or a label of it, is on a line of the slip.
+    named: bool
+
+
+class Bench:
+    """A library with its parsed files, of which a slip changes one.
+
+    Args:
+        paths: its files and folders.
+    """
+
+    def __init__(self, paths: Iterable[str]) -> None:
+        self.loaded = load(ROOT / path for path in paths)
+        report = check_library(self.loaded)
+        if report.findings:
+            raise ValueError([f.diagnostic.message for f in report.findings])
+        self.base = Base(report.library)
+        self.units = {unit.file.name: unit for unit in self.loaded.units}
+
+    def outcome(self, edit: Edit) -> Outcome | None:
+        """Make a slip and check; None if the library means what it meant."""
+        name, start, end = edit.span.file, edit.span.start, edit.span.end
+        before = self.units[name].file.text
+        file = SourceFile(name, before[:start] + edit.content + before[end:])
+        unit = parse(file)
+        old = self.units[name]
+        if unit.forms == old.forms and not unit.diagnostics:
+            return None
+        units = [unit if u is old else u for u in self.loaded.units]
+        linked, names = library.link(units)
+        slips = [found for one in units for found in one.diagnostics]
+        report = check_library(Loaded(linked, tuple(units), (*slips, *names)))
+        rows = range(file.row(start), file.row(start + len(edit.content)) + 1)
+        return _judged(report, edit, rows)
+
+
+def _judged(report: CheckReport, edit: Edit, rows: range) -> Outcome:
+    found = tuple([f.diagnostic for f in report.findings])
+    if not found:
+        return Outcome(edit, rows[0], (), None, False)
+    places = [found[0].span, *(label.span for label in found[0].labels)]
+    here = [
+        report.files[span.file].row(span.start)
+        for span in places
+        if span.file == edit.span.file
+    ]
+    first = report.files[places[0].file].row(places[0].start)
+    distance = min(abs(first - rows[0]), abs(first - rows[-1])) if here else 999
+    named = any(row in rows for row in here)
+    return Outcome(edit, rows[0], found, 0 if first in rows else distance, named)
+
+
+def outcomes(
+    kind: str, benches: Sequence[Bench], each: int, seed: int
+) -> Iterator[tuple[Bench, Outcome]]:
+    """Yield what becomes of some slips of a kind, drawn from all libraries."""
+    _, make = KINDS[kind]
+    places = [(bench, edit) for bench in benches for edit in make(bench.base)]
+    random.Random(f"{seed}:{kind}").shuffle(places)
+    made = 0
+    for bench, edit in places:
+        if made == each:
+            return
+        outcome = bench.outcome(edit)
+        if outcome is not None:
+            made += 1
+            yield bench, outcome
+
+
+def row(kind: str, made: Sequence[Outcome]) -> str:
+    """Return the line of a table that tells of one kind."""
+    found = [one for one in made if one.found]
+    named = sum(one.named for one in found)
+    single = sum(len(one.found) == 1 for one in found)
+    far = sorted(one.distance or 0 for one in found)
+    middle = str(far[len(far) // 2]) if far else ""
+    group = KINDS[kind][0]
+    rules = sorted({one.found[0].rule for one in found})
+    told = ", ".join(rules[:3])
+    return (
+        f"| {group} | {kind} | {len(made)} | {len(found)} | {named} | {single} "
+        f"| {middle} | {told} |"
+    )
+
+
+def main() -> None:
+    """Read the command line and print a table."""
+    parser = argparse.ArgumentParser(description="Which slips a check finds.")
+    parser.add_argument("kind", nargs="*", help="part of the name of a kind")
+    parser.add_argument("--each", type=int, default=10, help="slips of each kind")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--missed", action="store_true", help="print what is missed")
+    args = parser.parse_args()
+    benches = [Bench(paths) for paths in LIBRARIES]
+    print(
+        "| group | slip | made | found | cause named | one finding | lines off | by |"
+    )
+    print("|---|---|---:|---:|---:|---:|---:|---|")
+    total: list[Outcome] = []
+    for kind in KINDS:
+        if args.kind and not any(word in kind for word in args.kind):
+            continue
+        made = list(outcomes(kind, benches, args.each, args.seed))
+        print(row(kind, [one for _, one in made]), flush=True)
+        total += [one for _, one in made]
+        for bench, one in made if args.missed else ():
+            if not one.named or len(one.found) != 1:
+                print(_told(bench, one))
+    found = [one for one in total if one.found]
+    named = sum(one.named for one in found)
+    single = sum(len(one.found) == 1 for one in found)
+    print(f"\n{len(total)} slips, {len(found)} found, {named} named, {single} by one")
+
+
+def _told(bench: Bench, one: Outcome) -> str:
+    span = one.edit.span
+    old = bench.base.text(span).split("\n")[0]
+    new = one.edit.content.split("\n")[0]
+    said = [f"{found.rule}: {found.message}" for found in one.found[:3]]
+    return f"    {Path(span.file).name}:{one.row}: `{old}` -> `{new}`: {said}"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,242 @@
+"""RAP112 to RAP115: clauses whose answer is settled before the world has a say.
+
+A property with a default has a value whatever happens: a fact that asks for it with a
+fresh variable always holds [L 2.20].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.literals import literals
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes
+from rapc.ir.operands import operands
+from rapc.library.signatures import CONSTANT_DEFAULTS, Signature, Signatures
+
+COPY = Rule(
+    code="RAP112",
+    name="copied-method",
+    severity=Severity.WARNING,
+    summary="two methods of a RAP say the same",
+    why="""A second method is another way to do a thing: it is chosen when the first has
+failed (T 3.2.2). One that says the same in the same situation is no other way, and its
+tries only put off the failure. Mostly it was copied to be changed.""",
+    example="""\
+(declare-primitive push (?door) (okay))
+(define-rap (open ?door)
+  (method push (primitive (push ?door)))
+  (method pull (primitive (push ?door))))
+""",
+    better="""\
+(declare-primitive push (?door) (okay))
+(declare-primitive pull (?door) (okay))
+(define-rap (open ?door)
+  (method push (primitive (push ?door)))
+  (method pull (primitive (pull ?door))))
+""",
+)
+
+AT_ONCE = Rule(
+    code="RAP113",
+    name="succeeds-at-once",
+    severity=Severity.WARNING,
+    summary="a RAP has succeeded before any of its methods can be chosen",
+    why="""`succeed` is asked before a method is chosen (T 3.2.3). One that holds
+whatever happens, because nothing in it can fail, makes the methods idle. A property has
+a value even if nothing is known, its default: `(battery ?level)` always holds.""",
+    example="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive read-gauge () (okay))
+(define-rap (look-at-battery => ?level)
+  (succeed (battery ?level))
+  (method (primitive (read-gauge))))
+""",
+    better="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive read-gauge () (okay))
+(define-rap (look-at-battery => ?level)
+  (succeed (and (battery ?level) (n= ?level unknown)))
+  (method (primitive (read-gauge))))
+""",
+)
+
+NEVER = Rule(
+    code="RAP114",
+    name="never-succeeds",
+    severity=Severity.WARNING,
+    summary="a RAP can never succeed, and no monitor lets it wait",
+    why="""`(succeed nil)` makes a standing task: it acts whenever its monitor wakes it
+and is never done (T 4.7.1). Without a monitor its methods follow each other without a
+pause, until nothing changes any more and the task fails.""",
+    example="""\
+(declare-primitive look () (okay))
+(define-rap (keep-looking)
+  (succeed nil)
+  (method (primitive (look))))
+""",
+    better="""\
+(declare-primitive look () (okay))
+(define-rap (keep-looking)
+  (succeed nil)
+  (monitor-time now 10 15)
+  (method (primitive (look))))
+""",
+)
+
+ALWAYS = Rule(
+    code="RAP115",
+    name="monitor-always-holds",
+    severity=Severity.WARNING,
+    summary="a monitor holds whatever happens, so that it lets nothing wait",
+    why="""A monitor keeps a task asleep until its formula holds (T 4.7.1). One in which
+nothing can fail keeps nobody asleep: the methods follow each other without a pause. A
+property has a value even if nothing is known, its default, so a fact that asks for it
+with a fresh variable always holds; a test of the value is missing.""",
+    example="""\
+(declare-memory-property battery (?level) unknown)
+(define-rap (charge))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (battery ?level))
+  (method (task-net (t1 (charge)))))
+""",
+    better="""\
+(declare-memory-property battery (?level) unknown)
+(define-rap (charge))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (task-net (t1 (charge)))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    always = Always(run.signatures)
+    for rap in run.library.forms:
+        if isinstance(rap, nodes.DefineRap) and rap.methods:
+            given = {v.name for v in rap.inputs}
+            given |= {r.variable.name for r in rap.resources}
+            for found in (*_copies(rap), *_settled(rap, always, given)):
+                run.report(found)
+
+
+ANALYZER = Analyzer(
+    name="settled",
+    doc="Finds methods that say the same, and clauses whose answer is settled.",
+    run=_run,
+    rules=(COPY, AT_ONCE, NEVER, ALWAYS),
+    needs_whole="form",
+)
+
+
+def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    if len(rap.methods) == 1:
+        return
+    first: dict[object, nodes.Method] = {}
+    for method in rap.methods:
+        if isinstance(method.body, nodes.TaskNet) and not method.body.steps:
+            continue
+        said = (
+            method.context,
+            method.notations,
+            method.constraints,
+            method.claims,
+            method.skills,
+            method.body,
+        )
+        other = first.setdefault(said, method)
+        if other is not method:
+            yield Diagnostic(
+                rule=COPY.name,
+                message=f"this method of `{rap.name}` says what another one says",
+                span=method.span,
+                labels=(Label(other.span, "the other one"),),
+                help="change it, or take it away",
+            )
+
+
+def _settled(
+    rap: nodes.DefineRap, always: Always, given: set[str]
+) -> Iterator[Diagnostic]:
+    succeed, monitor = rap.succeed, rap.monitor_state
+    waits = monitor is not None or rap.monitor_time is not None
+    if succeed is not None and always.holds(succeed, given):
+        yield Diagnostic(
+            rule=AT_ONCE.name,
+            message=f"`succeed` of `{rap.name}` holds whatever happens",
+            span=succeed.span,
+            help=_ADVICE if not isinstance(succeed, nodes.Truth) else "",
+        )
+    elif succeed is not None and not waits and is_never(succeed):
+        yield Diagnostic(
+            rule=NEVER.name,
+            message=f"`{rap.name}` never succeeds, and has no monitor",
+            span=succeed.span,
+            help="say in `monitor-state` or `monitor-time` what it waits for",
+        )
+    if monitor is not None and always.holds(monitor, given):
+        yield Diagnostic(
+            rule=ALWAYS.name,
+            message=f"the monitor of `{rap.name}` holds whatever happens",
+            span=monitor.span,
+            help=_ADVICE if not isinstance(monitor, nodes.Truth) else "",
+        )
+
+
+_ADVICE = "a property has a value even if nothing is known: test the value"
+
+
+def is_never(formula: nodes.Formula) -> bool:
+    """Whether a formula says itself that it never holds: `nil`, `(not true)`."""
+    if isinstance(formula, nodes.Not):
+        return isinstance(formula.part, nodes.Truth) and formula.part.value
+    return isinstance(formula, nodes.Truth) and not formula.value
+
+
+class Always:
+    """Tells formulas that hold whatever memory holds.
+
+    Args:
+        signatures: what is declared.
+    """
+
+    def __init__(self, signatures: Signatures) -> None:
+        self._relations = signatures.predicates
+
+    def holds(self, formula: nodes.Formula, given: set[str]) -> bool:
+        """Whether a formula always holds where the variables `given` have values."""
+        bound = set(given)
+        return all(
+            literal.holds and self._one(literal.formula, bound)
+            if not isinstance(literal.formula, nodes.Truth)
+            else literal.formula.value is literal.holds
+            for literal in literals(formula)
+        )
+
+    def _one(self, formula: nodes.Formula, bound: set[str]) -> bool:
+        if isinstance(formula, nodes.Or):
+            return any(self.holds(part, bound) for part in formula.parts)
+        if not isinstance(formula, nodes.Proposition):
+            return False
+        declared = self._relations.get(formula.name)
+        if declared is None or not _has_default(declared):
+            return False
+        terms = declared.full(formula.args)
+        if len(terms) != declared.most:
+            return False
+        value = terms[-1]
+        fresh = isinstance(value, nodes.Var) and value.name not in bound
+        known = all(
+            isinstance(term, nodes.Const)
+            or (isinstance(term, nodes.Var) and term.name in bound)
+            for term in terms[:-1]
+        )
+        bound.update(v.name for v in operands(formula).matched if type(v) is nodes.Var)
+        return fresh and known
+
+
+def _has_default(declared: Signature) -> bool:
+    return declared.is_property and declared.default in CONSTANT_DEFAULTS

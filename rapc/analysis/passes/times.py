@@ -1,0 +1,176 @@
+"""RAP120 to RAP122: times at which nothing can be done, or no time at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX
+from rapc.analysis.literals import number
+from rapc.analysis.passes.settled import is_never
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+)
+from rapc.base.source import Span
+from rapc.base.values import Number, format_atom
+from rapc.ir import nodes
+
+WINDOW = Rule(
+    code="RAP120",
+    name="empty-window",
+    severity=Severity.WARNING,
+    summary="a window closes before it opens, or before its step can be done",
+    why="""A window says when a step may begin and by when it is to be done (T 4.5.2), a
+`monitor-time` the same of a whole task (T 4.7.1). One that closes before it opens, or
+sooner after it opens than the RAP of the step says that it takes, is missed each
+time.""",
+    example="""\
+(define-rap (rest))
+(define-rap (work)
+  (method (task-net (t1 (rest) (window now 30 20)))))
+""",
+    better="""\
+(define-rap (rest))
+(define-rap (work)
+  (method (task-net (t1 (rest) (window now 20 30)))))
+""",
+)
+
+RESTLESS = Rule(
+    code="RAP121",
+    name="restless-monitor",
+    severity=Severity.WARNING,
+    summary="a standing task waits for no time at all between its methods",
+    why="""`(monitor-time now 0 ...)` lets a task go on as soon as its method has ended.
+A task that never succeeds and waits for nothing else then does nothing but that, and
+whatever has a lower priority never comes up (T 4.7.2).""",
+    example="""\
+(declare-primitive look () (okay))
+(define-rap (keep-looking)
+  (succeed nil)
+  (monitor-time now 0 15)
+  (method (primitive (look))))
+""",
+    better="""\
+(declare-primitive look () (okay))
+(define-rap (keep-looking)
+  (succeed nil)
+  (monitor-time now 10 15)
+  (method (primitive (look))))
+""",
+)
+
+STALE = Rule(
+    code="RAP122",
+    name="never-fresh",
+    severity=Severity.WARNING,
+    summary="a belief is asked for that is younger than no time at all",
+    why="""`(believe fact n)` holds if the fact came less than n time units ago (T
+4.1.1). Nothing is younger than 0: such a belief rests on a default, if at all.""",
+    example="""\
+(declare-memory-proposition seen (?thing))
+(declare-primitive look () (okay))
+(define-rap (see ?thing)
+  (succeed (believe (seen ?thing) 0))
+  (method (primitive (look))))
+""",
+    better="""\
+(declare-memory-proposition seen (?thing))
+(declare-primitive look () (okay))
+(define-rap (see ?thing)
+  (succeed (believe (seen ?thing) 10))
+  (method (primitive (look))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    index = run.result(INDEX)
+    for one in index.of(nodes.Window):
+        step = one.parent
+        assert isinstance(step, nodes.Step)
+        for found in _window(run, one.node, step):
+            run.report(found)
+    for timed in index.of(nodes.MonitorTime):
+        rap = timed.parent
+        assert isinstance(rap, nodes.DefineRap)
+        for found in _monitor(timed.node, rap):
+            run.report(found)
+    for believe in index.of(nodes.Believe):
+        age = number(believe.node.age)
+        if age is not None and age <= 0:
+            run.report(
+                Diagnostic(
+                    rule=STALE.name,
+                    message=f"no belief is younger than {format_atom(age)}",
+                    span=believe.node.age.span,
+                    help="say how old it may be, in time units",
+                )
+            )
+
+
+ANALYZER = Analyzer(
+    name="times",
+    doc="Finds windows that are never open, and times that let nobody wait.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(WINDOW, RESTLESS, STALE),
+)
+
+
+def _window(run: Pass, window: nodes.Window, step: nodes.Step) -> Iterator[Diagnostic]:
+    start, stop = number(window.start), number(window.stop)
+    if start is None or stop is None:
+        return
+    if start > stop:
+        yield _turned_round(window, start, stop)
+        return
+    rap = run.library.raps.get(step.goal.name)
+    takes = number(rap.duration) if rap is not None else None
+    if rap is not None and takes is not None and start + takes > stop:
+        assert rap.duration is not None
+        yield Diagnostic(
+            rule=WINDOW.name,
+            message=f"the window is open for {format_atom(stop - start)}, and "
+            f"`{rap.name}` takes {format_atom(takes)}",
+            span=window.span,
+            labels=(Label(rap.duration.span, "said here"),),
+            help="open it earlier, or close it later",
+        )
+
+
+def _turned_round(
+    timed: nodes.Window | nodes.MonitorTime, start: Number, stop: Number
+) -> Diagnostic:
+    what = "window" if isinstance(timed, nodes.Window) else "`monitor-time`"
+    one, other = timed.start.span, timed.stop.span
+    edits = (Edit(one, format_atom(stop)), Edit(other, format_atom(start)))
+    return Diagnostic(
+        rule=WINDOW.name,
+        message=f"this {what} closes at {format_atom(stop)}, before it opens at "
+        f"{format_atom(start)}",
+        span=Span(one.file, one.start, other.end),
+        help="the time at which it opens comes first",
+        fix=Fix(Applicability.UNSAFE, "swap the two times", edits),
+    )
+
+
+def _monitor(timed: nodes.MonitorTime, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    start, stop = number(timed.start), number(timed.stop)
+    if start is not None and stop is not None and start > stop:
+        yield _turned_round(timed, start, stop)
+    waits = rap.monitor_state is not None or timed.reference != "now"
+    stands = rap.succeed is not None and is_never(rap.succeed)
+    if start is not None and start <= 0 and stands and not waits:
+        yield Diagnostic(
+            rule=RESTLESS.name,
+            message=f"`{rap.name}` never pauses between its methods",
+            span=timed.start.span,
+            help="say how long it is to wait after each",
+        )
