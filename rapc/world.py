@@ -4,8 +4,8 @@ A `World` has a clock, takes requests, returns results and sensor data, may send
 unasked, and may end the run. Its `Kit` says what libraries find there: primitives and
 data, options, and the Python code that belongs to the world, such as the handlers that
 turn results and data into changes of memory through `HandlerMemory` [T 3.3]. What only
-some worlds can do stands in protocols of its own: `Drawable`, `Savable`, `Timed`. The
-interpreter cannot see into a world, nor a world into the interpreter.
+some worlds can do stands in protocols of its own: `Drawable`, `Savable`, `Skilled`,
+`Timed`. The interpreter cannot see into a world, nor a world into the interpreter.
 """
 
 from __future__ import annotations
@@ -43,6 +43,7 @@ __all__ = (
     "ResultHandler",
     "Savable",
     "Signal",
+    "Skilled",
     "Spot",
     "Text",
     "Thing",
@@ -68,9 +69,12 @@ class Datum(msgspec.Struct, frozen=True):
 
 
 class Signal(msgspec.Struct, frozen=True):
-    """A signal `(:name arg...)` (S 4)."""
+    """A signal `(:name arg...)`, items by sensor name [S 4]."""
 
     content: Fact
+    #: The tickets of the activations, or of the request, under which it arose; none
+    #: for a signal of the world by itself.
+    tickets: tuple[int, ...] = ()
 
 
 class Reply(msgspec.Struct, frozen=True):
@@ -81,14 +85,16 @@ class Reply(msgspec.Struct, frozen=True):
 
 
 class Refused(msgspec.Struct, frozen=True):
-    """The answer to a request that cannot be carried out beside others.
+    """The answer to a request, or an activation, that cannot be carried out now.
 
-    `conflicts` are the tickets of the requests under way that it is in conflict with.
+    `conflicts` are the tickets of those under way that it is in conflict with.
     The interpreter waits until they have ended, or has them cancelled, and asks again;
     where it can do neither the request has failed.
     """
 
     conflicts: tuple[int, ...] = ()
+    #: Why, for people.
+    reason: str = ""
 
 
 class Finished(msgspec.Struct, frozen=True):
@@ -379,6 +385,37 @@ class World(ABC):
         A world whose class does not define it never ends a run.
         """
         return None
+
+
+@runtime_checkable
+class Skilled(Protocol):
+    """A world with skills that are switched on and off [S 3].
+
+    What an activation asks for is a set of skills that are to run together from now
+    on, and the events that are to be told for it. A skill that several activations
+    have with the same arguments runs once, until the last of them is switched off; a
+    `Signal` carries the tickets of all those under which it arose.
+    """
+
+    def activate(
+        self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
+    ) -> Refused | None:
+        """Switch skills on, all at once; no time passes.
+
+        Args:
+            ticket: the number of the activation from now on.
+            skills: what is to run, `(:name argument...)`, items by sensor name.
+            events: the names of the events to be told, with their colons.
+
+        Returns:
+            None, or why nothing was switched on.
+        """
+
+    def deactivate(self, ticket: int) -> None:
+        """Switch off what only this activation has; no time passes.
+
+        What it has not told by now it never tells.
+        """
 
 
 @runtime_checkable

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rapc.compiler.compiler import Compiler
 from rapc.compiler.rap_plan import RapPlan
+from rapc.compiler.rules import EventRulePlan, event_rules
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 
@@ -21,6 +22,7 @@ class Program:
         self.name = name
         self._compiler = Compiler(library)
         self._plans: dict[str, RapPlan] = {}
+        self._event_rules: tuple[EventRulePlan, ...] | None = None
 
     @property
     def signatures(self) -> Signatures:
@@ -31,6 +33,18 @@ class Program:
     def compiler(self) -> Compiler:
         """For compiling what comes later: methods of problem solvers."""
         return self._compiler
+
+    @property
+    def event_rules(self) -> tuple[EventRulePlan, ...]:
+        """The rules of no RAP, compiled the first time they are asked for."""
+        if self._event_rules is None:
+            self._event_rules = event_rules(self._compiler)
+        return self._event_rules
+
+    @property
+    def hears_events(self) -> bool:
+        """Whether any RAP has a rule for signals."""
+        return any(rule.when == "event" for rule in self.library.memory_rules)
 
     def rap(self, name: str) -> RapPlan | None:
         """The plan of a RAP, compiled the first time it is asked for."""

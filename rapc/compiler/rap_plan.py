@@ -6,12 +6,17 @@ Everything keeps its IR node, so that what happens at run time can point at sour
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from rapc.base.source import Span
+from rapc.compiler.activation import ActivationPlan, activation_of
 from rapc.compiler.compiler import Compiler, RequestPlan, variables_of
 from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, steps_using
 from rapc.compiler.query.formulas import watches
 from rapc.compiler.query.named import parts_of
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
+from rapc.compiler.rules import memory_rules
 from rapc.compiler.things import ThingPlan, things_of
 from rapc.compiler.watches import ANYTHING, Watch
 from rapc.ir import nodes
@@ -21,7 +26,9 @@ class MethodPlan:
     """A method of a RAP, ready to be chosen and carried out."""
 
     __slots__ = (
+        "activation",
         "binds",
+        "can_be_undone",
         "choice",
         "computes",
         "conditions",
@@ -54,13 +61,10 @@ class MethodPlan:
         context = _without_otherwise(node.context)
         #: Whether the context asks that no method before this one holds.
         self.otherwise = context is not node.context
-        parts = [f for f in (rap.repeat_while, context) if f is not None]
         #: `repeat-while` and context, `otherwise` left out of it, as one query.
-        self.choice: Query | None = None
-        if parts:
-            formula = parts[0] if len(parts) == 1 else nodes.And(tuple(parts))
-            what = f"context of method `{self.name}`"
-            self.choice = compiler.query(formula, what, node.span)
+        self.choice = _choice(
+            compiler, (rap.repeat_while, context), self.name, node.span
+        )
         #: What must hold of all tasks below while the method is under way.
         self.constraints: Query | None = None
         if node.constraints is not None:
@@ -75,24 +79,32 @@ class MethodPlan:
             self.request = compiler.assertion(node.body.request, "primitive")
         elif isinstance(node.body, nodes.TaskNet):
             self.steps = steps_of(compiler, node.body)
+        #: The skills that it switches on.
+        self.activation: ActivationPlan | None = activation_of(compiler, node)
         #: What it asks for before it starts.
         self.things: tuple[ThingPlan, ...] = things_of(compiler, node)
+        #: Whether its start may be put back, as if it had never been chosen.
+        self.can_be_undone = bool(
+            self.request is not None or self.activation is not None or self.things
+        )
         #: The positions of the steps whose inputs or windows use a variable.
         self.steps_by_variable = steps_using(self.steps)
         #: The RAPs that the steps ask for, once they have been looked up.
         self.raps: tuple[RapPlan, ...] = ()
         #: Whether steps may add to the environment of the method.
         self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
+        self.binds |= self.activation is not None and bool(self.activation.waits)
         self.size = len(self.steps)
         #: Whether any step has `for` formulas put on it.
         self.conditions = any(step.conditions for step in self.steps)
         #: Whether inputs of steps are computed.
         self.computes = any(step.computes for step in self.steps)
-        windows = [window for step in self.steps for window in step.windows]
-        self.tracks_step_ends = any(
-            isinstance(window.reference, int) for window in windows
+        #: Whether anything depends on how and when steps have ended.
+        self.tracks_step_ends = any(step.until for step in self.steps) or any(
+            isinstance(window.reference, int)
+            for step in self.steps
+            for window in step.windows
         )
-        self.tracks_step_ends |= any(step.until for step in self.steps)
 
 
 class RapPlan:
@@ -103,6 +115,8 @@ class RapPlan:
         "conditional",
         "constraints",
         "duration",
+        "event_rules",
+        "finish_rules",
         "identity",
         "inputs",
         "methods",
@@ -124,6 +138,7 @@ class RapPlan:
         "static_identity",
         "steady",
         "succeed",
+        "tells_end",
         "watches",
     )
 
@@ -153,6 +168,11 @@ class RapPlan:
             self.watches = watches(node.monitor_state, compiler.signatures)
         #: Whether constraints depend on memory, resources and the clock alone.
         self.steady = _steady(compiler, node.constraints)
+        #: The rules that run when a task of it ends, and when a signal comes.
+        self.finish_rules = memory_rules(compiler, node.name, "finish")
+        self.event_rules = memory_rules(compiler, node.name, "event")
+        #: Whether its success means more than that a step has ended.
+        self.tells_end = bool(self.outputs or self.finish_rules)
         self.monitor_time: WindowPlan | None = None
         if node.monitor_time is not None:
             time = node.monitor_time
@@ -161,12 +181,7 @@ class RapPlan:
             self.monitor_time = WindowPlan(time.reference, start, stop)
         where = compiler.place("duration", node.span)
         self.duration = TermValue(node.duration, where) if node.duration else None
-        self.resources = tuple(
-            (r, TermValue(r.initial, compiler.place("resources", r.span)))
-            if r.initial is not None
-            else (r, None)
-            for r in node.resources
-        )
+        self.resources = _resources(compiler, node)
         self.prepared_from = _used(node)
         #: Whether there is a monitor clause.
         self.monitored = bool(node.monitor_state or node.monitor_time)
@@ -187,6 +202,32 @@ class RapPlan:
         single = len(self.methods) == 1 and node.repeat_while is None
         #: The one method, if there is one and no `repeat-while`.
         self.sole_method = self.methods[0] if single else None
+
+
+def _resources(
+    compiler: Compiler, node: nodes.DefineRap
+) -> tuple[tuple[nodes.Resource, TermValue | None], ...]:
+    """Return the resources of a RAP, each with its first value if one is given."""
+    return tuple(
+        (r, TermValue(r.initial, compiler.place("resources", r.span)))
+        if r.initial is not None
+        else (r, None)
+        for r in node.resources
+    )
+
+
+def _choice(
+    compiler: Compiler,
+    formulas: Sequence[nodes.Formula | None],
+    method: str,
+    span: Span,
+) -> Query | None:
+    """Return the conjunction of those formulas of a method that are there."""
+    parts = [formula for formula in formulas if formula is not None]
+    if not parts:
+        return None
+    formula = parts[0] if len(parts) == 1 else nodes.And(tuple(parts))
+    return compiler.query(formula, f"context of method `{method}`", span)
 
 
 def _without_otherwise(context: nodes.Formula | None) -> nodes.Formula | None:

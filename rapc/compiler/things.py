@@ -1,7 +1,7 @@
 """What a method asks for before it starts: things it uses and things it claims.
 
-What its request uses is said where the primitive is declared; the terms of the request
-stand for the variables of the declaration.
+What its request or its skills use is said where the primitive or the skill is declared;
+the terms of the request stand for the variables of the declaration.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class ThingPlan:
 
 def things_of(compiler: Compiler, method: nodes.Method) -> tuple[ThingPlan, ...]:
     """Return what `method` asks for: what its request uses, then what it claims."""
-    found = [(thing, True) for thing in _used(compiler, method.body)]
+    found = [(thing, True) for thing in _used(compiler, method)]
     found += [(thing, False) for thing in method.claims]
     return tuple(
         [
@@ -34,19 +34,31 @@ def things_of(compiler: Compiler, method: nodes.Method) -> tuple[ThingPlan, ...]
     )
 
 
-def _used(compiler: Compiler, body: nodes.Body) -> Iterator[nodes.Thing]:
-    """Yield what the request of a method uses, in the order of its declaration."""
-    if not isinstance(body, nodes.Primitive):
-        return
-    request = body.request
-    declared = compiler.library.primitives.get(request.name)
-    if declared is None:
-        return
-    names = [arg.variable.name for arg in declared.args]
-    given = dict(zip(names, request.args, strict=False))
-    for thing in declared.uses:
-        args = [_filled_in(arg, given) for arg in thing.args]
-        yield nodes.Thing(thing.name, tuple(args), thing.span)
+def _used(compiler: Compiler, method: nodes.Method) -> Iterator[nodes.Thing]:
+    """Yield what the request or the skills of a method use, as they are declared."""
+    for asked in _asked(method):
+        library = compiler.library
+        declared: nodes.DeclarePrimitive | nodes.DeclareSkill | None
+        if isinstance(asked, nodes.Skill):
+            declared = library.skills.get(asked.name)
+        else:
+            declared = library.primitives.get(asked.name)
+        if declared is None:
+            continue
+        names = [arg.variable.name for arg in declared.args]
+        given = dict(zip(names, asked.args, strict=False))
+        for thing in declared.uses:
+            args = [_filled_in(arg, given) for arg in thing.args]
+            yield nodes.Thing(thing.name, tuple(args), thing.span)
+
+
+def _asked(method: nodes.Method) -> tuple[nodes.Pattern, ...]:
+    """Return what a method asks of the world: a request, or skills."""
+    if isinstance(method.body, nodes.Primitive):
+        return (method.body.request,)
+    if isinstance(method.body, nodes.Skills):
+        return method.body.enable
+    return method.skills
 
 
 def _filled_in(term: nodes.Term, given: Mapping[str, nodes.Term]) -> nodes.Term:

@@ -654,6 +654,7 @@ class ScriptRow(Node, frozen=True, eq=False):
 
     `request` may hold variables; with `kind` `enable` or `disable` its name is that of
     a skill. `after` is None for an atomic primitive, `times` for a row without limit.
+    `pauses` are the waits before each of the `signals`.
     """
 
     kind: RowKind
@@ -667,6 +668,9 @@ class ScriptRow(Node, frozen=True, eq=False):
     data: tuple[Datum, ...]
     signals: tuple[Signal, ...]
     refused: bool
+    pauses: tuple[Number, ...] = ()
+    #: How long after a skill has told its signals it tells them again; None: never.
+    every: Number | None = None
     span: Span = NOWHERE
 
 

@@ -112,6 +112,11 @@ KEYS: Mapping[str, tuple[str, ...]] = {
         "task",
         "what",
     ),
+    "rule-run": (
+        "task",
+        "what",
+        "at",
+    ),
     "run-ended": (
         "reason",
         "because",
@@ -129,6 +134,14 @@ KEYS: Mapping[str, tuple[str, ...]] = {
         "faults",
     ),
     "signal": (
+        "task",
+        "what",
+    ),
+    "skill-disabled": (
+        "task",
+        "what",
+    ),
+    "skill-enabled": (
         "task",
         "what",
     ),

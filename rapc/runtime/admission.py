@@ -1,7 +1,7 @@
 """What cannot be run, said before the first cycle rather than found out in a run.
 
-A world that lacks what a library declares, callables that nobody registered, and
-parts of the language whose behaviour this version does not have yet.
+A world that lacks what a library declares, callables that nobody registered, goals
+that no RAP serves.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from rapc.library.library import Library
 from rapc.library.signatures import CONSTANT_DEFAULTS, Signatures, Use
 from rapc.runtime.authors import (
     PORT,
+    SKILLED,
     Named,
     is_fact,
     misfits,
     wrong,
 )
-from rapc.world import World
+from rapc.world import Skilled, World
 
 _Offered = (
     nodes.DeclarePrimitive
@@ -45,16 +46,17 @@ def refusals(
         *_untellable(library, program.signatures, world),
         *_unregistered(library, functions),
         *_uncompared(library, comparators),
-        *_unsupported(library),
+        *_unskilled(library, world),
     ]
 
 
 def misfitting(program: Program, world: World, code: Mapping[str, Named]) -> list[str]:
     """Return a line for each part of an author's code that takes other arguments."""
-    port = {name: getattr(world, name) for name in PORT}
+    methods = {**PORT, **(SKILLED if isinstance(world, Skilled) else {})}
+    port = {name: getattr(world, name) for name in methods}
     found = [
         line
-        for name, given in PORT.items()
+        for name, given in methods.items()
         for line in misfits(f"the world `{world.name}`:", {name: port[name]}, given)
     ]
     counts = (
@@ -157,16 +159,17 @@ def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator
             yield f"{place}no comparator is registered as `{name}`"
 
 
-def _unsupported(library: Library) -> Iterator[str]:
-    """Declarations that would change how all tasks run, and do not yet."""
-    found = [("a memory rule", rule.span) for rule in library.memory_rules]
-    found += [("an event rule", rule.span) for rule in library.event_rules]
-    for what, span in found:
-        yield f"{_place(library, span)}{what} cannot be run yet"
+def _unskilled(library: Library, world: World) -> Iterator[str]:
+    """Yield why skills cannot be switched on in a world that offers some."""
+    if library.skills and not isinstance(world, Skilled):
+        yield (
+            f"the world `{world.name}` cannot switch skills on and off: it lacks "
+            "`activate` or `deactivate`"
+        )
 
 
 def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
-    """Refuse goals that no RAP serves or that can reach what cannot be run yet.
+    """Refuse goals that no RAP serves, or that reach a step which none serves.
 
     Raises:
         RefusedError: with one line for each thing found.
@@ -207,19 +210,14 @@ def refuse_extension(old: Library, new: Library) -> None:
 
 
 def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
-    """What a task of a RAP can reach that cannot be run yet, with its place."""
+    """Yield the goals that a task of a RAP can reach and no RAP serves, with places."""
     seen = {root.name}
     stack = [root]
     while stack:
         rap = stack.pop()
         for method in rap.methods:
             body = method.body
-            for what, part in _parts(method):
-                if part:
-                    yield _cannot(library, rap, what, method)
-            if isinstance(body, nodes.Skills):
-                yield _cannot(library, rap, "a primitive that enables skills", body)
-            elif isinstance(body, nodes.TaskNet):
+            if isinstance(body, nodes.TaskNet):
                 for step in body.steps:
                     below = library.raps.get(step.goal.name)
                     if below is None:
@@ -228,16 +226,6 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
                     elif below.name not in seen:
                         seen.add(below.name)
                         stack.append(below)
-
-
-def _parts(method: nodes.Method) -> Iterator[tuple[str, object]]:
-    """The parts of a method that cannot be run yet, where there are any."""
-    yield "a method with skills", method.skills
-
-
-def _cannot(library: Library, rap: nodes.DefineRap, what: str, node: nodes.Node) -> str:
-    span: Span = getattr(node, "span", rap.span)
-    return f"{_place(library, span)}{what} in `{rap.name}` cannot be run yet"
 
 
 def _place(library: Library, span: Span) -> str:

@@ -17,7 +17,7 @@ from types import CodeType, FrameType, FunctionType, MethodType
 from typing import NoReturn, TypeGuard
 
 from rapc.errors import PortError
-from rapc.world import Refused, Reply, Text, World
+from rapc.world import Refused, Reply, Signal, Text, World
 
 Named = Mapping[str, Callable[..., object]]
 """Python code by the name under which a library knows it."""
@@ -36,6 +36,9 @@ PORT = {
     "cancel": 1,
 }
 """How many arguments the methods of a world are called with."""
+
+SKILLED = {"activate": 3, "deactivate": 1}
+"""Those of a world with skills."""
 
 
 # --- beforehand -----------------------------------------------------------------------
@@ -206,6 +209,12 @@ def is_refusal(value: object) -> TypeGuard[Refused]:
     if type(value) is not Refused or not isinstance(value.conflicts, tuple | list):
         return False
     return all(type(ticket) is int for ticket in value.conflicts)
+
+
+def is_signal(value: Signal) -> bool:
+    """Whether a signal is a fact with the tickets under which it arose."""
+    whole = is_fact(value.content) and isinstance(value.tickets, tuple | list)
+    return whole and all(type(ticket) is int for ticket in value.tickets)
 
 
 def is_time(value: object) -> bool:

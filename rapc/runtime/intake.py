@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.runtime.acts.primitives import handle, take_reply
+from rapc.runtime.acts.primitives import handle, named, take_reply
 from rapc.runtime.authors import breach, wrong
 from rapc.runtime.events.events import DataReceived
 from rapc.runtime.machine import Machine
@@ -24,6 +24,7 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         PortError: as `finish`.
     """
     others: list[Message] = []
+    gone = tuple(machine.state.activations.off)
     if not isinstance(messages, tuple | list):
         raise wrong(machine.world, "messages", "what `messages` returns", messages)
     for message in messages:
@@ -35,12 +36,14 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         machine.port.check_message(message)
         if isinstance(message, Datum):
             with machine.access.batch():
-                named = handle(machine, message.content)
-            named = machine.memory.canonical(named)
+                fact = handle(machine, message.content)
+            fact = machine.memory.canonical(fact)
             if machine.recorder.on:
-                machine.recorder.emit(DataReceived, data=named)
+                machine.recorder.emit(DataReceived, data=fact)
         elif isinstance(message, Signal):
-            signal(machine, message.content)
+            signal(machine, named(machine, message.content), message.tickets)
+    if gone:
+        machine.state.activations.forget(gone)
 
 
 def finish(machine: Machine, ticket: int, reply: Reply) -> None:

@@ -16,7 +16,14 @@ from rapc.ir.nodes import Argument
 from rapc.library.kinds import misfits, said_of
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures, Use
-from rapc.runtime.authors import breach, is_fact, is_reply, place_of, wrong
+from rapc.runtime.authors import (
+    breach,
+    is_fact,
+    is_reply,
+    is_signal,
+    place_of,
+    wrong,
+)
 from rapc.world import (
     Datum,
     Finished,
@@ -150,7 +157,7 @@ class Port:
         """
         if isinstance(message, Datum) and is_fact(message.content):
             self.check_datum(message.content)
-        elif isinstance(message, Signal) and is_fact(message.content):
+        elif isinstance(message, Signal) and is_signal(message):
             self._check_fact("event", message.content, "messages")
         elif not isinstance(message, Finished):
             raise wrong(self._world, "messages", "a message", message)

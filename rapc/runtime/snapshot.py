@@ -9,12 +9,13 @@ from typing import Any
 
 import msgspec
 
-from rapc.base.values import Fact, format_list, number
+from rapc.base.values import format_list, number
+from rapc.ir.printer import format_formula
 from rapc.runtime.events.events import Goal, RunStarted, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.circles import circles
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
-from rapc.runtime.state.task import Task, TopLevelTask
+from rapc.runtime.state.task import MethodRun, Task, TopLevelTask
 from rapc.runtime.state.things import Hold, ThingWait, words
 from rapc.world import OKAY, Time
 
@@ -72,8 +73,8 @@ def _entry(machine: Machine, task: Task) -> AgendaEntry:
 
 def _obstacle(machine: Machine, task: Task) -> str:
     if task.run is not None:
-        request = _request(machine, task)
-        return "its method" if request is None else format_list(request)
+        awaited = _under_way(machine, task.run)
+        return "its method" if awaited is None else awaited
     if task.wait is not None and task.wait.awaits_signal:
         return task.wait.blocked_on
     if task.waiting:
@@ -152,16 +153,21 @@ def waiting(machine: Machine) -> tuple[str, ...]:
 
 def _is_told(machine: Machine, task: Task) -> bool:
     if task.run is not None:
-        return _request(machine, task) is not None
+        return _under_way(machine, task.run) is not None
     return not task.waiting or (task.wait is not None and task.wait.awaits_signal)
 
 
-def _request(machine: Machine, task: Task) -> Fact | None:
-    """Return the request that a task has under way, if it has one."""
-    ticket = None if task.run is None else task.run.ticket
-    if ticket is None or ticket not in machine.state.pending:
+def _under_way(machine: Machine, run: MethodRun) -> str | None:
+    """Return the request, or the signals, by which a method will end, if there are."""
+    ticket = run.ticket
+    if ticket is None:
         return None
-    return machine.state.pending[ticket][1]
+    if ticket in machine.state.pending:
+        return format_list(machine.state.pending[ticket][1])
+    plan = run.plan.activation
+    if plan is None or plan.background:
+        return None
+    return " or ".join(format_formula(wait.pattern, run.env) for wait in plan.waits)
 
 
 def _awaited(machine: Machine, task: Task) -> str:

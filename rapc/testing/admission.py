@@ -92,8 +92,31 @@ def method_names(rap: nodes.DefineRap) -> list[str]:
 
 def _row(row: nodes.ScriptRow, handled: Collection[str]) -> Iterator[Problem]:
     if row.kind != "request":
-        yield Problem(row.span, "skills cannot be run yet")
+        yield from _of_skill(row)
+    elif row.every is not None or row.pauses:
+        message = "only a skill tells signals with waits between them, or again"
+        yield Problem(row.span, message)
     for datum in row.data:
         if datum.name not in handled:
             message = f"there is no handler for the datum `{datum.name}`"
             yield Problem(datum.span, message)
+
+
+def _of_skill(row: nodes.ScriptRow) -> Iterator[Problem]:
+    """Yield what a row of a skill says that only a request can do."""
+    off = row.kind == "disable"
+    given = (
+        ("a result", row.result),
+        ("`:takes`", row.takes),
+        ("`:data`", row.data),
+        ("`:after`", off and row.after is not None),
+        ("`:every`", off and row.every),
+        ("`:refused`", off and row.refused),
+        ("a wait between signals", off and row.pauses),
+    )
+    for what, said in given:
+        if said:
+            word = "goes off" if off else "is enabled"
+            yield Problem(
+                row.span, f"a skill that {word} has no {what.removeprefix('a ')}"
+            )

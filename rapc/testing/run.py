@@ -330,4 +330,7 @@ def row_of(row: nodes.ScriptRow) -> Row:
         data=tuple(map(flat, row.data)),
         signals=tuple(map(flat, row.signals)),
         refused=row.refused,
+        kind=row.kind,
+        pauses=row.pauses,
+        every=row.every,
     )

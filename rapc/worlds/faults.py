@@ -15,7 +15,17 @@ import msgspec
 
 from rapc.base.values import Fact, match, number
 from rapc.library.signatures import Signatures
-from rapc.world import Drawable, Message, Refused, Reply, Savable, Time, Timed, World
+from rapc.world import (
+    Drawable,
+    Message,
+    Refused,
+    Reply,
+    Savable,
+    Skilled,
+    Time,
+    Timed,
+    World,
+)
 from rapc.worlds.streams import Stream, stream_in, stream_state
 
 
@@ -84,6 +94,8 @@ class FaultyWorld(World):
             self.picture = world.picture
         if isinstance(world, Timed):
             self.usual_time = world.usual_time
+        if isinstance(world, Skilled):
+            self.activate, self.deactivate = world.activate, world.deactivate
         if isinstance(world, Savable):
             self._behind = world
             self.save, self.restore = self._save, self._restore

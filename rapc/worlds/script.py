@@ -8,7 +8,7 @@ not used up answers it, and its variables serve its effects. Symbols that begin 
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from typing import Protocol
+from typing import Literal, Protocol
 
 import msgspec
 
@@ -34,6 +34,10 @@ class Row(msgspec.Struct, frozen=True):
         signals: signals sent with the result.
         refused: whether instead the request is refused, as in conflict with all that
             are under way.
+        kind: whether it is a request, or a skill that goes on (`enable`) or off.
+        pauses: how long each of the signals of a skill waits for the one before it;
+            none: they come at once.
+        every: how long after its signals a skill tells them again; None: never.
     """
 
     pattern: Fact
@@ -46,6 +50,13 @@ class Row(msgspec.Struct, frozen=True):
     data: tuple[Fact, ...] = ()
     signals: tuple[Fact, ...] = ()
     refused: bool = False
+    kind: Literal["request", "enable", "disable"] = "request"
+    pauses: tuple[Time, ...] = ()
+    every: Time | None = None
+
+    def pause(self, at: int) -> Time:
+        """Return how long the signal `at` waits for the one before it."""
+        return self.pauses[at] if self.pauses else 0
 
 
 class At(msgspec.Struct, frozen=True):
@@ -114,6 +125,8 @@ def mentioned(rows: Sequence[Row], at: Sequence[At]) -> Offer:
     arity: dict[str, int] = {}
     for row in rows:
         name = str(row.pattern[0])
+        if row.kind != "request":
+            continue
         arity.setdefault(name, len(row.pattern) - 1)
         results.setdefault(name, {OKAY: None})[row.result] = None
     signals = [signal for row in rows for signal in row.signals]
@@ -121,6 +134,7 @@ def mentioned(rows: Sequence[Row], at: Sequence[At]) -> Offer:
     return Offer(
         primitives={name: (arity[name], tuple(results[name])) for name in results},
         data=_arities(datum for row in rows for datum in row.data),
+        skills=_arities(row.pattern for row in rows if row.kind != "request"),
         events=_arities(signals),
     )
 
@@ -154,10 +168,13 @@ def _row_problems(
     row: Row, signatures: Signatures, handled: Container[str]
 ) -> Iterator[object]:
     """Yield what is wrong with a row of a script."""
-    yield from _faults(signatures, "primitive", [row.pattern])
-    no_result = signatures.no_result(str(row.pattern[0]), row.result)
-    if no_result is not None:
-        yield no_result
+    if row.kind == "request":
+        yield from _faults(signatures, "primitive", [row.pattern])
+        no_result = signatures.no_result(str(row.pattern[0]), row.result)
+        if no_result is not None:
+            yield no_result
+    else:
+        yield from _faults(signatures, "skill", [row.pattern])
     yield from _unbound(
         (*row.asserts, *row.erases, *row.data, *row.signals), row.pattern
     )

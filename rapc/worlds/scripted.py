@@ -6,7 +6,7 @@ with the result it belongs to. What a row may say is in `rapc.worlds.script`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import msgspec
 
@@ -51,12 +51,23 @@ class UnansweredRequest(Error):
 
 
 class _Due(msgspec.Struct, frozen=True):
-    """Something to come: an entry of `at`, or the end of the primitive of a row."""
+    """Something to come: an entry of `at`, the end of a primitive, or of a skill."""
 
     time: Time
     entry: At | None = None
+    #: The row of a primitive that ends, or of a skill that is on.
     row: Row | None = None
     ticket: int = 0
+    #: The skill that has something to tell, and which of its signals it is.
+    skill: Fact | None = None
+    signal: int = 0
+
+
+class _On(msgspec.Struct):
+    """A skill that is on, and the activations that have it, the oldest first."""
+
+    skill: Fact
+    tickets: list[int]
 
 
 class _Sent(msgspec.Struct, frozen=True):
@@ -97,6 +108,8 @@ class _State(msgspec.Struct):
     before: list[At] = []
     #: The row that has just answered, its handler not yet run.
     answered: Row | None = None
+    #: The skills that are on, in the order in which they came on.
+    on: list[_On] = []
 
 
 class ScriptedWorld(World):
@@ -151,7 +164,7 @@ class ScriptedWorld(World):
         """
         state, row = self._state, self._answer(request)
         if row.refused:
-            return Refused(tuple([due.ticket for due in state.coming if due.row]))
+            return Refused(self._under_way())
         end = number(state.now + row.takes)
         if row.after is not None:
             due = _Due(number(end + row.after), row=row, ticket=ticket)
@@ -162,7 +175,7 @@ class ScriptedWorld(World):
         self.advance(end)
         state.before, state.entries = state.entries, []
         state.sent = [m for m in state.sent if m != _ENTRY]
-        state.sent += (_Sent(signal=Signal(content)) for content in row.signals)
+        self._send(row.signals)
         state.answered = row
         return Reply(row.result, row.data)
 
@@ -170,8 +183,104 @@ class ScriptedWorld(World):
         """Let what a row has not done for a request never be done."""
         state = self._state
         state.coming = [
-            due for due in state.coming if due.row is None or due.ticket != ticket
+            due
+            for due in state.coming
+            if due.row is None or due.skill is not None or due.ticket != ticket
         ]
+
+    # --- skills -------------------------------------------------------------------
+
+    def activate(
+        self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
+    ) -> Refused | None:
+        """Switch skills on; each does what the first row for it says that matches.
+
+        One that is on already goes on as it is. No row is needed.
+        """
+        state = self._state
+        coming = [skill for skill in skills if self._found(skill) is None]
+        found = {skill: self._answering("enable", skill) for skill in coming}
+        for index in found.values():
+            if index is not None and self._rows[index].refused:
+                state.used[index] += 1
+                return Refused(self._under_way())
+        for skill in dict.fromkeys(skills):
+            on = self._found(skill)
+            if on is None:
+                on = _On(skill, [])
+                state.on.append(on)
+                self._start(skill, found[skill])
+            on.tickets.append(ticket)
+        return None
+
+    def _under_way(self) -> tuple[int, ...]:
+        """Return the tickets of all requests and activations under way."""
+        state = self._state
+        requests = [due.ticket for due in state.coming if due.row and not due.skill]
+        return (*requests, *sorted({t for on in state.on for t in on.tickets}))
+
+    def _found(self, skill: Fact) -> _On | None:
+        return next((on for on in self._state.on if on.skill == skill), None)
+
+    def _start(self, skill: Fact, index: int | None) -> None:
+        """Let a skill have to tell, from now on, what its row says."""
+        if index is None:
+            return
+        self._state.used[index] += 1
+        row = fill(self._rows[index], match(self._rows[index].pattern, skill) or {})
+        self._tell_later(_Due(0, row=row, skill=skill), row.after or 0)
+
+    def _tell_later(self, due: _Due, wait: Time) -> None:
+        """Let a skill tell a signal of its row after a wait, and its pause."""
+        state, row = self._state, due.row
+        assert row is not None
+        pause = row.pause(due.signal) if row.signals else 0
+        time = number(state.now + wait + pause)
+        state.coming.append(msgspec.structs.replace(due, time=time))
+        state.coming.sort(key=_time)
+
+    def deactivate(self, ticket: int) -> None:
+        """Switch off the skills that only this activation has."""
+        state = self._state
+        for on in [on for on in state.on if ticket in on.tickets]:
+            on.tickets.remove(ticket)
+            if on.tickets:
+                continue
+            state.on.remove(on)
+            state.coming = [due for due in state.coming if due.skill != on.skill]
+            index = self._answering("disable", on.skill)
+            if index is not None:
+                state.used[index] += 1
+                bound = match(self._rows[index].pattern, on.skill) or {}
+                row = fill(self._rows[index], bound)
+                self._change_memory(row)
+                self._send(row.signals, (ticket,))
+
+    def _tell(self, due: _Due) -> None:
+        """A skill tells the signal that is due, and will tell the next one."""
+        row, on = due.row, self._found(due.skill or ())
+        if row is None or on is None:
+            return
+        if due.signal == 0:
+            self._change_memory(row)
+        self._send(row.signals[due.signal : due.signal + 1], tuple(on.tickets))
+        if due.signal + 1 < len(row.signals):
+            self._tell_later(msgspec.structs.replace(due, signal=due.signal + 1), 0)
+        elif row.every is not None:
+            self._tell_later(msgspec.structs.replace(due, signal=0), row.every)
+
+    def _change_memory(self, row: Row) -> None:
+        """Have the handler of entries do what a row does to memory."""
+        state = self._state
+        if row.asserts or row.erases:
+            state.entries.append(At(state.now, row.asserts, row.erases))
+            state.sent.append(_ENTRY)
+
+    def _send(self, signals: Iterable[Fact], tickets: tuple[int, ...] = ()) -> None:
+        sent = self._state.sent
+        sent += (_Sent(signal=Signal(content, tickets)) for content in signals)
+
+    # --- time ---------------------------------------------------------------------
 
     def usual_time(self, request: Fact) -> Time:
         """Return how long the row that would answer holds the robot; 0 without one."""
@@ -179,7 +288,9 @@ class ScriptedWorld(World):
         answers = (
             row.takes
             for row, used in rows
-            if used != row.times and match(row.pattern, request) is not None
+            if row.kind == "request"
+            and used != row.times
+            and match(row.pattern, request) is not None
         )
         return next(answers, 0)
 
@@ -198,6 +309,10 @@ class ScriptedWorld(World):
         while state.coming and state.coming[0].time <= to:
             due = state.coming.pop(0)
             signals: tuple[Fact, ...] = ()
+            if due.skill is not None:
+                state.now = max(state.now, due.time)
+                self._tell(due)
+                continue
             if due.entry is not None:
                 signals = due.entry.signals
                 state.entries.append(due.entry)
@@ -207,7 +322,7 @@ class ScriptedWorld(World):
                 state.ends.append(due.row)
                 reply = Reply(due.row.result, due.row.data)
                 state.sent.append(_Sent(finished=Finished(due.ticket, reply)))
-            state.sent += (_Sent(signal=Signal(content)) for content in signals)
+            self._send(signals)
         state.now = max(state.now, to)
 
     def messages(self) -> Sequence[Message]:
@@ -239,14 +354,21 @@ class ScriptedWorld(World):
         self._state = saved
 
     def _answer(self, request: Fact) -> Row:
+        index = self._answering("request", request)
+        if index is None:
+            raise UnansweredRequest(request)
+        self._state.used[index] += 1
+        row = self._rows[index]
+        return fill(row, match(row.pattern, request) or {})
+
+    def _answering(self, kind: str, asked: Fact) -> int | None:
+        """Return the first row of a kind that matches and is not used up."""
         used = self._state.used
         for index, row in enumerate(self._rows):
-            bound = match(row.pattern, request)
-            if bound is None or used[index] == row.times:
-                continue
-            used[index] += 1
-            return fill(row, bound)
-        raise UnansweredRequest(request)
+            free = row.kind == kind and used[index] != row.times
+            if free and match(row.pattern, asked) is not None:
+                return index
+        return None
 
     def _handle_result(self, memory: HandlerMemory, _: Fact, __: str) -> None:
         """Handle the answer just given and what came before it, else the next end told.

@@ -7,13 +7,14 @@ import math
 import pytest
 
 from rapc.base.values import Text
+from rapc.world import Refused
 from rapc.worlds.hallway.channels import DRIVE, TRAJECTORY
 from rapc.worlds.hallway.map import read_map
 from rapc.worlds.hallway.simulation import Settings
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Request
 from rapc.worlds.skills.drawing import draw
-from rapc.worlds.skills.runtime import Refused, Told
+from rapc.worlds.skills.runtime import Told
 from tests.hallway.driver import (
     FOLLOW_HALL,
     STILL,
@@ -75,10 +76,10 @@ def test_two_movements_are_in_conflict() -> None:
     sign = driver.sim.sign_of("lab-door", "lab")
     refused = driver.sim.runtime.activate(99, [to_landmark(sign)], [])
     assert refused is not None
-    assert refused.tickets == (one,)
+    assert refused.conflicts == (one,)
     backing = driver.sim.runtime.activate(98, [Request("back-off", (0.2,))], [])
     assert isinstance(backing, Refused)
-    assert backing.tickets == (one,)
+    assert backing.conflicts == (one,)
 
 
 @pytest.mark.parametrize("seed", range(6))

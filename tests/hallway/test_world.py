@@ -8,8 +8,9 @@ from random import Random
 import pytest
 
 from rapc.base.values import Atom, Text
+from rapc.world import NOT_KNOWN, Signal
 from rapc.worlds.hallway.map import Map, read_map
-from rapc.worlds.hallway.world import Arisen, HallwayWorld
+from rapc.worlds.hallway.world import HallwayWorld
 from tests.hallway.test_map import SMALL
 
 QUIET: Mapping[str, Atom | bool] = {"doors": 0, "people": 0, "lift": 0, "drift": 0}
@@ -34,7 +35,7 @@ def test_signals_carry_the_activation_they_arose_under() -> None:
     move = (":turn-to", 1)
     assert world.activate(5, [move], [":movement-complete"]) is None
     world.advance(60)
-    assert world.messages() == [Arisen((":movement-complete",), (5,))]
+    assert world.messages() == [Signal((":movement-complete",), (5,))]
     assert 0 < world.now() < 6
 
 
@@ -43,7 +44,7 @@ def test_time_stops_at_the_first_thing_to_send_and_goes_on_from_there() -> None:
     world.activate(1, [(":report-position",)], [":position"])
     times = []
     while world.now() < 3:
-        assert world.next_time() is None
+        assert world.next_time() == NOT_KNOWN
         world.advance(3)
         times.append(world.now())
         world.messages()
@@ -77,7 +78,7 @@ def test_a_conflict_names_the_activation_under_way() -> None:
     world.activate(1, [(":move-in-direction", 0, 3, 0.5)], [])
     refused = world.activate(2, [(":turn-to", 0)], [])
     assert refused is not None
-    assert refused.tickets == (1,)
+    assert refused.conflicts == (1,)
     world.cancel(1)
     assert world.activate(2, [(":turn-to", 0)], []) is None
 
@@ -86,7 +87,7 @@ def test_what_can_never_run_names_nobody() -> None:
     world = _world()
     refused = world.activate(1, [(":move-in-direction", 0, 3, 99)], [])
     assert refused is not None
-    assert refused.tickets == ()
+    assert refused.conflicts == ()
     assert "`speed` must not be above 0.6" in refused.reason
 
 

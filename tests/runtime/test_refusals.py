@@ -11,6 +11,7 @@ from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
+from rapc.world import World
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -31,11 +32,12 @@ def reasons(
     text: str,
     task: str = "",
     functions: Mapping[str, Callable[..., Any]] | None = None,
+    world: World = WORLD,
 ) -> tuple[str, ...]:
     """Why a library, or a task of it, is refused; nothing if it is not."""
     library: Program = compiled(text)
     try:
-        run = Interpreter(library, WORLD, functions=functions)
+        run = Interpreter(library, world, functions=functions)
         if task:
             run.check([read_task_request(task)])
     except RefusedError as refused:
@@ -102,26 +104,33 @@ def test_what_is_there_is_not_refused() -> None:
     assert reasons(text, functions=functions) == ()
 
 
-SKILLS = """
+STEPS = """
 (define-rap (easy) (method (task-net)))
 (define-rap (hard)
   (method (task-net (t1 (middle)))))
 (define-rap (middle)
-  (method (context nil) (task-net (t1 (drive)) (t2 (easy)) (t3 (gone)))))
-(define-rap (drive)
-  (method (primitive (enable (:roll fast)) (wait-for (:bump ?) :succeed))))
+  (method (context nil) (task-net (t1 (easy)) (t2 (hard)) (t3 (gone)))))
 """
 
 
-def test_a_task_is_refused_if_it_can_reach_what_cannot_be_run() -> None:
-    assert reasons(SKILLS, "(easy)") == ()
-    found = reasons(SKILLS, "(hard)")
-    assert len(found) == 2
-    assert any(
-        reason.endswith("a primitive that enables skills in `drive` cannot be run yet")
-        for reason in found
-    )
-    assert "no RAP is called `gone`" in found[0]
+def test_a_task_is_refused_if_it_can_reach_a_step_that_no_rap_serves() -> None:
+    assert reasons(STEPS, "(easy)") == ()
+    assert reasons(STEPS, "(hard)") == ("t.rap:16:63: no RAP is called `gone`",)
+
+
+class Unskilled(ScriptedWorld):
+    """A world that offers skills, and cannot switch them on."""
+
+    name = "unskilled"
+    activate = None  # type: ignore[assignment]
+
+
+def test_skills_are_refused_in_a_world_that_cannot_switch_them_on() -> None:
+    world = Unskilled([Row((":roll", "?x"), kind="enable")])
+    assert (
+        "the world `unskilled` cannot switch skills on and off: it lacks "
+        "`activate` or `deactivate`"
+    ) in reasons("(declare-skill :roll (?x))", world=world)
 
 
 @pytest.mark.parametrize(
@@ -132,4 +141,4 @@ def test_a_task_is_refused_if_it_can_reach_what_cannot_be_run() -> None:
     ],
 )
 def test_a_task_that_no_rap_serves(task: str, reason: str) -> None:
-    assert reasons(SKILLS, task) == (reason,)
+    assert reasons(STEPS, task) == (reason,)

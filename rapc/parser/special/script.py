@@ -47,6 +47,8 @@ def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
         return None
     times, takes, after = (given.get(f":{n}") for n in ("times", "takes", "after"))
     taken = None if takes is None else number(ctx, takes, "a duration")
+    told_signals, pauses = _with_pauses(ctx, given.get(":signals"))
+    every = given.get(":every")
     return nodes.ScriptRow(
         kind=kind,
         request=asked,
@@ -57,8 +59,10 @@ def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
         asserts=told(ctx, _listed(ctx, given, ":asserts"), nodes.Proposition),
         erases=told(ctx, _listed(ctx, given, ":erases"), nodes.Proposition),
         data=told(ctx, _listed(ctx, given, ":data"), nodes.Datum),
-        signals=signals(ctx, _listed(ctx, given, ":signals")),
+        signals=told_signals,
         refused=":refused" in given,
+        pauses=pauses,
+        every=None if every is None else _period(ctx, every),
         span=ctx.span(datum),
     )
 
@@ -86,6 +90,41 @@ def _listed(ctx: Context, given: Mapping[str, Datum], name: str) -> Sequence[Dat
     fix = ctx.wrap(datum, datum, "(", sure=False) if isinstance(datum, List) else None
     ctx.report("malformed-clause", message, datum, fix=fix)
     return ()
+
+
+def _with_pauses(
+    ctx: Context, datum: Datum | None
+) -> tuple[tuple[nodes.Signal, ...], tuple[Number, ...]]:
+    """Return the signals of a row, and how long each waits for the one before it."""
+    if datum is None:
+        return (), ()
+    if not isinstance(datum, List) or not all(
+        isinstance(item, List | Numeral) for item in datum.items
+    ):
+        _listed(ctx, {":signals": datum}, ":signals")
+        return (), ()
+    found: list[nodes.Signal] = []
+    pauses: list[Number] = []
+    pause: Number = 0
+    for item in datum.items:
+        if not isinstance(item, List):
+            pause += number(ctx, item, "a wait before a signal") or 0
+            continue
+        one = plain(ctx, colon(ctx, item, nodes.Signal))
+        if one is not None:
+            found.append(one)
+            pauses.append(pause)
+        pause = 0
+    return tuple(found), tuple(pauses) if any(pauses) else ()
+
+
+def _period(ctx: Context, datum: Datum) -> Number | None:
+    """Return the time between two tellings of a skill, which is more than none."""
+    found = number(ctx, datum, "a duration")
+    if found == 0:
+        ctx.report("malformed-clause", "`:every` takes a time above 0", datum)
+        return None
+    return found
 
 
 # --- shared by the clauses of a test -------------------------------------------------
@@ -121,11 +160,6 @@ def fact(ctx: Context, datum: Datum) -> nodes.Proposition | None:
 def arriving(ctx: Context, datum: Datum) -> nodes.Signal | None:
     """A signal without variables."""
     return _ground(ctx, colon(ctx, datum, nodes.Signal))
-
-
-def signals(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Signal, ...]:
-    """Signals of constants and variables in a row."""
-    return made(plain(ctx, colon(ctx, datum, nodes.Signal)) for datum in data)
 
 
 P = TypeVar("P", bound=nodes.Pattern | nodes.Goal)

@@ -28,8 +28,13 @@ _RESOURCES = (Counter, SetResource)
 
 def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
     """A request or notation filled in; None with an unbound variable or resource."""
-    context, env = machine.context, run.env
-    context.task = run.task
+    machine.context.task = run.task
+    return fill_in(machine, plan, run.env)
+
+
+def fill_in(machine: Machine, plan: RequestPlan, env: Env) -> Fact | None:
+    """Return what `ground` returns, with the bindings `env`; faults are traced."""
+    context = machine.context
     parts: list[Atom] = [plan.name]
     for arg in plan.args:
         value = env.get(arg.name) if arg.name is not None else None
@@ -60,7 +65,7 @@ def filled_in(machine: Machine, task: Task, plan: RequestPlan, env: Env) -> Fact
 def sendable(machine: Machine, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
     """Return a request as it would be sent, or None if it cannot be."""
     asked = filled_in(machine, task, plan, env)
-    return None if asked is None else _sensed(machine.memory.items, asked)
+    return None if asked is None else sensed(machine.memory.items, asked)
 
 
 def request(
@@ -74,7 +79,7 @@ def request(
     asked = ground(machine, run, plan) if plan.args else plan.bare
     sent, items = asked, machine.memory.items
     if asked is not None and (items.known or items.gone):
-        sent = _sensed(items, asked)
+        sent = sensed(items, asked)
     if asked is None or sent is None:
         return INTERFERENCE
     task = run.task
@@ -144,8 +149,8 @@ def cancel(machine: Machine, run: MethodRun) -> None:
     machine.world.cancel(ticket)
 
 
-def _sensed(items: Items, request: Fact) -> Fact | None:
-    """A request with sensor names; None if an item has none now."""
+def sensed(items: Items, request: Fact) -> Fact | None:
+    """Return a request, or a skill, with sensor names; None if an item has none."""
     parts: list[Atom] = [request[0]]
     for part in request[1:]:
         name = items.sensor_of(part) if isinstance(part, str) else part
@@ -183,7 +188,7 @@ def take_reply(
             task=task.number if task is not None else None,
             request=machine.memory.canonical(asked),
             result=result,
-            data=tuple([_named(machine, datum) for datum in reply.data]),
+            data=tuple([named(machine, datum) for datum in reply.data]),
         )
     if task is None or task.run is None:
         return None
@@ -192,8 +197,8 @@ def take_reply(
     return result
 
 
-def _named(machine: Machine, content: Fact) -> Fact:
-    """A datum with memory names for the sensor names that are known."""
+def named(machine: Machine, content: Fact) -> Fact:
+    """Return a datum, or a signal, with memory names for known sensor names."""
     name_of = machine.memory.items.name_of
     name, *parts = content
     return (name, *(name_of(p) if isinstance(p, str) else p for p in parts))
@@ -201,6 +206,6 @@ def _named(machine: Machine, content: Fact) -> Fact:
 
 def handle(machine: Machine, content: Fact) -> Fact:
     """Hand the datum `content` to its handler; return it in memory names."""
-    named = _named(machine, content)
-    machine.handlers.data[str(content[0])](machine.access, named)
-    return named
+    fact = named(machine, content)
+    machine.handlers.data[str(content[0])](machine.access, fact)
+    return fact

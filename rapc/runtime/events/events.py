@@ -240,6 +240,20 @@ class RequestRefused(Event, frozen=True, kw_only=True):
     sent: Fact
 
 
+class SkillEnabled(Event, frozen=True, kw_only=True):
+    """A skill of an activation of `task` is on from now."""
+
+    task: int
+    what: Fact
+
+
+class SkillDisabled(Event, frozen=True, kw_only=True):
+    """A skill of an activation of `task` is wanted no more."""
+
+    task: int
+    what: Fact
+
+
 class DataReceived(Event, frozen=True, kw_only=True):
     """A datum came unasked."""
 
@@ -268,10 +282,21 @@ class ResourceChanged(Event, frozen=True, kw_only=True):
 
 
 class Signal(Event, frozen=True, kw_only=True):
-    """A signal came; `task` is the one it was for, if it was for one alone."""
+    """A signal came; `task` has the oldest activation under which it arose, if any."""
 
     task: int | None
     what: Fact
+
+
+class RuleRun(Event, frozen=True, kw_only=True):
+    """A rule over memory acts, for `what`: a result at the end of `task`, or a signal.
+
+    `at` is where the query and the actions stand, `doors.rap:12`.
+    """
+
+    task: int | None
+    what: str | Fact
+    at: str
 
 
 class QueryFaulted(Event, frozen=True, kw_only=True):

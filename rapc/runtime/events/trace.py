@@ -65,6 +65,10 @@ def _bindings(bindings: Mapping[str, object]) -> dict[str, str]:
     return {name: format_atom(value) for name, value in bindings.items()}
 
 
+def _result_or_signal(what: str | Fact) -> str:
+    return what if isinstance(what, str) else format_list(what)
+
+
 _WORDS: Mapping[type, Sequence[tuple[str, Callable[[Any], Any]]]] = {
     events.MethodChosen: [("bindings", _bindings)],
     events.TaskSucceeded: [("outputs", _bindings)],
@@ -72,6 +76,9 @@ _WORDS: Mapping[type, Sequence[tuple[str, Callable[[Any], Any]]]] = {
     events.PrimitiveEnded: [("request", format_list), ("data", _facts)],
     events.PrimitiveCancelled: [("request", format_list)],
     events.RequestRefused: [("request", format_list), ("sent", format_list)],
+    events.SkillEnabled: [("what", format_list)],
+    events.SkillDisabled: [("what", format_list)],
+    events.RuleRun: [("what", _result_or_signal)],
     events.DataReceived: [("data", format_list)],
     events.FactAsserted: [("fact", format_list)],
     events.FactErased: [("fact", format_list)],
@@ -224,6 +231,13 @@ _LINES: Mapping[type, Callable[[Any], str | None]] = {
     events.RequestRefused: lambda e: (
         f"    ... primitive operation {format_list(e.request)} - refused"
     ),
+    events.SkillEnabled: lambda e: (
+        f"    ... skill {format_list(e.what)} enabled [{e.task}]"
+    ),
+    events.SkillDisabled: lambda e: (
+        f"    ... skill {format_list(e.what)} disabled [{e.task}]"
+    ),
+    events.Signal: lambda e: f"    ... signal {format_list(e.what)}",
     events.TaskWoken: lambda e: f"    ... woken by {e.on} [{e.task}]",
     events.TaskSucceeded: lambda e: f"    ... task accomplished {e.goal} [{e.task}]",
     events.TaskFailed: _failed,

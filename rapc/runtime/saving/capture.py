@@ -14,6 +14,7 @@ from rapc.compiler.watches import WatchKey
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.saving.records import (
+    ActivationRecord,
     AgendaRecord,
     AskRecord,
     CounterRecord,
@@ -80,6 +81,7 @@ def capture(machine: Machine, seed: int, library: str, world: bytes) -> RunRecor
             (ticket, None if task is None else task.number, asked)
             for ticket, (task, asked) in state.pending.items()
         ),
+        activations=_activations(machine),
         listening=tuple(
             (signal, tuple(tasks)) for signal, tasks in state.listening.items() if tasks
         ),
@@ -107,6 +109,18 @@ def _counts(machine: Machine) -> CountsRecord:
         over=state.over,
         reason=state.reason,
     )
+
+
+def _activations(machine: Machine) -> tuple[ActivationRecord, ...]:
+    tables = machine.state.activations
+    found = []
+    for activation in (*tables.on.values(), *tables.off.values()):
+        hearer = activation.hearer()
+        number = None if hearer is None else hearer.number
+        on = activation.run is not None
+        skills = activation.skills
+        found.append(ActivationRecord(activation.ticket, number, skills, on))
+    return tuple(found)
 
 
 def _agenda(machine: Machine) -> AgendaRecord:
@@ -201,7 +215,7 @@ class _Capture:
 
     def _run(self, run: MethodRun) -> MethodRecord:
         ends = run.ends
-        asks = run.plan.request is not None or bool(run.plan.things)
+        asks = run.plan.can_be_undone
         before = run.before if asks else None
         held = self._things.held.get(run.task.number, ())
         return MethodRecord(

@@ -28,6 +28,7 @@ from rapc.runtime.saving.records import (
     TaskRecord,
     WaitRecord,
 )
+from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.run_state import RunState
 from rapc.runtime.state.states import (
     BLOCKED,
@@ -248,6 +249,7 @@ class Rebuilt:
             ticket: (None if number is None else self._live[number], asked)
             for ticket, number, asked in record.pending
         }
+        self._switch_on()
         state.listening = {
             signal: {number: self._live[number] for number in numbers}
             for signal, numbers in record.listening
@@ -257,6 +259,22 @@ class Rebuilt:
         state.idle, state.until = counts.idle, counts.until
         state.past_until, state.started = counts.past_until, counts.started
         state.over, state.reason = counts.over, counts.reason
+
+    def _switch_on(self) -> None:
+        """Have the activations on that were, and those that may still be heard of."""
+        for record in self._record.activations:
+            if record.task is None:
+                continue
+            task = self._live[record.task]
+            run = task.run
+            if not record.on:
+                gone = Activation(record.ticket, task, None, record.skills)
+                self.state.activations.off[record.ticket] = gone
+                continue
+            if run is None or run.plan.activation is None:
+                raise WrongRecordError(f"task {record.task} has nothing switched on")
+            on = Activation(record.ticket, task, run, record.skills)
+            self.state.activations.begin(on)
 
     def _check_numbers(self) -> None:
         """See that all other numbers of tasks are those of live ones."""

@@ -164,6 +164,16 @@ class TopRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     ended: Time | None = None
 
 
+class ActivationRecord(msgspec.Struct, frozen=True, omit_defaults=True):
+    """An `Activation`; `task` hears its signals, None if nobody does any more."""
+
+    ticket: int
+    task: int | None
+    skills: tuple[Fact, ...]
+    #: Whether it is on, for the method that the task is at work on.
+    on: bool = True
+
+
 class AgendaRecord(msgspec.Struct, frozen=True):
     """The agenda: tasks by number."""
 
@@ -230,6 +240,8 @@ class RunRecord(msgspec.Struct, frozen=True):
     scheduled: tuple[tuple[Time, int, TaskRequest], ...]
     #: Requests under way: ticket, task (None once it has left), what was asked.
     pending: tuple[tuple[int, int | None, Fact], ...]
+    #: The activations that are on, then those that went off; each by ticket.
+    activations: tuple[ActivationRecord, ...]
     #: The steps that wait for a signal, by its name.
     listening: tuple[tuple[str, tuple[int, ...]], ...]
     agenda: AgendaRecord

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from rapc.base.values import Fact
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
+from rapc.runtime.state.activations import Activations
 from rapc.runtime.state.task import Task, TopLevelTask
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Time
@@ -19,6 +20,7 @@ class RunState:
     """How far a run has come. Made for a run that has not begun."""
 
     __slots__ = (
+        "activations",
         "active_identities",
         "added_methods",
         "expected",
@@ -56,6 +58,8 @@ class RunState:
         #: Requests under way by ticket: the task, None once it has left, and what
         #: was asked, in memory names.
         self.pending: dict[int, tuple[Task | None, Fact]] = {}
+        #: The skills that are on for methods.
+        self.activations = Activations()
         #: The steps that wait for a signal, by the signal's name and task number.
         self.listening: dict[str, dict[int, Task]] = {}
         #: How many tasks of each identity are at work on a method.

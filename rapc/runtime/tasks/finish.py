@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 from rapc.base.resources import Value
 from rapc.compiler.net_plan import OutputTarget, StepPlan
-from rapc.runtime.acts.primitives import cancel
+from rapc.runtime.acts.activations import call_off, deactivate
 from rapc.runtime.events.events import (
     Cause,
     MethodEnded,
@@ -31,6 +31,7 @@ from rapc.runtime.state.states import (
 from rapc.runtime.state.task import Env, MethodRun, Task, as_told
 from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
+from rapc.runtime.tasks.rules import run_finish_rules
 from rapc.runtime.tasks.start import (
     read_inputs,
     read_windows,
@@ -49,11 +50,12 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     It stands on the agenda no longer.
     """
     step, run = task.step, task.within
-    special = step is None or run is None or step.has_results or task.plan.outputs
+    special = step is None or run is None or step.has_results or task.plan.tells_end
     if special or not machine.fast or step is None or run is None:
         _succeed_with(machine, task, _outputs(task, found))
         return
-    # fast twin of `_succeed_with`: holds when a step has neither outputs nor effects
+    # fast twin of `_succeed_with`: holds when a step has neither outputs nor effects,
+    # and its RAP no rules
     if task.wait is None:
         task.state = ENDED
     else:
@@ -86,6 +88,8 @@ def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
     machine.state.succeeded += 1
     if machine.recorder.on:
         _tell_success(machine, task, outputs)
+    if task.plan.finish_rules:
+        run_finish_rules(machine, task, OKAY, outputs)
     if step is None or run is None:
         return
     run.env.update(bound)
@@ -276,6 +280,8 @@ def fail(
             result=result,
             because=because,
         )
+    if task.plan.finish_rules:
+        run_finish_rules(machine, task, result, {})
     run = task.within
     if run is None:
         return
@@ -306,6 +312,8 @@ def end_method(
             if step.state is not ENDED:
                 remove(machine, step, cause)
     run.steps = ()
+    if run.ticket is not None and run.plan.activation is not None:
+        deactivate(machine, run.ticket)
     if machine.held:
         machine.things.release(task)
     for notation in run.notations:
@@ -386,7 +394,7 @@ def _drop(machine: Machine, run: MethodRun) -> None:
     """Let a method leave without ending: its request, things and notations go."""
     run.steps = ()
     if run.ticket is not None:
-        cancel(machine, run)
+        call_off(machine, run)
     if machine.held:
         machine.things.release(run.task)
     for notation in run.notations:

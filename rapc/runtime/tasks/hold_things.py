@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from rapc.base.values import Fact, format_list
-from rapc.compiler.compiler import RequestPlan
+from rapc.base.values import format_list
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.runtime.acts.primitives import cancel, filled_in, ground, request, sendable
+from rapc.runtime.acts.activations import activatable, activate, call_off
+from rapc.runtime.acts.primitives import filled_in, ground, request, sendable
 from rapc.runtime.events.events import MethodSuspended, TaskBlocked
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import BLOCKED, INTERFERENCE
@@ -36,8 +36,10 @@ def asks_of(machine: Machine, task: Task, method: MethodPlan, env: Env) -> Asks 
     None if a thing or the request cannot be filled in: then the method asks for
     nothing, starts and ends badly.
     """
-    request = method.request
+    request, skills = method.request, method.activation
     if request is not None and sendable(machine, task, request, env) is None:
+        return None
+    if skills is not None and not activatable(machine, task, skills, env):
         return None
     found: dict[Thing, Ask] = {}
     for asked in method.things:
@@ -114,7 +116,7 @@ def _suspend(machine: Machine, run: MethodRun, on: str, by: int) -> None:
     """Undo a method whose request is under way, as if it had never been chosen."""
     task = run.task
     asks = tuple([hold.ask for hold in machine.things.held[task.number]])
-    cancel(machine, run)
+    call_off(machine, run)
     _undo(machine, run)
     if machine.recorder.on:
         machine.recorder.emit(
@@ -154,13 +156,11 @@ def _wait(machine: Machine, wait: ThingWait) -> None:
 # --- what a world refuses ---------------------------------------------------------
 
 
-def settle_refusal(
-    machine: Machine, run: MethodRun, plan: RequestPlan, reply: Refused
-) -> str | None:
-    """Wait for those that a world names as in conflict, or send the request again.
+def settle_refusal(machine: Machine, run: MethodRun, reply: Refused) -> str | None:
+    """Wait for those that a world names as in conflict, or ask it again.
 
-    Returns what `request` returns. It is as if each of them, and the request, used
-    one thing more.
+    Returns what `request` or `activate` returns. It is as if each of them, and what
+    is asked for, used one thing more.
     """
     task, things = run.task, machine.things
     answer: str | Refused | None = reply
@@ -171,9 +171,9 @@ def settle_refusal(
         if not named:
             return INTERFERENCE
         thing = things.conflict()
-        for other, asked in named:
+        for other in named:
             ask = Ask(thing, other.task.priority, True)
-            things.take(other, (ask,), format_list(asked))
+            things.take(other, (ask,), _said(machine, other))
         ask = Ask(thing, task.priority, True)
         obstacle = things.obstacle(task, (ask,))
         if obstacle is not None:
@@ -181,18 +181,39 @@ def settle_refusal(
             _undo(machine, run)
             _block(machine, task, ((*held, ask),), obstacle)
             return None
-        said = format_list(ground(machine, run, plan) or plan.bare)
+        said = _said(machine, run)
         give_way(machine, task, (ask,), said)
         things.take(run, (ask,), said)
-        answer = request(machine, run, plan)
+        answer = _ask_again(machine, run)
     return answer
 
 
-def _under_way(machine: Machine, refused: Refused) -> list[tuple[MethodRun, Fact]]:
-    """Return the requests under way that a world names, by the number of the task."""
+def _said(machine: Machine, run: MethodRun) -> str:
+    """Return what a method asks of the world, in words."""
+    plan, env = run.plan, run.env
+    asked = [plan.request] if plan.request is not None else []
+    if plan.activation is not None:
+        asked += plan.activation.skills
+    found = [filled_in(machine, run.task, one, env) or one.bare for one in asked]
+    return " ".join(map(format_list, found))
+
+
+def _ask_again(machine: Machine, run: MethodRun) -> str | Refused | None:
+    plan = run.plan
+    if plan.activation is not None:
+        return activate(machine, run, plan.activation)
+    assert plan.request is not None
+    return request(machine, run, plan.request)
+
+
+def _under_way(machine: Machine, refused: Refused) -> list[MethodRun]:
+    """Return the methods whose requests or skills a world names, by task number."""
     found = {}
     for ticket in refused.conflicts:
-        task, asked = machine.state.pending.get(ticket, (None, ()))
+        task = machine.state.pending.get(ticket, (None, ()))[0]
+        activation = machine.state.activations.on.get(ticket)
+        if activation is not None:
+            task = activation.task
         if task is not None and task.run is not None:
-            found[task.number] = task.run, asked
+            found[task.number] = task.run
     return [found[number] for number in sorted(found)]

@@ -1,39 +1,190 @@
-"""Signals, and the steps that wait for them [S 3.1; L 4].
+"""Signals: rules hear them first, then what waits for them [S 3, 4; L 4, 9].
 
-A step listens from when all that it follows has ended; what a signal does to it is
-said by the first of its `wait-for`s that matches.
+A signal belongs to the activations, or the request, under which it arose, or to none.
+Rules of no RAP hear it first; then the `:event` rules of its owners and of what is
+above them; then the primitives and the steps that wait. Each hears it once, if it is
+there when its turn comes. A step listens from when all that it follows has ended.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from rapc.base.values import Fact, format_list
 from rapc.compiler.net_plan import WaitPlan
 from rapc.runtime.events import events
 from rapc.runtime.machine import Machine
-from rapc.runtime.state.task import Env, Task
-from rapc.runtime.tasks.finish import finish_by_signal, receive, recheck_bound_steps
+from rapc.runtime.state.activations import Activation
+from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.runtime.tasks.finish import (
+    end_method,
+    finish_by_signal,
+    receive,
+    recheck_bound_steps,
+)
+from rapc.runtime.tasks.rules import run_event_rules, run_rules_of
 from rapc.runtime.tasks.start import release_at_start_time
+from rapc.world import OKAY
 
 
-def signal(machine: Machine, content: Fact) -> None:
-    """A signal has come: decide the steps that wait for it, by task number."""
+class _Source(NamedTuple):
+    """An activation, or a request, under which a signal arose."""
+
+    #: Its owner or, where that has ended, the nearest ancestor that has not.
+    task: Task
+    #: The activation; None for a request.
+    activation: Activation | None
+
+    @property
+    def covers_below(self) -> bool:
+        """Whether all that waits below the owner may hear what it tells."""
+        return self.activation is not None and self.activation.in_background
+
+
+def signal(machine: Machine, content: Fact, tickets: Sequence[int] = ()) -> None:
+    """A signal has come: let all hear it whom it concerns.
+
+    Args:
+        machine: the run's.
+        content: the signal, in memory names.
+        tickets: the activations or the request under which it arose; none: everybody
+            may hear it.
+    """
+    sources = _sources(machine, tickets)
     if machine.recorder.on:
-        machine.recorder.emit(events.Signal, task=None, what=content)
-    listening = machine.state.listening.get(str(content[0]), {})
-    for number in sorted(listening):
-        task = listening.get(number)
+        owner = sources[0].task.number if sources else None
+        machine.recorder.emit(events.Signal, task=owner, what=content)
+    if machine.library.event_rules:
+        run_event_rules(machine, content)
+    if machine.library.hears_events:
+        for task in _context(machine, sources, bool(tickets)):
+            if task.plan.event_rules:
+                run_rules_of(machine, task, content)
+    for source in sources:
+        if source.activation is not None:
+            _tell_primitive(machine, source.activation, content)
+    if tickets:
+        _tell_around(machine, sources, content)
+    else:
+        _tell(machine, machine.state.activations.on.values(), None, content)
+
+
+def _sources(machine: Machine, tickets: Iterable[int]) -> list[_Source]:
+    """Return what a signal arose under, the oldest first, without what is long over."""
+    found = []
+    state = machine.state
+    for ticket in sorted(set(tickets)):
+        activation = state.activations.get(ticket)
+        if activation is not None:
+            task = activation.hearer()
+        else:
+            task = state.pending.get(ticket, (None, ()))[0]
         if task is not None:
-            _decide(machine, task, content)
+            found.append(_Source(task, activation))
+    return found
+
+
+def _context(
+    machine: Machine, sources: Sequence[_Source], belongs: bool
+) -> Iterable[Task]:
+    """Return the tasks whose `:event` rules hear a signal, in their order [S 4.1]."""
+    if not belongs:
+        tasks = machine.state.live_tasks()
+        return [task for task in reversed(tasks) if task.run is not None]
+    found: dict[int, Task] = {}
+    for source in sources:
+        task: Task | None = source.task
+        while task is not None:
+            found.setdefault(task.number, task)
+            task = task.parent
+    return found.values()
+
+
+# --- what waits -------------------------------------------------------------------
+
+
+def _tell_around(machine: Machine, sources: Sequence[_Source], content: Fact) -> None:
+    """Tell what waits beside and above the owners, and below those of `skills`."""
+    around: set[int] = set()
+    below = {source.task.number for source in sources if source.covers_below}
+    for source in sources:
+        task: Task | None = source.task
+        if task is not None and task.run is not None:
+            around.add(id(task.run))
+        while task is not None:
+            around.add(id(task.within))
+            task = task.parent
+    listening = machine.state.listening.get(str(content[0]), {})
+    steps = {
+        number
+        for number, task in listening.items()
+        if id(task.within) in around or (below and _is_below(task, below))
+    }
+    primitives = [
+        one
+        for one in (machine.state.activations.on.values() if below else ())
+        if one.task is not None and _is_below(one.task, below)
+    ]
+    _tell(machine, primitives, steps, content)
+
+
+def _is_below(task: Task, numbers: set[int]) -> bool:
+    above = task.parent
+    while above is not None and above.number not in numbers:
+        above = above.parent
+    return above is not None
+
+
+def _tell(
+    machine: Machine,
+    primitives: Iterable[Activation],
+    steps: set[int] | None,
+    content: Fact,
+) -> None:
+    """Tell primitives, and the steps that wait, by task number.
+
+    `steps` are the numbers of those that may hear it, None: all.
+    """
+    listening = machine.state.listening.get(str(content[0]), {})
+    chosen = listening.keys() if steps is None else steps
+    turns: list[tuple[int, int, Activation | None]] = [(n, 1, None) for n in chosen]
+    turns += [(one.task.number, 0, one) for one in primitives if one.task is not None]
+    turns.sort(key=lambda turn: turn[:2])
+    for number, _, activation in turns:
+        if activation is not None:
+            _tell_primitive(machine, activation, content)
+        elif number in listening:
+            _decide(machine, listening[number], content)
+
+
+def _tell_primitive(machine: Machine, activation: Activation, content: Fact) -> None:
+    """End the method of an activation, if that is on and awaits the signal [S 4]."""
+    run = activation.run
+    if run is None:
+        return
+    for wait in activation.waits:
+        found = _matched(machine, run, wait, content)
+        if found is None:
+            continue
+        run.env.update(found)
+        result = OKAY
+        if wait.mode == "fail":
+            result = wait.signal.removeprefix(":")
+            run.task.remember().failure = result
+        end_method(machine, run, result)
+        return
 
 
 def _decide(machine: Machine, task: Task, content: Fact) -> None:
+    """Let the first `wait-for` of a step that a signal matches have its way."""
     run = task.within
     assert task.step is not None
     assert run is not None
     for wait in task.step.waits:
         if wait.mode == "proceed" and not (task.wait and task.wait.awaits_signal):
             continue
-        found = _matched(machine, task, wait, content)
+        found = _matched(machine, run, wait, content)
         if found is None:
             continue
         run.env.update(found)
@@ -46,13 +197,14 @@ def _decide(machine: Machine, task: Task, content: Fact) -> None:
         return
 
 
-def _matched(machine: Machine, task: Task, wait: WaitPlan, content: Fact) -> Env | None:
-    """What a signal binds in the method's environment; None if it is another one."""
-    assert task.within is not None
+def _matched(
+    machine: Machine, run: MethodRun, wait: WaitPlan, content: Fact
+) -> Env | None:
+    """Return what a signal binds in a method; None if it is another one."""
     if wait.signal != content[0] or len(wait.args) != len(content) - 1:
         return None
     arriving = zip(wait.args, content[1:], strict=True)
-    return receive(machine, task.within, list(arriving))
+    return receive(machine, run, list(arriving))
 
 
 def _proceed(machine: Machine, task: Task, content: Fact) -> None:

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rapc.compiler.activation import ActivationPlan
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.errors import FactError
+from rapc.runtime.acts.activations import activate
 from rapc.runtime.acts.primitives import ground, request
 from rapc.runtime.events.events import MethodChosen
 from rapc.runtime.machine import Machine
@@ -64,7 +66,7 @@ def try_method(machine: Machine, task: Task) -> None:
     if method.things:
         _start_if_free(machine, run, key, others)
         return
-    if method.request is not None:
+    if method.can_be_undone:
         run.key, run.before = key, task.method
     start_method(machine, run)
 
@@ -125,17 +127,37 @@ def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None
     ):
         run.steps = ()
         end_method(machine, run, INTERFERENCE, causes.of_bad_start(machine, run))
+    elif method.activation is not None:
+        _switch_on(machine, run, method.activation, spoilt)
     elif spoilt and method.request is not None:
         ground(machine, run, method.request)  # traces what it lacks
         end_method(machine, run, INTERFERENCE)
     elif method.request is not None:
         result = request(machine, run, method.request)
         if result is not None and not isinstance(result, str):
-            result = settle_refusal(machine, run, method.request, result)
+            result = settle_refusal(machine, run, result)
         if result is not None and task.run is not None:
             end_method(machine, task.run, result)
     else:
         _release_steps(machine, run)
+
+
+def _switch_on(
+    machine: Machine, run: MethodRun, plan: ActivationPlan, spoilt: bool
+) -> None:
+    """Switch the skills of a method on; what awaits nothing goes on or ends."""
+    result = activate(machine, run, plan, spoilt)
+    if result is not None and not isinstance(result, str):
+        result = settle_refusal(machine, run, result)
+    if run.task.run is not run:
+        return
+    if result is not None:
+        run.steps = ()
+        end_method(machine, run, result)
+    elif plan.background:
+        _release_steps(machine, run)
+    elif not plan.waits:
+        end_method(machine, run, OKAY)
 
 
 def _release_steps(machine: Machine, run: MethodRun) -> None:

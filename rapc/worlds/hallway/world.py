@@ -14,7 +14,7 @@ from typing import NoReturn
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text, number
-from rapc.world import NOT_KNOWN, Kit, Offer, Option, Signal, Time, World
+from rapc.world import NOT_KNOWN, Kit, Offer, Option, Refused, Signal, Time, World
 from rapc.worlds.hallway import facts
 from rapc.worlds.hallway.default_map import MAP
 from rapc.worlds.hallway.map import Map, MapError, read_map
@@ -24,7 +24,7 @@ from rapc.worlds.hallway.robot import TICK
 from rapc.worlds.hallway.simulation import Settings, Simulation
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Catalogue, Request
-from rapc.worlds.skills.runtime import Refused, Told
+from rapc.worlds.skills.runtime import Told
 
 PER_SECOND = round(1 / TICK)
 
@@ -39,12 +39,6 @@ OPTIONS = (
     Option("drift", "number", 1, "", "how much dead reckoning drifts; 1 is usual"),
     Option("usage", "number", 1, "", "how fast the battery is used up; 1 is usual"),
 )
-
-
-class Arisen(Signal, frozen=True):
-    """A signal, and the activations under which it arose; none for a bump."""
-
-    tickets: tuple[int, ...] = ()
 
 
 class Figures(msgspec.Struct, frozen=True):
@@ -119,7 +113,7 @@ class HallwayWorld(World):
         raise ValueError(f"the hallway has no primitive `{request[0]}`")
 
     def activate(
-        self, ticket: int, skills: Sequence[Fact], events: Iterable[str]
+        self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
     ) -> Refused | None:
         """Switch skills on; they run from the next tick.
 
@@ -144,7 +138,7 @@ class HallwayWorld(World):
         """Give up an activation: the same as to deactivate it."""
         self.deactivate(ticket)
 
-    def next_time(self) -> Time | None:
+    def next_time(self) -> Time:
         """Return the present if something has been sent; else it is not known."""
         return self._now if self._sent else NOT_KNOWN
 
@@ -157,11 +151,11 @@ class HallwayWorld(World):
         if not self._sent:
             self._now = max(self._now, to)
 
-    def messages(self) -> Sequence[Arisen]:
+    def messages(self) -> Sequence[Signal]:
         """Return the signals since the last call, in the order they arose."""
         sent, self._sent = self._sent, []
         return [
-            Arisen((f":{told.event}", *map(_plain, told.arguments)), told.tickets)
+            Signal((f":{told.event}", *map(_plain, told.arguments)), told.tickets)
             for told in sent
         ]
 

@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from rapc.base.values import Atom, Text, number
+from rapc.world import Refused
 from rapc.worlds.skills.catalogue import Catalogue, Request
 from rapc.worlds.skills.declarations import Channel, Event, Skill
 from rapc.worlds.skills.network import (
@@ -41,14 +42,6 @@ class Told(msgspec.Struct, frozen=True):
     arguments: tuple[Atom, ...]
     #: The activations under which the event arose, in the order they came on.
     tickets: tuple[int, ...]
-
-
-class Refused(msgspec.Struct, frozen=True):
-    """Why an activation did not come on."""
-
-    reason: str
-    #: The activations in whose way it would be; none if it could never come on.
-    tickets: tuple[int, ...] = ()
 
 
 class Activation(msgspec.Struct, frozen=True):
@@ -95,7 +88,7 @@ class SkillRuntime:
             events: the names of the events to be told.
 
         Returns:
-            None, or the reason why nothing was switched on.
+            None, or why nothing was switched on; without `conflicts` it never can be.
 
         Raises:
             ValueError: if `ticket` is under way already.
@@ -193,15 +186,15 @@ class SkillRuntime:
         may: set[str] = set()
         for request in new.skills:
             if wrong := self.catalogue.fault(request):
-                return Refused(wrong)
+                return Refused(reason=wrong)
             may.update(self.catalogue.describe(request.skill).events)
         for event in new.events:
             if event not in may:
-                return Refused(f"none of these skills tells `{event}`")
+                return Refused(reason=f"none of these skills tells `{event}`")
         try:
             self._check(self._made([new], {}))
         except WiringError as error:
-            return Refused(str(error))
+            return Refused(reason=str(error))
         return None
 
     def _conflict(self, new: Activation) -> Refused | None:
@@ -216,7 +209,7 @@ class SkillRuntime:
                 for ticket, activation in self.activations.items()
                 if others & set(self._made([activation], {}))
             )
-            return Refused(str(error), tickets)
+            return Refused(tickets, str(error))
         return None
 
     def _check(self, members: Mapping[str, Member]) -> None:

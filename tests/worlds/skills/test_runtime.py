@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from rapc.world import Refused
 from rapc.worlds.skills.catalogue import Catalogue, Request
 from rapc.worlds.skills.declarations import (
     Channel,
@@ -16,7 +17,7 @@ from rapc.worlds.skills.declarations import (
     SkillError,
 )
 from rapc.worlds.skills.drawing import draw, to_dot, to_mermaid
-from rapc.worlds.skills.runtime import Refused, SkillRuntime
+from rapc.worlds.skills.runtime import SkillRuntime
 from tests.worlds.skills.tank import FLOW, GOAL, LIMIT, SMOOTH, Tank
 
 HOLD_TWO = Request("hold", (2,))
@@ -54,14 +55,15 @@ def test_an_input_without_a_writer_of_the_same_activation_is_refused() -> None:
     tank.runtime.activate(1, [Request("smooth")], [])
     refused = tank.runtime.activate(2, [Request("aim", (2,))], [])
     assert refused == Refused(
-        "`aim 2` reads `smooth-level`, which no skill that comes on with it writes"
+        reason="`aim 2` reads `smooth-level`, "
+        "which no skill that comes on with it writes"
     )
     assert list(tank.runtime.activations) == [1]
 
 
 def test_an_event_that_no_skill_of_the_activation_tells_is_refused() -> None:
     refused = Tank().runtime.activate(1, [Request("smooth")], ["reached"])
-    assert refused == Refused("none of these skills tells `reached`")
+    assert refused == Refused(reason="none of these skills tells `reached`")
 
 
 def test_a_conflict_names_what_is_under_way() -> None:
@@ -70,7 +72,7 @@ def test_a_conflict_names_what_is_under_way() -> None:
     tank.runtime.activate(2, [HOLD_TWO], [])
     refused = tank.runtime.activate(3, [Request("hold", (3,))], [])
     assert refused is not None
-    assert refused.tickets == (2,)
+    assert refused.conflicts == (2,)
     assert refused.reason == "`aim 2` and `aim 3` both write `goal`"
     tank.runtime.deactivate(2)
     assert tank.runtime.activate(3, [Request("hold", (3,))], []) is None
@@ -94,7 +96,7 @@ def test_two_skills_that_use_one_thing_are_in_conflict() -> None:
     runtime = SkillRuntime(Catalogue([Flush, Lock]))
     assert runtime.activate(7, [Request("flush")], []) is None
     refused = runtime.activate(8, [Request("lock")], [])
-    assert refused == Refused("`flush` and `lock` both use `valve`", (7,))
+    assert refused == Refused((7,), "`flush` and `lock` both use `valve`")
 
 
 def test_an_arbiter_decides_between_several_writers() -> None:
@@ -141,7 +143,7 @@ def _circle(delayed: bool) -> Catalogue:
 def test_a_circle_without_a_delay_is_refused() -> None:
     runtime = SkillRuntime(_circle(delayed=False))
     refused = runtime.activate(1, [Request("one"), Request("other")], [])
-    assert refused == Refused("`one` reads `other` reads `one`, without a delay")
+    assert refused == Refused(reason="`one` reads `other` reads `one`, without a delay")
 
 
 def test_a_delayed_input_reads_the_tick_before() -> None:
