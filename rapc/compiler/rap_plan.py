@@ -28,11 +28,11 @@ class MethodPlan:
     __slots__ = (
         "activation",
         "binds",
-        "can_be_undone",
         "choice",
         "computes",
         "conditions",
         "constraints",
+        "gives_back",
         "index",
         "key",
         "name",
@@ -83,10 +83,8 @@ class MethodPlan:
         self.activation: ActivationPlan | None = activation_of(compiler, node)
         #: What it asks for before it starts.
         self.things: tuple[ThingPlan, ...] = things_of(compiler, node)
-        #: Whether its start may be put back, as if it had never been chosen.
-        self.can_be_undone = bool(
-            self.request is not None or self.activation is not None or self.things
-        )
+        #: Whether something is to be given back when it ends: notations, skills.
+        self.gives_back = bool(self.notations or self.activation is not None)
         #: The positions of the steps whose inputs or windows use a variable.
         self.steps_by_variable = steps_using(self.steps)
         #: The RAPs that the steps ask for, once they have been looked up.

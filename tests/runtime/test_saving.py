@@ -213,7 +213,8 @@ def test_what_is_no_saved_run_is_refused() -> None:
     _refused(play, b"rapc-library 1 x", "this is no saved run")
     _refused(play, saved[:-1], "is damaged")
     _refused(play, saved.replace(b"slow", b"fast"), "is damaged")
-    _refused(play, saved.replace(b"rapc-run 2", b"rapc-run 0", 1), "format 0")
+    head = f"rapc-run {format.FORMAT}".encode()
+    _refused(play, saved.replace(head, b"rapc-run 0", 1), "format 0")
 
 
 def test_a_saved_run_of_something_else_is_refused() -> None:

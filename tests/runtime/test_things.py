@@ -99,6 +99,42 @@ def test_a_run_that_is_saved_anywhere_goes_on_as_if_nothing_had_happened() -> No
         assert other.events == whole.events[known:], cycles
 
 
+RETRY = """
+(define-rap (either)
+  (method act (primitive (act a)))
+  (method grip (context (or (method-tried act) (method-tried grip)))
+    (primitive (grip left))))
+"""
+
+
+def test_a_method_that_is_undone_was_never_tried_though_others_were() -> None:
+    def play() -> Play:
+        rows = [row("(act a)", "dropped"), *ROWS]
+        tasks = "(either)", "(grip-when left) :priority 3 :at 1"
+        return Play(BODY + RETRY, *tasks, rows=rows, times=[at(1, "(p free)")])
+
+    def tried(ran: Play) -> tuple[object, ...]:
+        task = ran.interpreter._machine.state.live_top[1].task
+        grip = task.plan.methods[1]
+        return task.method, task.has_tried("grip"), task.times_tried(grip), task.choices
+
+    def suspend(ran: Play) -> None:
+        while not ran.told("suspended"):
+            ran.interpreter.step()
+
+    whole = play()
+    act = whole.interpreter._machine.library.known_rap("either").methods[0]
+    suspend(whole)
+    assert tried(whole) == (act, False, 0, 1)
+    begun, other = play(), play()
+    begun.interpreter.step()
+    begun.interpreter.step()
+    assert begun.interpreter.agenda()[0].waits_for == "(grip left)"
+    other.interpreter.restore(begun.interpreter.save())
+    suspend(other)
+    assert tried(other)[1:] == (False, 0, 1)
+
+
 def test_two_standing_tasks_and_three_orders_share_one_body() -> None:
     """Nobody is driven away from a task that claims the wheels, whatever the seed."""
     suspended = 0

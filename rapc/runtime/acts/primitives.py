@@ -25,6 +25,9 @@ from rapc.world import OKAY, Refused, Reply
 
 _RESOURCES = (Counter, SetResource)
 
+_DONE = Reply(OKAY)
+"""The answer of most primitives that end at once: nothing in it has to be checked."""
+
 
 def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
     """A request or notation filled in; None with an unbound variable or resource."""
@@ -90,31 +93,31 @@ def request(
             request=asked,
             sent=sent,
         )
-    world = machine.world
-    machine.state.tickets += 1
-    run.ticket = ticket = machine.state.tickets
+    world, state = machine.world, machine.state
+    state.tickets += 1
+    run.ticket = ticket = state.tickets
     answer = world.perform(ticket, sent)
-    if type(answer) is Reply and answer.result == OKAY and answer.data == ():
+    if type(answer) is Reply and answer == _DONE:
         reply: Reply | None = answer
     elif is_refusal(answer):
         return _refused(machine, task, asked, sent, answer)
     else:
         reply = machine.port.checked(sent, answer)
     now = world.now()
-    if now != machine.recorder.time or machine.state.until is not None:
+    if now != machine.recorder.time or state.until is not None:
         machine.set_clock(now)
     if reply is None:
-        machine.state.pending[ticket] = task, asked
+        state.pending[ticket] = task, asked
         if task.run is not run:
             cancel(machine, run)
         return None
-    if machine.state.past_until:  # it ends when the run is over: nobody will know
-        machine.state.pending[ticket] = task, asked
+    if state.past_until:  # it ends when the run is over: nobody will know
+        state.pending[ticket] = task, asked
         return None
     if machine.host_timers:
-        machine.state.pending[ticket] = task, asked  # a host may cancel it now
+        state.pending[ticket] = task, asked  # a host may cancel it now
         machine.run_host_timers()
-        del machine.state.pending[ticket]
+        del state.pending[ticket]
     return take_reply(machine, task if task.run is run else None, asked, reply)
 
 

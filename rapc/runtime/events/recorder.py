@@ -39,6 +39,8 @@ class Recorder:
         self._listeners: tuple[Listener, ...] = ()
         self._raw: tuple[Callable[..., None], ...] = ()
         self._of_kind: dict[type[Event], tuple[Listener, ...]] = {}
+        #: Whether there are any listeners but those to raw events.
+        self._makes_events = False
 
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
         """Call `listener` with every event from now on, or those of `kinds`, in order.
@@ -53,6 +55,7 @@ class Recorder:
             self._raw = (*self._raw, raw)
             self.on = True
             return
+        self._makes_events = True
         everywhere = self._listeners
         if not kinds:
             self._listeners = (*everywhere, listener)
@@ -81,11 +84,13 @@ class Recorder:
             buffer.append((event_class, self.cycle, self.time, keys))
         for raw in self._raw:
             raw(event_class, self.serial, self.cycle, self.time, keys)
-        listeners = self._of_kind.get(event_class, self._listeners)
-        if listeners:
-            event = to_event((event_class, self.cycle, self.time, keys), self.serial)
-            for listener in listeners:
-                listener(event)
+        if self._makes_events:
+            listeners = self._of_kind.get(event_class, self._listeners)
+            if listeners:
+                told = event_class, self.cycle, self.time, keys
+                event = to_event(told, self.serial)
+                for listener in listeners:
+                    listener(event)
         self.serial += 1
 
 

@@ -22,8 +22,9 @@ from rapc.runtime.monitors.timers import Timers
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
-from rapc.runtime.state.task import Task, WaitState
+from rapc.runtime.state.task import Task
 from rapc.runtime.state.things import Things, ThingWait, words
+from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 
 _NOW = -math.inf

@@ -34,9 +34,11 @@ from rapc.runtime.saving.records import (
     TopRecord,
     WaitRecord,
 )
+from rapc.runtime.state.history import History
 from rapc.runtime.state.states import ENDED, RUNNING
-from rapc.runtime.state.task import Env, History, MethodRun, Task, WaitState
+from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import Ask
+from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 
 
@@ -215,8 +217,6 @@ class _Capture:
 
     def _run(self, run: MethodRun) -> MethodRecord:
         ends = run.ends
-        asks = run.plan.can_be_undone
-        before = run.before if asks else None
         held = self._things.held.get(run.task.number, ())
         return MethodRecord(
             method=run.plan.index,
@@ -228,8 +228,6 @@ class _Capture:
             ended_by_until=() if ends is None else tuple(sorted(ends.ended_by_until)),
             notations=tuple(self._notations.facts(run.notations)),
             ticket=run.ticket,
-            key=_parts(run.key) if asks else None,
-            before=None if before is None else before.index,
             held=tuple([_ask(hold.ask, hold.said) for hold in held]),
         )
 
@@ -241,9 +239,12 @@ class _Capture:
         return ThingWaitRecord(tuple(ways), wait.on, wait.holder, wait.woken)
 
     def _history(self, history: History) -> HistoryRecord:
-        success = history.success
+        success, before = history.success, history.before
+        last, choices = history.last_choice, list(history.choices)
         return HistoryRecord(
             choices=tuple((_parts(key), n) for key, n in history.choices.items()),
+            last_choice=choices.index(last) if last in history.choices else None,
+            before=None if before is None else before.index,
             results=tuple(history.results.items()),  # type: ignore[arg-type]  # names
             failures=tuple(history.failures.items()),
             failure=history.failure,

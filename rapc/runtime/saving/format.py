@@ -17,7 +17,7 @@ from rapc.errors import StateError
 from rapc.library.library import Library
 from rapc.runtime.saving.records import RunRecord
 
-FORMAT = 2
+FORMAT = 3
 """The version of the format; a change of the records or of the IR is one of it."""
 
 _HEAD = re.compile(rb"rapc-run (\d{1,9}) ([0-9a-f]{64})\n")

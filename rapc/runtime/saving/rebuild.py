@@ -29,6 +29,7 @@ from rapc.runtime.saving.records import (
     WaitRecord,
 )
 from rapc.runtime.state.activations import Activation
+from rapc.runtime.state.history import History
 from rapc.runtime.state.run_state import RunState
 from rapc.runtime.state.states import (
     BLOCKED,
@@ -40,13 +41,12 @@ from rapc.runtime.state.states import (
 )
 from rapc.runtime.state.task import (
     Env,
-    History,
     MethodRun,
     Task,
     TopLevelTask,
-    WaitState,
 )
 from rapc.runtime.state.things import Ask, ThingWait
+from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 
 _STATES = {s: s for s in (WAITING, UNTESTED, ELIGIBLE, BLOCKED, RUNNING, ENDED)}
@@ -161,7 +161,9 @@ class Rebuilt:
             task.method = self.state.methods(task.plan)[record.method]
         task.choice = _key(record.choice)
         task.last_result = record.last_result
-        task.history = None if record.history is None else self._history(record.history)
+        task.history = (
+            None if record.history is None else self._history(task, record.history)
+        )
         task.wait = None if record.wait is None else self._wait(task, record.wait)
 
     def _run(self, task: Task, record: MethodRecord) -> MethodRun:
@@ -174,18 +176,18 @@ class Rebuilt:
             run.ends.times = list(record.ends)
             run.ends.ended_by_until = set(record.ended_by_until)
         run.ticket = record.ticket
-        if record.key is not None:
-            run.key, run.before = _tuple(record.key), None
-            if record.before is not None:
-                run.before = self.state.methods(task.plan)[record.before]
         self._runs.append((run, record))
         return run
 
-    def _history(self, record: HistoryRecord) -> History:
+    def _history(self, task: Task, record: HistoryRecord) -> History:
         history = History()
         history.choices = {_tuple(key): count for key, count in record.choices}
         for key, count in history.choices.items():
             history.tries[key[0]] = history.tries.get(key[0], 0) + count
+        if record.last_choice is not None:
+            history.last_choice = _tuple(record.choices[record.last_choice][0])
+        if record.before is not None:
+            history.before = self.state.methods(task.plan)[record.before]
         history.results = dict(record.results)
         history.failures = dict(record.failures)
         history.failure = record.failure

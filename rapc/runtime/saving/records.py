@@ -100,6 +100,10 @@ class HistoryRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     """A `History`; `success` is an environment by its place."""
 
     choices: tuple[tuple[Parts, int], ...] = ()
+    #: The place in `choices` of the last choice, if it is still counted.
+    last_choice: int | None = None
+    #: The method tried before the one tried last, by position.
+    before: int | None = None
     results: tuple[tuple[Atom | None, str | None], ...] = ()
     failures: tuple[tuple[int, int], ...] = ()
     failure: str | None = None
@@ -120,9 +124,6 @@ class MethodRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     ended_by_until: tuple[int, ...] = ()
     notations: tuple[Fact, ...] = ()
     ticket: int | None = None
-    #: The choice it was, and the method tried before it, by position.
-    key: Parts | None = None
-    before: int | None = None
     held: tuple[AskRecord, ...] = ()
 
 

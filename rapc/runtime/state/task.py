@@ -2,8 +2,8 @@
 
 What happens to a task in a cycle is in `rapc.runtime.tasks.cycle`, what happens when
 something ends in `rapc.runtime.tasks.finish` [T 3.4.1; L 3]. A task is made for
-every step of every method, so what few tasks have stands apart: `WaitState` for times,
-signals and monitors, `History` from the second method or the first failure on.
+every step of every method, so what few tasks have stands apart: a `WaitState` for
+times, signals and monitors, a `History` from the second method or the first failure on.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ from functools import cache
 from typing import Any
 
 from rapc.base.resources import Counter, SetResource, Value
-from rapc.compiler.net_plan import StepPlan, WindowPlan
+from rapc.compiler.net_plan import StepPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
-from rapc.compiler.watches import WatchKey
 from rapc.ir import nodes
 from rapc.runtime.events.events import Cause, Goal
 from rapc.runtime.memory.notations import Notation
+from rapc.runtime.state.history import History
 from rapc.runtime.state.states import ENDED, WAITING
+from rapc.runtime.state.wait_state import WaitState
 from rapc.world import OKAY, Time
 
 Env = dict[str, Value]
@@ -44,101 +45,6 @@ def _bare_goal(name: str) -> Goal:
 
 
 _RESOURCES = (Counter, SetResource)
-
-
-class WaitState:
-    """What a task may have to wait for besides its turn, and what its inputs make."""
-
-    __slots__ = (
-        "after_method",
-        "awaits_signal",
-        "blocked_on",
-        "duration",
-        "earliest_start",
-        "first_selected",
-        "formula",
-        "given_deadline",
-        "keys",
-        "made",
-        "missed",
-        "monitor_deadline",
-        "prepared",
-        "ready_at",
-        "setup_failed",
-        "timer",
-        "windows",
-    )
-
-    def __init__(self, windows: tuple[WindowPlan, ...] = ()) -> None:
-        #: The windows whose times are not yet known.
-        self.windows = windows
-        #: The latest start of its windows that are known.
-        self.earliest_start: Time = 0
-        #: Whether it waits for a signal.
-        self.awaits_signal = False
-        #: When its monitored time comes.
-        self.ready_at: Time = 0
-        #: When the task joined the run; its monitored time is counted from then.
-        self.made: Time = 0
-        #: The changes it listens to; None before it does.
-        self.keys: tuple[WatchKey, ...] | None = None
-        #: The time it waits for now.
-        self.timer: Time | None = None
-        #: What it waits for, as the trace has it.
-        self.blocked_on = ""
-        #: Its monitor in words, if that stays as it is.
-        self.formula: str | None = None
-        #: The deadline given by windows or a host.
-        self.given_deadline: float = math.inf
-        #: The deadline given by `monitor-time`.
-        self.monitor_deadline: float = math.inf
-        #: The deadline that was last told of as missed.
-        self.missed: float | None = None
-        #: Whether it was selected with its monitors holding.
-        self.first_selected = False
-        #: Whether it is to come up whatever its monitors say.
-        self.after_method = False
-        #: Whether resources and times have been made of its inputs,
-        self.prepared = False
-        #: and whether they could not be.
-        self.setup_failed = False
-        #: How long its RAP says that it takes.
-        self.duration: Time = 0
-
-    @property
-    def deadline(self) -> float:
-        """The deadline that the task itself states: by window, monitor or host."""
-        return min(self.given_deadline, self.monitor_deadline)
-
-
-class History:
-    """What the methods of a task have come to."""
-
-    __slots__ = (
-        "because",
-        "choices",
-        "failure",
-        "failures",
-        "results",
-        "success",
-        "tries",
-    )
-
-    def __init__(self) -> None:
-        #: What the futile-loop detector has seen, from the second choice on.
-        self.choices: dict[tuple[object, ...], int] = {}
-        #: How often each method was chosen, whatever was bound: `choices` by index.
-        self.tries: dict[object, int] = {}
-        #: The last result of each method tried, by name.
-        self.results: dict[object, str | None] = {}
-        #: How often each method has ended badly, by index.
-        self.failures: dict[int, int] = {}
-        #: The last failure symbol from the world.
-        self.failure: str | None = None
-        #: Why the last method ended badly; None if it did not, or nobody is told.
-        self.because: Cause | None = None
-        #: The environment of the last method that ended well, for outputs.
-        self.success: Env | None = None
 
 
 class TopLevelTask:
@@ -277,7 +183,9 @@ class Task:
     def begin_method(self, method: MethodPlan) -> None:
         """A method is tried that is not the one tried last."""
         if self.method is not None:
-            self.remember().results.setdefault(method.node.name)
+            history = self.remember()
+            history.results.setdefault(method.node.name)
+            history.before = self.method
         self.method = method
 
     def note_result(self, method: MethodPlan, result: str) -> None:
@@ -294,6 +202,7 @@ class Task:
             self.history = History()
             if self.method is not None:
                 self.history.results[self.method.node.name] = self.last_result
+                self.history.before = self.method
         return self.history
 
     def has_tried(self, name: object) -> bool:
@@ -345,13 +254,15 @@ class Task:
             choices[self.choice] = tries[self.choice[0]] = 1
         choices[key] = choices.get(key, 0) + 1
         tries[key[0]] = tries.get(key[0], 0) + 1
+        history.last_choice = key
 
-    def forget_choice(self, key: tuple[object, ...]) -> None:
-        """Let a choice that was noted last never have been made."""
+    def forget_choice(self) -> None:
+        """Let the choice that was noted last never have been made."""
         history = self.history
         if history is None or not history.choices:
             self.choice = None
             return
+        key = history.last_choice
         history.choices[key] -= 1
         history.tries[key[0]] -= 1
         if not history.choices[key]:
@@ -359,11 +270,17 @@ class Task:
         if not history.choices:
             self.choice = None
 
-    def forget_method(self, method: MethodPlan, before: MethodPlan | None) -> None:
-        """Let the method under way never have been tried, but the one `before`."""
-        self.method, history, name = before, self.history, method.node.name
-        if history is not None and history.results.get(name, OKAY) is None:
-            del history.results[name]
+    def forget_method(self) -> None:
+        """Let the method under way never have been tried."""
+        method, history = self.method, self.history
+        if self.last_result is None:  # no method has ended: it is the first
+            self.method = None
+        elif history is not None:
+            self.method = history.before
+        if method is None or history is None:
+            return
+        if history.results.get(method.node.name, OKAY) is None:
+            del history.results[method.node.name]
 
     def forget_choices(self) -> None:
         """The detector starts afresh."""
@@ -435,12 +352,10 @@ class MethodRun:
     """A method while it is carried out."""
 
     __slots__ = (
-        "before",
         "constrained",
         "ends",
         "env",
         "has_conditions",
-        "key",
         "notations",
         "plan",
         "started",
@@ -465,16 +380,15 @@ class MethodRun:
         self.notations: tuple[Notation, ...] = ()
         #: The number of its request, if it has sent one.
         self.ticket: int | None = None
-        #: The choice by which it was chosen, as the futile-loop detector sees it, and
-        #: the method tried before: set where the method may have to be undone.
-        self.key: tuple[object, ...]
-        self.before: MethodPlan | None
         #: The nearest that states constraints: itself, its task, or what is above.
         self.constrained: Task | MethodRun | None
+        outer = task.within
         if plan.constraints is not None:
             self.constrained = self
+        elif task.plan.constraints is not None:
+            self.constrained = task
         else:
-            self.constrained = self.constrained_above
+            self.constrained = None if outer is None else outer.constrained
         #: Whether these, or conditions of steps, may keep steps from being carried out.
         self.has_conditions = plan.conditions or self.constrained is not None
 

@@ -10,7 +10,8 @@ from rapc.compiler.query.query import Query
 from rapc.runtime.events.events import FamilySwitched, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import ENDED, INTERFERENCE
-from rapc.runtime.state.task import Env, MethodRun, Task, WaitState
+from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.runtime.state.wait_state import WaitState
 from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.finish import (
     apply_until,

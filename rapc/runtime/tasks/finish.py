@@ -50,8 +50,13 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     It stands on the agenda no longer.
     """
     step, run = task.step, task.within
-    special = step is None or run is None or step.has_results or task.plan.tells_end
-    if special or not machine.fast or step is None or run is None:
+    if (
+        step is None
+        or run is None
+        or step.has_results
+        or task.plan.tells_end
+        or not machine.fast
+    ):
         _succeed_with(machine, task, _outputs(task, found))
         return
     # fast twin of `_succeed_with`: holds when a step has neither outputs nor effects,
@@ -301,8 +306,8 @@ def end_method(
 
     `because` says why it ends badly, `cause` why its steps leave.
     """
-    task, recorder = run.task, machine.recorder
-    if because is None and result != OKAY:
+    task, recorder, badly = run.task, machine.recorder, result != OKAY
+    if badly and because is None:
         because = causes.of_result(machine, run, result)
     task.run = None
     if task.plan.recursive or machine.all_may_recur:
@@ -312,12 +317,10 @@ def end_method(
             if step.state is not ENDED:
                 remove(machine, step, cause)
     run.steps = ()
-    if run.ticket is not None and run.plan.activation is not None:
-        deactivate(machine, run.ticket)
-    if machine.held:
-        machine.things.release(task)
-    for notation in run.notations:
-        machine.memory.release_notation(notation)
+    if run.plan.gives_back or machine.held:
+        if run.ticket is not None and run.plan.activation is not None:
+            deactivate(machine, run.ticket)
+        _free(machine, run)
     if recorder.on:
         recorder.emit(
             MethodEnded,
@@ -327,10 +330,10 @@ def end_method(
             because=because,
         )
     task.last_result = result
-    if result != OKAY or task.history is not None:
+    if badly or task.history is not None:
         task.note_result(run.plan, result)
         task.remember().because = because
-    if task.plan.outputs and result == OKAY:
+    if task.plan.outputs and not badly:
         task.remember().success = run.env
     task.state = ELIGIBLE
     if task.wait is not None:
@@ -395,8 +398,12 @@ def _drop(machine: Machine, run: MethodRun) -> None:
     run.steps = ()
     if run.ticket is not None:
         call_off(machine, run)
-    if machine.held:
-        machine.things.release(run.task)
+    _free(machine, run)
+
+
+def _free(machine: Machine, run: MethodRun) -> None:
+    """Free the things that a method holds, and release what it has noted."""
+    machine.things.release(run.task)
     for notation in run.notations:
         machine.memory.release_notation(notation)
 

@@ -86,7 +86,7 @@ def hold_or_wait(
         if other is not method:
             env = {**task.env, **found}
             alternatives.append(asks_of(machine, task, other, env) or ())
-    task.forget_choice(run.key)
+    task.forget_choice()
     _block(machine, task, tuple(alternatives), obstacle)
     return WAITS
 
@@ -132,8 +132,8 @@ def _undo(machine: Machine, run: MethodRun) -> None:
     for notation in run.notations:
         machine.memory.release_notation(notation)
     machine.things.release(task)
-    task.forget_choice(run.key)
-    task.forget_method(run.plan, run.before)
+    task.forget_choice()
+    task.forget_method()
 
 
 def _block(

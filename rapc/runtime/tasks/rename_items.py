@@ -44,14 +44,14 @@ def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
     task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
     task.identity = _in_value(task.identity, lost, kept)
     task.choice = _in_value(task.choice, lost, kept)
-    if task.run is not None and task.run.plan.request is not None:
-        task.run.key = _in_value(task.run.key, lost, kept)
     if task.history is not None:
         counts: dict[tuple[object, ...], int] = {}
         for key, count in task.history.choices.items():
             renamed = _in_value(key, lost, kept)
             counts[renamed] = counts.get(renamed, 0) + count
         task.history.choices = counts
+        last = task.history.last_choice
+        task.history.last_choice = _in_value(last, lost, kept)
     seen = lost in task.env.values()
     for env in environments:
         for name, value in env.items():

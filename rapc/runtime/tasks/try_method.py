@@ -18,7 +18,7 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told
 from rapc.runtime.tasks import causes
-from rapc.runtime.tasks.choose import Held, Key, choose, choose_sole
+from rapc.runtime.tasks.choose import Held, choose, choose_sole
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
     SPOILT,
@@ -34,7 +34,7 @@ from rapc.runtime.tasks.start import (
     release,
     repeats_ancestor,
 )
-from rapc.world import OKAY
+from rapc.world import OKAY, Refused
 
 
 def try_method(machine: Machine, task: Task) -> None:
@@ -64,18 +64,13 @@ def try_method(machine: Machine, task: Task) -> None:
         fail(machine, task, FUTILE_LOOP, causes.of_recursion(machine, repeating))
         return
     if method.things:
-        _start_if_free(machine, run, key, others)
-        return
-    if method.can_be_undone:
-        run.key, run.before = key, task.method
-    start_method(machine, run)
+        _start_if_free(machine, run, others)
+    else:
+        start_method(machine, run)
 
 
-def _start_if_free(
-    machine: Machine, run: MethodRun, key: Key, others: Sequence[Held]
-) -> None:
+def _start_if_free(machine: Machine, run: MethodRun, others: Sequence[Held]) -> None:
     """Start a method that asks for things, unless its task has to wait for them."""
-    run.key, run.before = key, run.task.method
     come = hold_or_wait(machine, run, others)
     if come is not WAITS:
         start_method(machine, run, spoilt=come is SPOILT)
@@ -114,6 +109,8 @@ def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None
         task.wait.timer = None
     if task.method is not method:
         task.begin_method(method)
+    elif task.history is not None:
+        task.history.before = method
     if machine.recorder.on:
         machine.recorder.emit(
             MethodChosen,
@@ -122,24 +119,35 @@ def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None
             method=method.name,
             bindings=as_told(run.env),
         )
-    if (spoilt and not can_claim(machine, run)) or (
-        method.notations and not _note(machine, run, method)
-    ):
-        run.steps = ()
-        end_method(machine, run, INTERFERENCE, causes.of_bad_start(machine, run))
-    elif method.activation is not None:
-        _switch_on(machine, run, method.activation, spoilt)
-    elif spoilt and method.request is not None:
-        ground(machine, run, method.request)  # traces what it lacks
-        end_method(machine, run, INTERFERENCE)
-    elif method.request is not None:
-        result = request(machine, run, method.request)
-        if result is not None and not isinstance(result, str):
-            result = settle_refusal(machine, run, result)
-        if result is not None and task.run is not None:
-            end_method(machine, task.run, result)
-    else:
+    if (spoilt or method.notations) and not _begins_well(machine, run, spoilt):
+        return
+    if method.request is None:
+        if method.activation is not None:
+            _switch_on(machine, run, method.activation, spoilt)
+            return
         _release_steps(machine, run)
+        return
+    result = request(machine, run, method.request)
+    if result != OKAY and isinstance(result, Refused):
+        result = settle_refusal(machine, run, result)
+    if result is not None:
+        end_method(machine, run, result)
+
+
+def _begins_well(machine: Machine, run: MethodRun, spoilt: bool) -> bool:
+    """Make notations; whether the method goes on: else it has ended badly."""
+    method, because = run.plan, None
+    claimed = not spoilt or can_claim(machine, run)
+    noted = claimed and (not method.notations or _note(machine, run, method))
+    if noted and (not spoilt or method.request is None):
+        return True
+    if noted and method.request is not None:
+        ground(machine, run, method.request)  # traces what it lacks
+    else:
+        run.steps = ()
+        because = causes.of_bad_start(machine, run)
+    end_method(machine, run, INTERFERENCE, because)
+    return False
 
 
 def _switch_on(
@@ -164,14 +172,14 @@ def _release_steps(machine: Machine, run: MethodRun) -> None:
     """The steps' tasks join the run; those that wait for none may go on."""
     steps = run.steps
     special = machine.recorder.on or run.plan.computes or not machine.fast
+    state = machine.state
     for task in steps:
         if special or task.wait is not None:
             create(machine, task)
         else:
             # fast twin of `create`: holds when nothing is made of the task's inputs,
             # and nobody is told of it
-            machine.state.numbers += 1
-            task.number = machine.state.numbers
+            state.numbers = task.number = state.numbers + 1
     for task in steps:
         if task.wait is not None:
             read_windows(machine, task)
