@@ -30,6 +30,10 @@ class LoadError(Error):
     """A path that cannot be read, or holds no text."""
 
 
+class WriteError(Error):
+    """A file that cannot be written."""
+
+
 class SavedError(Error):
     """A file that holds no saved library that this rapc can run."""
 

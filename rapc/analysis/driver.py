@@ -1,9 +1,8 @@
 """Run the passes over what was loaded, and decide what becomes of their findings.
 
 Orders the passes by what they need, leaves out findings about forms that could not be
-read whole, applies suppressions and the user's selection, and sorts. Severity comes
-from the rule. Nothing of the checked code is executed or imported, and nothing is
-printed here.
+read whole, applies suppressions and the user's selection, and sorts. Nothing of the
+checked code is executed or imported, and nothing is printed here.
 """
 
 from __future__ import annotations
@@ -18,11 +17,10 @@ import msgspec
 from rapc.analysis import suite, suppressions
 from rapc.analysis.analyzer import Analyzer, Pass, never
 from rapc.analysis.damage import Damage
+from rapc.analysis.selection import Selection, by_default
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.gc_paused import gc_paused
-from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
-from rapc.errors import Error
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library import loader
@@ -64,32 +62,21 @@ class CheckReport(msgspec.Struct, frozen=True):
         return max((finding.severity for finding in self.findings), default=None)
 
 
-class UnknownRuleError(Error):
-    """A word that is neither a rule's name nor its code; `near` may be meant."""
-
-    def __init__(self, word: str, near: str | None) -> None:
-        meant = f"did you mean `{near}`?" if near else ""
-        super().__init__(f"no rule is called `{word}`", meant)
-
-
 @gc_paused()
-def check_library(
-    loaded: Loaded, enabled: Collection[str] | None = None
-) -> CheckReport:
+def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckReport:
     """Check a loaded library; its own diagnostics are part of the report.
 
     Args:
         loaded: what `rapc.library.loader` made of the files.
-        enabled: names of the rules that may report; all of them if None.
+        selection: the rules that may report; those that are not opt-in if None.
     """
-    rules = suite.rules()
-    if enabled is None:
-        enabled = rules.keys()
+    chosen = selection or Selection(by_default())
+    rules = {n: chosen.graded(rule) for n, rule in suite.rules().items()}
     damage = Damage(loaded)
     found = [*loaded.diagnostics, *_analyze(loaded, damage)]
-    found = _suppress(loaded, rules, found, enabled, damage)
+    found = _suppress(loaded, rules, found, chosen.enabled, damage)
     order = {name: at for at, name in enumerate(loaded.files)}
-    findings = [Finding(rules[d.rule], d) for d in found if d.rule in enabled]
+    findings = [Finding(rules[d.rule], d) for d in found if chosen.chooses(d)]
     findings.sort(key=lambda f: _place(order, f))
     return CheckReport(tuple(findings), loaded.library)
 
@@ -103,28 +90,6 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     rules = suite.rules()
     found = [Finding(rules[d.rule], d) for _, d in _findings(alone, True, never)]
     return [finding for finding in found if finding.severity is Severity.ERROR]
-
-
-def enabled_rules(
-    select: Iterable[str] | None, extend: Iterable[str], ignore: Iterable[str]
-) -> frozenset[str]:
-    """The names of the rules chosen: those selected (all if None) and more, less some.
-
-    Raises:
-        UnknownRuleError: for a word that no rule has as its name or code.
-    """
-    rules = suite.rules()
-    words = {rule.code.lower(): name for name, rule in rules.items()}
-    words.update({name: name for name in rules})
-
-    def names(given: Iterable[str]) -> Iterator[str]:
-        for word in given:
-            if word.lower() not in words:
-                raise UnknownRuleError(word, nearest(word.lower(), words))
-            yield words[word.lower()]
-
-    chosen = {*(rules if select is None else names(select)), *names(extend)}
-    return frozenset(chosen.difference(names(ignore)))
 
 
 @cache

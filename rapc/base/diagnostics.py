@@ -41,6 +41,8 @@ class Rule(msgspec.Struct, frozen=True):
     why: str
     example: str
     better: str
+    #: Whether the rule reports only where a user asks for it: a matter of style.
+    opt_in: bool = False
 
 
 class Label(msgspec.Struct, frozen=True):

@@ -1,20 +1,22 @@
 """Files and folders: which of them hold RAP, and what is in them.
 
 The only reader of files below the front ends. What cannot be read, or is no text, is a
-`LoadError`, one line for the user.
+`LoadError`, one line for the user. What is written is written whole or not at all.
 """
 
 from __future__ import annotations
 
+import codecs
 import errno
 import os
+import re
 import stat
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from rapc.errors import LoadError
+from rapc.errors import LoadError, WriteError
 
 SUFFIX = ".rap"
 TEST_SUFFIX = ".test.rap"
@@ -24,6 +26,8 @@ COMPILED = b"rapc-library "
 
 LARGEST = 200_000_000
 """How many bytes a file may have; the largest library known has a thousandth of it."""
+
+_LINE_END = re.compile(rb"\r\n|\r|\n")
 
 Identity = tuple[int, int]
 """The device and number of a file or folder."""
@@ -213,3 +217,55 @@ def _decode(name: str, data: bytes) -> str:
 def fold_line_ends(text: str) -> str:
     """A text whose lines all end in one character."""
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
+# --- written ------------------------------------------------------------------------
+
+
+def write_whole(file: str | Path, data: bytes) -> None:
+    """Write a file whole or not at all; what is no plain file is written to.
+
+    A link stays one: what it leads to is written. A file that was there keeps its mode.
+
+    Raises:
+        WriteError: if it cannot be written.
+    """
+    target = os.path.realpath(file)
+    part = Path(f"{target}.{os.getpid()}.part")
+    try:
+        if os.path.exists(file) and not os.path.isfile(file):
+            Path(file).write_bytes(data)
+            return
+        try:
+            with part.open("xb") as stream:
+                stream.write(data)
+            if os.path.exists(target):
+                part.chmod(stat.S_IMODE(os.stat(target).st_mode))
+            os.replace(part, target)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise WriteError(f"cannot write `{file}`: {reason}") from None
+
+
+def write_back(file: Path, text: str) -> None:
+    """Replace the text of a file that was read with `read_text`.
+
+    A byte order mark stays, and so do line ends if all of them were of one kind.
+
+    Raises:
+        LoadError: if the file is gone.
+        WriteError: if it cannot be written.
+    """
+    try:
+        with _opened(file) as stream:
+            before = all_there(str(file), stream)
+    except OSError as error:
+        raise LoadError(_unreadable(file, error)) from None
+    data = text.encode("utf-8")
+    for end in (b"\r\n", b"\r"):
+        if end in before and before.count(end) == len(_LINE_END.findall(before)):
+            data = data.replace(b"\n", end)
+            break
+    write_whole(file, codecs.BOM_UTF8 * before.startswith(codecs.BOM_UTF8) + data)

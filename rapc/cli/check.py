@@ -1,94 +1,282 @@
-"""`rapc check PATH...`: read, link and check RAP libraries."""
+"""`rapc check PATH...`: read, link and check RAP libraries.
+
+What is reported is decided in `rapc.analysis` (selection, config, baseline), how it
+looks in `rapc.console` (findings, formats); here the options are put together.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import click
+import msgspec
 
 from rapc.analysis import driver
 from rapc.analysis.driver import CheckReport
-from rapc.base.diagnostics import Severity
+from rapc.analysis.selection import UnknownRuleError
+from rapc.base.diagnostics import Applicability
+from rapc.base.files import read_standard_input, write_back
 from rapc.base.names import plural
+from rapc.cli.check_options import Chosen, Options, choose
 from rapc.cli.common import (
+    FOR_PEOPLE,
+    FORMATS,
+    STATISTICS,
     common_options,
+    diff,
     fail,
+    findings_text,
     print_findings,
-    read_paths,
+    same_file,
     say,
     settings,
+    write_output,
 )
+from rapc.cli.watch import watch
+from rapc.errors import Error
+from rapc.library import loader
+from rapc.library.loader import STANDARD_INPUT
 
 EXAMPLES = """\b
 Examples:
   rapc check my-library/
   rapc check --output-format concise deliver.rap carry.rap
   rapc check --ignore misspelt-variable,RAP017 my-library/
+  rapc check --fix my-library/
+  rapc check --output-format sarif --output-file rapc.sarif my-library/
   rapc check --fail-level error - < deliver.rap
 """
+
+
+RULES: dict[str, Any] = {"multiple": True, "metavar": "RULES"}
+FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
 
 
 @click.command(
     epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
 )
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True)
-@click.option("--select", multiple=True, metavar="RULES", help="Only these rules.")
+@click.option("--select", **RULES, help="Only these rules.")
+@click.option("--extend-select", **RULES, help="These rules besides.")
+@click.option("--ignore", **RULES, help="Not these rules.")
 @click.option(
-    "--extend-select", multiple=True, metavar="RULES", help="These rules besides."
+    "--per-file-ignores",
+    multiple=True,
+    metavar="PATTERN:RULES",
+    help="Not these rules in files of a name.",
 )
-@click.option("--ignore", multiple=True, metavar="RULES", help="Not these rules.")
+@click.option("--fix", is_flag=True, help="Carry out fixes that are safe.")
+@click.option(
+    "--unsafe-fixes", is_flag=True, help="With --fix or --diff: the others, too."
+)
+@click.option("--diff", is_flag=True, help="Show what --fix would change.")
+@click.option("--statistics", is_flag=True, help="Count the findings of each rule.")
 @click.option(
     "--output-format",
-    type=click.Choice(["full", "concise", "json"]),
-    default="full",
-    show_default=True,
-    help="How findings are printed.",
+    type=click.Choice(FORMATS),
+    help="How findings are printed (full).",
 )
+@click.option("--output-file", **FILE, help="Write the findings there.")
+@click.option("--write-baseline", **FILE, help="Note all findings as known.")
+@click.option("--baseline", **FILE, help="Leave out the findings noted there.")
 @click.option(
     "--fail-level",
     type=click.Choice(["error", "warning", "info"]),
-    default="warning",
-    show_default=True,
-    help="The least grave finding that makes the exit status 1.",
+    help="The least grave finding that makes the exit status 1 (warning).",
 )
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 whatever is found.")
+@click.option(
+    "--stdin-filename", metavar="NAME", help="What to call the text on standard input."
+)
+@click.option("--watch", is_flag=True, help="Check again whenever a file changes.")
+@click.option("--config", **FILE, help="The configuration to use.")
+@click.option("--isolated", is_flag=True, help="Use no configuration.")
 @common_options
-def check(
-    paths: Sequence[str],
-    select: Sequence[str],
-    extend_select: Sequence[str],
-    ignore: Sequence[str],
-    output_format: str,
-    fail_level: str,
-    exit_zero: bool,
-) -> None:
+def check(**given: Any) -> None:
     """Check RAP libraries: files, folders with RAP files, or - for standard input.
 
     All paths together are one library, with the files that they require. RULES are
-    names or codes of rules, separated by commas (see `rapc rule`).
+    names or codes of rules, separated by commas (see `rapc rule`). What a `rapc.toml`
+    or `[tool.rapc]` in a pyproject.toml says counts where no option does.
 
     Exit status: 0 if nothing was found, 1 for a finding at or above the fail level, 2
     for bad usage and for what cannot be read.
     """
+    options = msgspec.convert(given, Options)
+    _contradict(options)
+    if options.watch:
+        watch(options.paths, lambda: _run(options).report.files)
+        return
     try:
-        enabled = driver.enabled_rules(
-            _words(select) if select else None, _words(extend_select), _words(ignore)
-        )
-    except driver.UnknownRuleError as error:
+        worst = _run(_with_input(options)).grave
+    except UnknownRuleError as error:
         fail(f"{error}{f'; {error.help}' if error.help else ''}")
-    report = driver.check_library(read_paths(paths), enabled)
-    say(f"ran {len(driver.passes())} passes")
-    print_findings(report, output_format)
-    if output_format != "json" and not settings().quiet:
-        click.echo(_summary(report))
-    worst = report.worst()
-    if worst is not None and worst >= Severity[fail_level.upper()] and not exit_zero:
+    except Error as error:
+        fail(error.message, error.help)
+    if worst and not options.exit_zero:
         raise SystemExit(1)
 
 
-def _words(given: Sequence[str]) -> list[str]:
-    words = [word.strip() for one in given for word in one.split(",")]
-    return [word for word in words if word]
+def _contradict(options: Options) -> None:
+    """End the command if options do not go together."""
+    if options.unsafe_fixes and not (options.fix or options.diff):
+        fail("--unsafe-fixes goes with --fix or --diff")
+    if options.isolated and options.config is not None:
+        fail("--config and --isolated exclude each other")
+    if options.stdin_filename is not None and "-" not in options.paths:
+        fail("--stdin-filename goes with the path -")
+    if options.statistics and options.output_format not in {None, *STATISTICS}:
+        fail(f"--statistics are printed as {' or '.join(STATISTICS)}")
+    if options.write_baseline is not None and (options.fix or options.diff):
+        fail("--write-baseline does not go with --fix or --diff")
+    if options.watch and ("-" in options.paths or options.write_baseline is not None):
+        fail("--watch goes neither with the path - nor with --write-baseline")
+
+
+def _with_input(options: Options) -> Options:
+    """Read standard input if it is asked for, and give it its name."""
+    if "-" not in options.paths:
+        return options
+    name = options.stdin_filename or STANDARD_INPUT
+    paths = tuple(name if path == "-" else path for path in options.paths)
+    texts = {name: read_standard_input()}
+    return msgspec.structs.replace(options, paths=paths, texts=texts)
+
+
+class Done(msgspec.Struct, frozen=True):
+    """What one check came to."""
+
+    #: Everything found, and the files that were read.
+    report: CheckReport
+    #: Whether the exit status is to be 1.
+    grave: bool
+
+
+def _run(options: Options) -> Done:
+    """Check, mend if that is asked for, and report."""
+    chosen = choose(options)
+    if options.fix or options.diff:
+        return _mend(options, chosen)
+    report = _checked(options, chosen, options.texts)
+    if options.write_baseline is not None:
+        return _note(report, options.write_baseline)
+    return _tell(report, options, chosen)
+
+
+def _checked(options: Options, chosen: Chosen, texts: Mapping[str, str]) -> CheckReport:
+    loaded = loader.load(options.paths, texts=texts)
+    for name in loaded.files:
+        say(f"read {name}")
+    report = driver.check_library(loaded, chosen.selection)
+    say(f"ran {len(driver.passes())} passes")
+    return report
+
+
+def _tell(
+    report: CheckReport,
+    options: Options,
+    chosen: Chosen,
+    *,
+    fixed: str = "",
+    apart: bool = False,
+) -> Done:
+    """Print findings and the summary, on standard error if `apart`.
+
+    Findings as grave as the fail level decide the exit status.
+    """
+    known = ""
+    if chosen.baseline is not None:
+        report, known = _without_known(report, chosen.baseline)
+    if options.output_file is not None:
+        _refuse_input(options.output_file, "--output-file", report)
+        text = findings_text(report, chosen.format, options.statistics)
+        write_output(options.output_file, text.encode())
+    else:
+        print_findings(report, chosen.format, options.statistics, err=apart)
+    if chosen.format in FOR_PEOPLE and not settings().quiet:
+        click.echo(_summary(report) + fixed + known + _fixable(report), err=apart)
+    worst = report.worst()
+    return Done(report, worst is not None and worst >= chosen.fail_level)
+
+
+def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
+    """Return a report without what a baseline knows, and words about it."""
+    from rapc.analysis import baseline  # noqa: PLC0415  # hashlib, for few
+
+    compared = baseline.compare(report, file)
+    words = f"; {compared.known} known from {file}" if compared.known else ""
+    if compared.gone:
+        words += f"; {compared.gone} of {file} are gone: write it again"
+    return compared.report, words
+
+
+def _note(report: CheckReport, file: str) -> Done:
+    """Write a baseline."""
+    from rapc.analysis import baseline  # noqa: PLC0415  # hashlib, for few
+
+    _refuse_input(file, "--write-baseline", report)
+    write_output(file, baseline.text(report, file).encode())
+    if not settings().quiet:
+        click.echo(f"wrote {plural(len(report.findings), 'finding')} to {file}")
+    return Done(report, grave=False)
+
+
+def _refuse_input(file: str, option: str, report: CheckReport) -> None:
+    if any(same_file(file, name) for name in report.files):
+        fail(f"{option}: `{file}` is a file of the library")
+
+
+# --- fixes ----------------------------------------------------------------------------
+
+
+def _mend(options: Options, chosen: Chosen) -> Done:
+    """Carry out fixes, or show them; a text on standard input goes to the output."""
+    from rapc.analysis import fixes  # noqa: PLC0415  # for few
+
+    before: dict[str, str] = {}
+
+    def check(texts: Mapping[str, str]) -> CheckReport:
+        report = _checked(options, chosen, {**options.texts, **texts})
+        for name, source in report.files.items():
+            before.setdefault(name, source.text)
+        return report
+
+    def allowed(name: str) -> bool:
+        return any(_lies_in(name, path) for path in options.paths)
+
+    mended = fixes.mend(check, allowed, unsafe=options.unsafe_fixes)
+    changed = {n: t for n, t in mended.texts.items() if t != before[n]}
+    count = "1 fix" if mended.fixed == 1 else f"{mended.fixed} fixes"
+    if options.diff:
+        for name, text in changed.items():
+            click.echo(diff(name, before[name], text), nl=False)
+        if not settings().quiet:
+            click.echo(f"would carry out {count}", err=True)
+        return Done(mended.report, bool(changed))
+    for name, text in changed.items():
+        if name not in options.texts:
+            write_back(Path(name), text)
+    for name, text in options.texts.items():
+        click.echo(mended.texts.get(name, text), nl=False)
+    fixed = f", {count} carried out" if mended.fixed else ""
+    apart = bool(options.texts)
+    return _tell(mended.report, options, chosen, fixed=fixed, apart=apart)
+
+
+def _lies_in(name: str, path: str) -> bool:
+    """Whether the name of a file is a path or lies below it, as names are given."""
+    if name == path:
+        return True
+    folder = str(Path(path))
+    if folder == os.curdir:
+        return not os.path.isabs(name) and not name.startswith(os.pardir)
+    return name == folder or name.startswith(folder + os.sep)
+
+
+# --- the summary ------------------------------------------------------------------
 
 
 def _summary(report: CheckReport) -> str:
@@ -102,3 +290,14 @@ def _summary(report: CheckReport) -> str:
         counts[word] = counts.get(word, 0) + 1
     found = [f"{n} info" if w == "info" else plural(n, w) for w, n in counts.items()]
     return f"{checked}: {', '.join(found)}"
+
+
+def _fixable(report: CheckReport) -> str:
+    """Words about the findings that --fix would mend; none if there are none."""
+    fixes = [finding.diagnostic.fix for finding in report.findings]
+    kinds = [fix.applicability for fix in fixes if fix is not None and fix.edits]
+    safe, unsafe = (kinds.count(k) for k in (Applicability.SAFE, Applicability.UNSAFE))
+    if safe:
+        more = f", {unsafe} with --unsafe-fixes besides" if unsafe else ""
+        return f"; {safe} fixable with --fix{more}"
+    return f"; {unsafe} fixable with --fix --unsafe-fixes" if unsafe else ""

@@ -17,19 +17,26 @@ from collections.abc import Iterable
 import click
 
 from rapc.analysis.driver import CheckReport
+from rapc.base.files import write_whole
 from rapc.cli.options import USAGE, common_options, fail, say, settings
-from rapc.errors import LoadError
+from rapc.errors import LoadError, WriteError
 from rapc.library.loader import Loaded, load
 
 __all__ = (
+    "FORMATS",
+    "FOR_PEOPLE",
+    "STATISTICS",
     "USAGE",
     "common_options",
+    "diff",
     "fail",
+    "findings_text",
     "print_findings",
     "read_paths",
     "same_file",
     "say",
     "settings",
+    "write_output",
 )
 
 PIPED_WIDTH = 120
@@ -55,20 +62,73 @@ def same_file(one: str, other: str) -> bool:
         return False
 
 
-def print_findings(report: CheckReport, output_format: str) -> None:
-    """Print a report's findings on standard output: `full`, `concise` or `json`."""
-    if not report.findings and output_format != "json":
+def write_output(file: str, data: bytes) -> None:
+    """Write what an option asks for; a file that cannot be written ends the command."""
+    try:
+        write_whole(file, data)
+    except WriteError as error:
+        fail(error.message)
+
+
+FORMATS = (
+    *("full", "concise", "grouped", "json", "json-lines", "sarif", "github", "junit"),
+)
+"""How findings can be printed."""
+
+FOR_PEOPLE = ("full", "concise", "grouped")
+"""The formats behind which a summary is printed."""
+
+STATISTICS = ("full", "json")
+"""The formats that statistics have."""
+
+
+def print_findings(
+    report: CheckReport,
+    output_format: str,
+    statistics: bool = False,
+    *,
+    err: bool = False,
+) -> None:
+    """Print a report's findings on standard output, or on standard error.
+
+    Args:
+        report: the report.
+        output_format: one of `FORMATS`.
+        statistics: whether findings are counted by rule instead.
+        err: whether they go to standard error.
+    """
+    if not report.findings and output_format in (*FOR_PEOPLE, "github", "json-lines"):
         return
     from rapc.console import findings as render  # noqa: PLC0415  # brings rich along
 
-    if output_format == "json":
-        click.echo(render.json_text(report))
-    elif output_format == "concise":
-        for line in render.concise(report):
-            click.echo(line)
-    else:
+    stream = sys.stderr if err else sys.stdout
+    if output_format == "full" and not statistics:
         width = PIPED_WIDTH
-        if sys.stdout.isatty():
+        if stream.isatty():
             width = shutil.get_terminal_size().columns
-        lines = render.full(report, width)
-        render.write(lines, sys.stdout, color=settings().colored())
+        render.write(render.full(report, width), stream, color=settings().colored())
+        return
+    click.echo(findings_text(report, output_format, statistics), nl=False, err=err)
+
+
+def findings_text(report: CheckReport, output_format: str, statistics: bool) -> str:
+    """Return a report's findings as plain text, see `print_findings`."""
+    from rapc.console import findings, formats  # noqa: PLC0415  # brings rich along
+
+    if statistics:
+        return formats.statistics(report, output_format)
+    if output_format == "full":
+        lines = [line.plain for line in findings.full(report, PIPED_WIDTH)]
+        return "".join(f"{line}\n" for line in lines)
+    return formats.WRITERS[output_format](report)
+
+
+def diff(name: str, before: str, after: str) -> str:
+    """Return how a text changes, as a unified diff."""
+    from difflib import unified_diff  # noqa: PLC0415  # for few
+
+    old, new = (text.splitlines(keepends=True) for text in (before, after))
+    return "".join(
+        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n"
+        for line in unified_diff(old, new, name, name)
+    )

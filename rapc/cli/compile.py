@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from itertools import groupby
-from pathlib import Path
 
 import click
 
@@ -20,6 +18,7 @@ from rapc.cli.common import (
     print_findings,
     same_file,
     say,
+    write_output,
 )
 from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program
@@ -69,7 +68,7 @@ def compile(path: str, output: str | None, explained: tuple[str, ...]) -> None:
         _explain(library, name)
     if output is not None:
         data = _encoded(library, path, output)
-        _write(output, data)
+        write_output(output, data)
         say(f"wrote {output}: {len(data)} bytes")
 
 
@@ -113,21 +112,3 @@ def _suites(path: str) -> Iterator[Suite]:
         program = together[0].library
         tests = [case.test for case in together]
         yield Suite(tests, program.library, program.name)
-
-
-def _write(file: str, data: bytes) -> None:
-    """Write a file whole or not at all; what is no plain file is written to."""
-    try:
-        target = os.path.realpath(file)
-        part = f"{target}.{os.getpid()}.part"
-        if os.path.exists(file) and not os.path.isfile(file):
-            Path(file).write_bytes(data)
-            return
-        try:
-            with Path(part).open("xb") as stream:
-                stream.write(data)
-            os.replace(part, target)
-        finally:
-            Path(part).unlink(missing_ok=True)
-    except OSError as error:
-        fail(f"cannot write `{file}`: {(error.strerror or str(error)).lower()}")

@@ -6,7 +6,8 @@ import json
 
 import click
 
-from rapc.analysis import driver, suite
+from rapc.analysis import suite
+from rapc.analysis.selection import UnknownRuleError, rule_names
 from rapc.base.diagnostics import Rule
 from rapc.cli.options import common_options, fail
 
@@ -56,8 +57,8 @@ def rule(name: str | None, everything: bool, output_format: str) -> None:
 
 def _find(word: str) -> Rule:
     try:
-        (name,) = driver.enabled_rules([word], (), ())
-    except driver.UnknownRuleError as error:
+        (name,) = rule_names([word])
+    except UnknownRuleError as error:
         fail(f"{error}{f'; {error.help}' if error.help else ''}")
     return suite.rules()[name]
 

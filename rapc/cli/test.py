@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import Any
 
 import click
@@ -18,6 +17,7 @@ from rapc.cli.common import (
     print_findings,
     same_file,
     settings,
+    write_output,
 )
 from rapc.cli.options import Count
 from rapc.console.testing import coverage_table, explain
@@ -127,7 +127,7 @@ def test(
     if gathered is not None:
         _cover(gathered, coverage)
     if junit is not None:
-        _write(junit, as_junit(outcomes))
+        write_output(junit, as_junit(outcomes))
     click.echo(summary(outcomes, seeds))
     raise SystemExit(exit_status(outcomes))
 
@@ -143,14 +143,7 @@ def _cover(gathered: Coverage, file: str | None) -> None:
         click.echo(line)
     click.echo()
     if file:
-        _write(file, coverage_table.as_json(files))
-
-
-def _write(file: str, data: bytes) -> None:
-    try:
-        Path(file).write_bytes(data)
-    except OSError as error:
-        fail(f"cannot write `{file}`: {(error.strerror or str(error)).lower()}")
+        write_output(file, coverage_table.as_json(files))
 
 
 def _faults(texts: Iterable[str]) -> tuple[InjectedFault, ...]:

@@ -1,15 +1,16 @@
-"""Findings as text and JSON, on a terminal or not; the only user of rich.
+"""Findings for people, on a terminal or not.
 
 `full` draws each finding with the source around it, as the contract of the command line
-has it; `concise` takes one line each; `json_text` is for other programs. What is found
-and how grave it is was decided before (`rapc.analysis.driver`).
+has it; `concise` takes one line each, `grouped` names each file once. What is found and
+how grave it is was decided before (`rapc.analysis.driver`). Formats for other programs
+are in `rapc.console.formats`.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, TextIO
+from itertools import groupby
+from typing import TextIO
 
 import msgspec
 from rich.cells import cell_len
@@ -52,6 +53,20 @@ def concise(report: CheckReport) -> Iterator[str]:
     for finding in report.findings:
         place = _place(finding.diagnostic.span, report.files)
         yield f"{place}: {_title(finding)}: {visible(finding.diagnostic.message)}"
+
+
+def grouped(report: CheckReport) -> Iterator[str]:
+    """Each file with its findings below it, one line each, and a blank line."""
+    for file, findings in groupby(
+        report.findings, key=lambda finding: finding.diagnostic.span.file
+    ):
+        yield f"{visible(file)}:"
+        for finding in findings:
+            place = _place(finding.diagnostic.span, report.files)
+            where = place.removeprefix(f"{visible(file)}:")
+            message = visible(finding.diagnostic.message)
+            yield f"  {where}: {_title(finding)}: {message}"
+        yield ""
 
 
 def full(report: CheckReport, width: int) -> Iterator[Text]:
@@ -274,59 +289,3 @@ def _first_change(old: str, new: str) -> int:
         if one != other:
             return column
     return min(len(old), len(new))
-
-
-# --- JSON ---------------------------------------------------------------------------
-
-
-def _json(finding: Finding, files: Files) -> dict[str, Any]:
-    rule, said = finding.rule, finding.diagnostic
-    notes = [*said.notes, *([f"help: {said.help}"] if said.help else [])]
-    return {
-        "code": rule.code,
-        "name": rule.name,
-        "severity": finding.severity.word,
-        "message": said.message,
-        "filename": said.span.file,
-        **_location(said.span, files),
-        "fix": None if said.fix is None else _json_fix(said.fix, files),
-        "labels": [
-            {
-                "message": label.message,
-                "filename": label.span.file,
-                **_location(label.span, files),
-            }
-            for label in said.labels
-        ],
-        "notes": notes,
-        "url": f"rules.md#{rule.name}",
-    }
-
-
-def _json_fix(fix: Fix, files: Files) -> dict[str, Any]:
-    return {
-        "applicability": fix.applicability.value,
-        "message": fix.message,
-        "edits": [
-            {"content": edit.content, **_location(edit.span, files)}
-            for edit in fix.edits
-        ],
-    }
-
-
-def _location(span: Span, files: Files) -> dict[str, dict[str, int]]:
-    source = files.get(span.file)
-    if source is None:
-        nowhere = {"row": 1, "column": 1}
-        return {"location": nowhere, "end_location": nowhere}
-    start, end = source.position(span.start), source.position(span.end)
-    return {
-        "location": {"row": start.row, "column": start.column},
-        "end_location": {"row": end.row, "column": end.column},
-    }
-
-
-def json_text(report: CheckReport) -> str:
-    """All findings as a JSON array; rows and columns from 1, ends exclusive."""
-    rows = [_json(finding, report.files) for finding in report.findings]
-    return json.dumps(rows, indent=2, ensure_ascii=False)

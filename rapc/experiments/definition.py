@@ -6,8 +6,6 @@ Says whether a file has the right form; whether what it names exists is found ou
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,6 +13,7 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
+from rapc.base import toml
 from rapc.base.files import read_text
 from rapc.base.names import nearest
 from rapc.errors import Error, LoadError
@@ -168,17 +167,12 @@ def decode(text: str, name: str) -> Experiment:
             kind, and what contradicts itself.
     """
     try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ExperimentError(_lower(str(error))) from error
-    except RecursionError as error:
-        raise ExperimentError("it is nested too deeply") from error
-    for where, key, known in _unknown(data):
-        raise ExperimentError(f"there is no key `{key}`{where}", meant(key, known))
-    try:
-        found = msgspec.convert({**data, "name": name}, Experiment)
-    except msgspec.ValidationError as error:
-        raise ExperimentError(_in_words(str(error))) from error
+        data = toml.parsed(text)
+        for where, key, known in _unknown(data):
+            raise ExperimentError(f"there is no key `{key}`{where}", meant(key, known))
+        found = toml.converted({**data, "name": name}, Experiment)
+    except toml.TomlError as error:
+        raise ExperimentError(error.message) from error
     for problem in _contradictions(found):
         raise ExperimentError(problem)
     return found
@@ -203,41 +197,6 @@ def _unknown(data: Mapping[str, Any]) -> Iterator[tuple[str, str, list[str]]]:
         for key, kind in (("reference", Reference), ("mark", Mark)):
             inner = part.get(key) if isinstance(part, Mapping) else None
             yield from look(inner, kind, f" in `{key}` of part {number}")
-
-
-_NAMES = " of small letters, digits and hyphens"
-"""What the regular expression of `_Name` says."""
-
-_WORDS = {
-    "str": "text",
-    "int": "a whole number",
-    "float": "a number",
-    "bool": "true or false",
-    "array": "a list",
-    "object": "a table",
-    "int | float": "a number",
-    "bool | int | float | str": "text, a number or true or false",
-}
-
-
-def _in_words(message: str) -> str:
-    """What msgspec says is wrong, with the place in words and kinds as TOML has them.
-
-    `Expected `str`, got `int` - at `$.part[0].vary`` becomes
-    ``part 1, vary`: expected text, got a whole number`.
-    """
-    what, _, path = message.partition(" - at ")
-    what = what.partition(" matching regex")[0] + _NAMES * ("regex" in what)
-    what = re.sub(r"Object missing required field (.*)", r"the key \1 is missing", what)
-    what = what.replace("`str` of length >= 1", "some text")
-    what = re.sub(r"`([^`]*)`", lambda m: _WORDS.get(m[1], f"`{m[1]}`"), what)
-    path = path.strip("`").removeprefix("$").replace("[...]", "").removeprefix(".")
-    path = re.sub(r"\[(\d+)\]", lambda m: f" {int(m[1]) + 1}", path).replace(".", ", ")
-    return f"`{path}`: {_lower(what)}" if path else _lower(what)
-
-
-def _lower(text: str) -> str:
-    return text[:1].lower() + text[1:]
 
 
 def _contradictions(experiment: Experiment) -> Iterator[str]:

@@ -36,6 +36,9 @@ from rapc.library.library import Library
 from rapc.parser.parse import parse
 from rapc.parser.unit import Partial, SourceUnit
 
+STANDARD_INPUT = "<stdin>"
+"""What spans call the text on standard input."""
+
 _LONG = 60
 """How much of a required name is repeated in messages."""
 
@@ -81,23 +84,33 @@ class Loaded(msgspec.Struct, frozen=True):
 
 
 @gc_paused()
-def load(paths: Iterable[str | Path], *, tests: bool = False) -> Loaded:
+def load(
+    paths: Iterable[str | Path],
+    *,
+    tests: bool = False,
+    texts: Mapping[str, str] | None = None,
+) -> Loaded:
     """Read files and folders, all they require, and link them into one library.
 
     Args:
         paths: files, folders (all `.rap` files below, sorted) or `-` for standard
             input. Folders whose name begins with a dot are left out below a folder.
         tests: whether `*.test.rap` files found in folders are read as well.
+        texts: what stands for the texts of some files, by the names they would get; a
+            path among them need not exist.
 
     Raises:
         LoadError: for a path that is missing, unreadable, not UTF-8 or not text, and
             for folders that lead back into themselves.
     """
     names = list(dict.fromkeys(map(str, paths)))
-    reading = _Reading(tests, given=[Path(name) for name in names if name != "-"])
+    given = [Path(name) for name in names if name != "-"]
+    reading = _Reading(tests, given=given, texts=texts)
     for path in names:
         if path == "-":
-            reading.add(SourceFile("<stdin>", read_standard_input()))
+            reading.add(reading.source(STANDARD_INPUT))
+        elif path in reading.texts:
+            reading.add_first(reading.source(path))
         else:
             reading.read_all(files_at(named(path), tests))
     return reading.finish()
@@ -125,7 +138,7 @@ def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
     seen: set[Identity] = set()
     for path in dict.fromkeys(map(str, paths)):
         if path == "-":
-            yield SourceFile("<stdin>", read_standard_input())
+            yield SourceFile(STANDARD_INPUT, read_standard_input())
             continue
         whole = named(path)
         for file in files_at(whole, tests=True):
@@ -177,6 +190,7 @@ class _Reading:
         given: the paths that the user named, among which a copy of a standard library
             may be.
         follow: whether what files require is read at all.
+        texts: what stands for the texts of some files, by name.
     """
 
     def __init__(
@@ -185,11 +199,13 @@ class _Reading:
         of_tests: frozenset[str] | None = None,
         given: Sequence[Path] = (),
         follow: bool = True,
+        texts: Mapping[str, str] | None = None,
     ) -> None:
         self.tests = tests
         self.of_tests = of_tests
         self.given = given
         self.follow = follow
+        self.texts = texts or {}
         self.units: list[SourceUnit] = []
         self.missing: list[Diagnostic] = []
         self.seen: set[Identity] = set()
@@ -198,7 +214,15 @@ class _Reading:
         """Read files that were not read before, under whatever name."""
         for path in paths:
             if self._is_new(path):
-                self.add(SourceFile(str(path), read_text(path)))
+                self.add(self.source(str(path)))
+
+    def source(self, name: str) -> SourceFile:
+        """Read a file, or standard input, unless another text stands for it."""
+        text = self.texts.get(name)
+        if text is None:
+            is_input = name == STANDARD_INPUT
+            text = read_standard_input() if is_input else read_text(Path(name))
+        return SourceFile(name, text)
 
     def add_first(self, source: SourceFile) -> None:
         """Parse a file that was read before this began, or a text; see `add`."""
@@ -214,7 +238,7 @@ class _Reading:
             if path is None:
                 self.units.append(opened.pop().unit)
             elif self._is_new(path):
-                opened.append(self._open(SourceFile(str(path), read_text(path))))
+                opened.append(self._open(self.source(str(path))))
 
     def finish(self) -> Loaded:
         """Link what was read."""

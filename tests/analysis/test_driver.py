@@ -11,12 +11,11 @@ import rapc
 from rapc.analysis import suite
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.driver import (
-    UnknownRuleError,
     check_library,
-    enabled_rules,
     ordered,
     passes,
 )
+from rapc.analysis.selection import Selection
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.source import NOWHERE
 from rapc.library.loader import load_text
@@ -121,25 +120,12 @@ def test_nothing_is_missed_in_forms_that_were_not_read_whole() -> None:
     ]
 
 
-def test_selection_by_names_and_codes() -> None:
-    everything = set(suite.rules())
-    assert enabled_rules(None, (), ()) == everything
-    assert enabled_rules(["RAP012", "unknown-rap"], (), ["rap012"]) == {"unknown-rap"}
-    assert enabled_rules(["RAP012"], ["RAP013"], ()) == {
-        "unbound-variable",
-        "unknown-rap",
-    }
-    with pytest.raises(UnknownRuleError, match="`unknown-rup`") as caught:
-        enabled_rules(None, (), ["unknown-rup"])
-    assert caught.value.help == "did you mean `unknown-rap`?"
-
-
 def test_suppressions_of_rules_that_do_not_run_are_not_called_unused() -> None:
     text = "; rapc: ignore[unknown-rap]\n(define-rap (a))"
     loaded = load_text(text)
     assert check_library(loaded).findings
-    enabled = frozenset({"unused-suppression"})
-    assert not check_library(loaded, enabled).findings
+    chosen = Selection(frozenset({"unused-suppression"}))
+    assert not check_library(loaded, chosen).findings
 
 
 def test_report_knows_its_worst_and_its_size() -> None:

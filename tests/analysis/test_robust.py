@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from rapc.analysis.driver import check_library
 from rapc.console import findings as render
+from rapc.console import formats
 from rapc.library.loader import load_text
 from tests.effort import examples
 
@@ -61,7 +62,7 @@ def test_damaged_programs_can_be_checked_and_shown(text: str) -> None:
     shown = "\n".join(line.plain for line in render.full(report, 80))
     assert shown.count("[RAP") >= len(report.findings)
     assert len(list(render.concise(report))) == len(report.findings)
-    assert render.json_text(report).startswith("[")
+    assert formats.json_text(report).startswith("[")
     for finding in report.findings:
         span = finding.diagnostic.span
         assert 0 <= span.start <= span.end <= len(text) + 1

@@ -15,6 +15,7 @@ from rich.cells import cell_len
 
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.console import findings as render
+from rapc.console import formats
 from rapc.library.loader import load_text
 
 from .command import rapc
@@ -147,4 +148,4 @@ def test_control_characters_are_not_acted_upon() -> None:
         list(render.concise(report)),
     ):
         assert "\x1b" not in "".join(lines)
-    assert "\\u001b" in render.json_text(report)
+    assert "\\u001b" in formats.json_text(report)

@@ -1,0 +1,99 @@
+"""Which rules report, where, and how grave their findings are for one user.
+
+A rule has a severity of its own; a user may change it, switch a rule off, or switch it
+off for some files. Command line and configuration (`rapc.analysis.config`) both end
+in one `Selection`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from fnmatch import fnmatchcase
+from functools import cache
+from pathlib import PurePath
+
+import msgspec
+
+from rapc.analysis import suite
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.names import nearest
+from rapc.errors import Error
+
+
+class UnknownRuleError(Error):
+    """A word that is neither a rule's name nor its code; `near` may be meant."""
+
+    def __init__(self, word: str, near: str | None) -> None:
+        meant = f"did you mean `{near}`?" if near else ""
+        super().__init__(f"no rule is called `{word}`", meant)
+
+
+class PerFile(msgspec.Struct, frozen=True):
+    """Rules that do not report in some files."""
+
+    #: Of file names, with `*` (folders too), `?` and `[...]`: matched against the path
+    #: as seen from `root`, and against the last part of it.
+    pattern: str
+    #: Names of rules.
+    rules: frozenset[str]
+    #: The folder from which paths are seen; the working folder if empty.
+    root: str = ""
+
+    def covers(self, file: str) -> bool:
+        """Whether the pattern is one of a file, by the name that spans carry."""
+        path = PurePath(os.path.relpath(file, self.root or os.curdir))
+        return any(fnmatchcase(n, self.pattern) for n in (path.as_posix(), path.name))
+
+
+class Selection(msgspec.Struct, frozen=True):
+    """The rules that report, those that do not in some files, and severities."""
+
+    #: The names of the rules that report.
+    enabled: frozenset[str]
+    #: Where some of them do not.
+    per_file: tuple[PerFile, ...] = ()
+    #: Severities that differ from those of the rules, by the names of rules.
+    severities: Mapping[str, Severity] = {}
+
+    def chooses(self, found: Diagnostic) -> bool:
+        """Whether a finding is to be reported."""
+        if found.rule not in self.enabled:
+            return False
+        ignoring = (one for one in self.per_file if found.rule in one.rules)
+        return not any(one.covers(found.span.file) for one in ignoring)
+
+    def graded(self, rule: Rule) -> Rule:
+        """Return a rule with the severity that it has for this user."""
+        wanted = self.severities.get(rule.name, rule.severity)
+        if wanted is rule.severity:
+            return rule
+        return msgspec.structs.replace(rule, severity=wanted)
+
+
+def by_default() -> frozenset[str]:
+    """Return the names of the rules that report if nobody chooses: all but opt-in."""
+    return frozenset(n for n, rule in suite.rules().items() if not rule.opt_in)
+
+
+def rule_names(words: Iterable[str]) -> frozenset[str]:
+    """Return the names of rules that are given by name or code.
+
+    Raises:
+        UnknownRuleError: for a word that no rule has as its name or code.
+    """
+    known = _words()
+    chosen = set()
+    for word in words:
+        name = known.get(word.lower())
+        if name is None:
+            raise UnknownRuleError(word, nearest(word.lower(), known))
+        chosen.add(name)
+    return frozenset(chosen)
+
+
+@cache
+def _words() -> Mapping[str, str]:
+    """The names of all rules, by name and by code in lower case."""
+    rules = suite.rules().values()
+    return {word: r.name for r in rules for word in (r.name, r.code.lower())}

@@ -1,0 +1,78 @@
+"""TOML files of users into typed records, and what is wrong with one in their words."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+import msgspec
+
+from rapc.errors import Error
+
+T = TypeVar("T")
+
+_NAMES = " of small letters, digits and hyphens"
+"""What a regular expression stands for in messages: the only one in use."""
+
+_WORDS = {
+    "str": "text",
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "true or false",
+    "array": "a list",
+    "object": "a table",
+    "int | float": "a number",
+    "bool | int | float | str": "text, a number or true or false",
+}
+
+
+class TomlError(Error):
+    """A text that is no TOML, or not what is asked for."""
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """Return the tables of a TOML text.
+
+    Raises:
+        TomlError: for text that is no TOML, or is nested too deeply.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise TomlError(_lower(str(error))) from error
+    except RecursionError as error:
+        raise TomlError("it is nested too deeply") from error
+
+
+def converted(table: Mapping[str, Any], kind: type[T]) -> T:
+    """Return a table as a record.
+
+    Raises:
+        TomlError: for a value of the wrong kind.
+    """
+    try:
+        return msgspec.convert(table, kind)
+    except msgspec.ValidationError as error:
+        raise TomlError(_in_words(str(error))) from error
+
+
+def _in_words(message: str) -> str:
+    """What msgspec says is wrong, with the place in words and kinds as TOML has them.
+
+    `Expected `str`, got `int` - at `$.part[0].vary`` becomes
+    ``part 1, vary`: expected text, got a whole number`.
+    """
+    what, _, path = message.partition(" - at ")
+    what = what.partition(" matching regex")[0] + _NAMES * ("regex" in what)
+    what = re.sub(r"Object missing required field (.*)", r"the key \1 is missing", what)
+    what = what.replace("`str` of length >= 1", "some text")
+    what = re.sub(r"`([^`]*)`", lambda m: _WORDS.get(m[1], f"`{m[1]}`"), what)
+    path = path.strip("`").removeprefix("$").replace("[...]", "").removeprefix(".")
+    path = re.sub(r"\[(\d+)\]", lambda m: f" {int(m[1]) + 1}", path).replace(".", ", ")
+    return f"`{path}`: {_lower(what)}" if path else _lower(what)
+
+
+def _lower(text: str) -> str:
+    return text[:1].lower() + text[1:]

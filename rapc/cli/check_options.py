@@ -1,0 +1,112 @@
+"""What the options of `rapc check` and a project's configuration come to together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import msgspec
+
+from rapc.analysis.selection import PerFile, Selection, by_default, rule_names
+from rapc.base.diagnostics import Severity
+from rapc.cli.common import FORMATS, fail, say
+
+
+class Options(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of `rapc check`, as they were given."""
+
+    paths: tuple[str, ...]
+    select: tuple[str, ...]
+    extend_select: tuple[str, ...]
+    ignore: tuple[str, ...]
+    per_file_ignores: tuple[str, ...]
+    fix: bool
+    unsafe_fixes: bool
+    diff: bool
+    statistics: bool
+    output_format: str | None
+    output_file: str | None
+    write_baseline: str | None
+    baseline: str | None
+    fail_level: str | None
+    exit_zero: bool
+    stdin_filename: str | None
+    watch: bool
+    config: str | None
+    isolated: bool
+    #: Texts that stand for files: that on standard input, by its name.
+    texts: Mapping[str, str] = {}
+
+
+class Chosen(msgspec.Struct, frozen=True):
+    """What is to be reported, and how."""
+
+    #: The rules that report.
+    selection: Selection
+    #: How findings are printed, one of `FORMATS`.
+    format: str
+    #: The least grave finding that makes the exit status 1.
+    fail_level: Severity
+    #: The file of findings that are known, if any.
+    baseline: Path | None
+
+
+def choose(options: Options) -> Chosen:
+    """Put options and configuration together; an option counts more.
+
+    `--select` sets the configuration's choice of rules aside; other options about rules
+    add to it.
+
+    Raises:
+        ConfigError: for a configuration that cannot be used.
+        LoadError: for one that cannot be read.
+        UnknownRuleError: for a word that no rule has as its name or code.
+    """
+    from rapc.analysis import config  # noqa: PLC0415  # brings tomllib along
+
+    if options.isolated:
+        found = config.Configured()
+    elif options.config is not None:
+        found = config.read(Path(options.config)) or fail(
+            f"`{options.config}` has no table `tool.rapc`"
+        )
+    else:
+        found = config.find(Path(options.paths[0]))
+    if found.file is not None:
+        say(f"configured by {found.file}")
+    said = found.config
+    if options.select:
+        enabled = rule_names(words(options.select))
+    else:
+        enabled = by_default() if said.select is None else rule_names(said.select)
+        enabled |= rule_names(said.extend_select)
+        enabled -= rule_names(said.ignore)
+    enabled |= rule_names(words(options.extend_select))
+    enabled -= rule_names(words(options.ignore))
+    per_file = [_per_file(text) for text in options.per_file_ignores]
+    baseline = None if options.baseline is None else Path(options.baseline)
+    if baseline is None and said.baseline is not None and found.file is not None:
+        baseline = found.file.parent / said.baseline
+    shape = options.output_format or said.output_format or "full"
+    if shape not in FORMATS:
+        fail(f"`{found.file}`: there is no output format `{shape}`")
+    level = options.fail_level or said.fail_level or "warning"
+    return Chosen(
+        Selection(enabled, (*found.per_file(), *per_file), found.severities()),
+        shape,
+        Severity[level.upper()],
+        baseline,
+    )
+
+
+def words(given: Iterable[str]) -> Iterator[str]:
+    """Yield the words in texts of words with commas between them."""
+    for one in given:
+        yield from filter(None, (word.strip() for word in one.split(",")))
+
+
+def _per_file(text: str) -> PerFile:
+    pattern, colon, rules = text.rpartition(":")
+    if not colon or not pattern or not rules.strip():
+        fail(f"--per-file-ignores: `{text}` is not PATTERN:RULES")
+    return PerFile(pattern, rule_names(words([rules])))

@@ -1,0 +1,346 @@
+"""Findings for other programs: JSON, JSON Lines, SARIF, GitHub, JUnit.
+
+Rows and columns count from 1, columns in code points, ends are exclusive. Paths are
+those that the user gave, in SARIF as seen from the working folder.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import groupby
+from typing import Any
+from urllib.parse import quote
+from xml.etree import ElementTree
+
+from rapc.analysis import suite
+from rapc.analysis.driver import CheckReport, Finding
+from rapc.analysis.fingerprints import fingerprints, seen_from
+from rapc.base.diagnostics import Applicability, Fix, Rule, Severity
+from rapc.base.source import SourceFile, Span
+from rapc.base.version import VERSION
+from rapc.console import findings as text
+from rapc.console.xml import as_xml, legal
+
+Files = Mapping[str, SourceFile]
+
+
+# --- JSON ---------------------------------------------------------------------------
+
+
+def json_text(report: CheckReport) -> str:
+    """Return all findings as a JSON array."""
+    rows = [_json(finding, report.files) for finding in report.findings]
+    return _indented(rows)
+
+
+def json_lines(report: CheckReport) -> str:
+    """Return each finding as a JSON object on a line of its own."""
+    rows = (_json(finding, report.files) for finding in report.findings)
+    return _lines(json.dumps(row, ensure_ascii=False) for row in rows)
+
+
+def _indented(value: object) -> str:
+    return json.dumps(value, indent=2, ensure_ascii=False) + "\n"
+
+
+def _lines(lines: Iterable[str]) -> str:
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _json(finding: Finding, files: Files) -> dict[str, Any]:
+    rule, said = finding.rule, finding.diagnostic
+    notes = [*said.notes, *([f"help: {said.help}"] if said.help else [])]
+    return {
+        "code": rule.code,
+        "name": rule.name,
+        "severity": finding.severity.word,
+        "message": said.message,
+        "filename": said.span.file,
+        **_location(said.span, files),
+        "fix": None if said.fix is None else _json_fix(said.fix, files),
+        "labels": [
+            {
+                "message": label.message,
+                "filename": label.span.file,
+                **_location(label.span, files),
+            }
+            for label in said.labels
+        ],
+        "notes": notes,
+        "url": _page(rule),
+    }
+
+
+def _json_fix(fix: Fix, files: Files) -> dict[str, Any]:
+    return {
+        "applicability": fix.applicability.value,
+        "message": fix.message,
+        "edits": [
+            {"content": edit.content, **_location(edit.span, files)}
+            for edit in fix.edits
+        ],
+    }
+
+
+def _location(span: Span, files: Files) -> dict[str, dict[str, int]]:
+    (row, column), (last, end) = _rows(span, files)
+    return {
+        "location": {"row": row, "column": column},
+        "end_location": {"row": last, "column": end},
+    }
+
+
+def _rows(span: Span, files: Files) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Return the row and column of a span's start and of its end."""
+    source = files.get(span.file)
+    if source is None:
+        return (1, 1), (1, 1)
+    start, end = source.position(span.start), source.position(span.end)
+    return (start.row, start.column), (end.row, end.column)
+
+
+def _page(rule: Rule) -> str:
+    """The page and heading of the manual that tell of a rule."""
+    return f"rules.md#{rule.name}"
+
+
+# --- SARIF 2.1.0 --------------------------------------------------------------------
+
+_SARIF_LEVELS = {
+    Severity.ERROR: "error",
+    Severity.WARNING: "warning",
+    Severity.INFO: "note",
+}
+
+
+def sarif(report: CheckReport) -> str:
+    """Return a SARIF log with one run: every rule, and a result for each finding."""
+    rules = list(suite.rules().values())
+    places = {rule.name: at for at, rule in enumerate(rules)}
+    driver = {
+        "name": "rapc",
+        "semanticVersion": VERSION,
+        "rules": [_sarif_rule(rule) for rule in rules],
+    }
+    results = [
+        _sarif_result(finding, places[finding.rule.name], print_, report.files)
+        for finding, print_ in zip(report.findings, fingerprints(report), strict=True)
+    ]
+    log = {
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [
+            {
+                "tool": {"driver": driver},
+                "columnKind": "unicodeCodePoints",
+                "results": results,
+            }
+        ],
+    }
+    return _indented(log)
+
+
+def _sarif_rule(rule: Rule) -> dict[str, Any]:
+    page = f"{rule.why}\n\nFor example:\n\n{rule.example}\nBetter:\n\n{rule.better}"
+    return {
+        "id": rule.code,
+        "name": rule.name,
+        "shortDescription": {"text": rule.summary},
+        "fullDescription": {"text": rule.why},
+        "help": {"text": page},
+        "defaultConfiguration": {
+            "enabled": not rule.opt_in,
+            "level": _SARIF_LEVELS[rule.severity],
+        },
+    }
+
+
+def _sarif_result(
+    finding: Finding, rule_at: int, fingerprint: str, files: Files
+) -> dict[str, Any]:
+    said = finding.diagnostic
+    more = [*said.notes, *([said.help] if said.help else [])]
+    result = {
+        "ruleId": finding.rule.code,
+        "ruleIndex": rule_at,
+        "level": _SARIF_LEVELS[finding.severity],
+        "message": {"text": "\n".join([said.message, *more])},
+        "locations": [_sarif_place(said.span, files)],
+        "partialFingerprints": {"rapc/v1": fingerprint},
+    }
+    if said.labels:
+        result["relatedLocations"] = [
+            {**_sarif_place(label.span, files), "message": {"text": label.message}}
+            for label in said.labels
+        ]
+    if said.fix is not None and said.fix.applicability is Applicability.SAFE:
+        result["fixes"] = [_sarif_fix(said.fix, files)]
+    return result
+
+
+def _sarif_place(span: Span, files: Files) -> dict[str, Any]:
+    place = {"artifactLocation": _sarif_file(span), "region": _region(span, files)}
+    return {"physicalLocation": place}
+
+
+def _sarif_file(span: Span) -> dict[str, str]:
+    return {"uri": quote(seen_from("", span.file), safe="/")}
+
+
+def _region(span: Span, files: Files) -> dict[str, int]:
+    (row, column), (last, end) = _rows(span, files)
+    return {
+        "startLine": row,
+        "startColumn": column,
+        "endLine": last,
+        "endColumn": end,
+    }
+
+
+def _sarif_fix(fix: Fix, files: Files) -> dict[str, Any]:
+    edits = sorted(fix.edits, key=lambda edit: (edit.span.file, edit.span.start))
+    return {
+        "description": {"text": fix.message},
+        "artifactChanges": [
+            {
+                "artifactLocation": {"uri": quote(seen_from("", file), safe="/")},
+                "replacements": [
+                    {
+                        "deletedRegion": _region(edit.span, files),
+                        "insertedContent": {"text": edit.content},
+                    }
+                    for edit in group
+                ],
+            }
+            for file, group in groupby(edits, key=lambda edit: edit.span.file)
+        ],
+    }
+
+
+# --- GitHub -------------------------------------------------------------------------
+
+_GITHUB_LEVELS = {
+    Severity.ERROR: "error",
+    Severity.WARNING: "warning",
+    Severity.INFO: "notice",
+}
+
+
+def github(report: CheckReport) -> str:
+    """Return each finding as a workflow command, which GitHub shows at its line."""
+    return _lines(_commands(report))
+
+
+def _commands(report: CheckReport) -> Iterator[str]:
+    for finding in report.findings:
+        said = finding.diagnostic
+        (row, column), (last, end) = _rows(said.span, report.files)
+        keys = {"file": seen_from("", said.span.file), "line": row, "endLine": last}
+        keys["col"] = column
+        if last == row:  # GitHub takes columns for one line only
+            keys["endColumn"] = end
+        keys["title"] = f"{finding.rule.code} {finding.rule.name}"
+        told = ",".join(f"{key}={_property(str(value))}" for key, value in keys.items())
+        text = said.message + (f"\n{said.help}" if said.help else "")
+        yield f"::{_GITHUB_LEVELS[finding.severity]} {told}::{_escaped(text)}"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _escaped(text).replace(":", "%3A").replace(",", "%2C")
+
+
+# --- JUnit --------------------------------------------------------------------------
+
+
+def junit(report: CheckReport) -> str:
+    """Return JUnit XML: a suite for each file, a failed case for each finding.
+
+    A file without findings has one case that passes.
+    """
+    found: dict[str, list[Finding]] = {file: [] for file in report.files}
+    for finding in report.findings:
+        found.setdefault(finding.diagnostic.span.file, []).append(finding)
+    tests = sum(max(1, len(findings)) for findings in found.values())
+    counts = {"tests": str(tests), "failures": str(len(report.findings))}
+    top = ElementTree.Element("testsuites", {"name": "rapc check", **counts})
+    for file, findings in found.items():
+        counts = {"tests": str(max(1, len(findings))), "failures": str(len(findings))}
+        suite_ = ElementTree.SubElement(
+            top, "testsuite", {"name": legal(file), **counts, "errors": "0"}
+        )
+        for finding in findings:
+            _junit_case(suite_, finding, report.files)
+        if not findings:
+            named = {"classname": legal(file), "name": "no findings", "time": "0"}
+            ElementTree.SubElement(suite_, "testcase", named)
+    return as_xml(top)
+
+
+def _junit_case(suite_: ElementTree.Element, finding: Finding, files: Files) -> None:
+    said = finding.diagnostic
+    (row, column), _ = _rows(said.span, files)
+    title = f"{finding.rule.code} {finding.rule.name} {row}:{column}"
+    named = {"classname": legal(said.span.file), "name": title, "time": "0"}
+    case = ElementTree.SubElement(suite_, "testcase", named)
+    told = {"type": finding.severity.word, "message": legal(said.message)}
+    lines = [said.message, *said.notes, *([f"help: {said.help}"] if said.help else [])]
+    failure = ElementTree.SubElement(case, "failure", told)
+    failure.text = legal("\n".join(lines))
+
+
+# --- statistics, and the table of formats ------------------------------------------
+
+
+def statistics(report: CheckReport, output_format: str) -> str:
+    """Return how often each rule was broken, the most broken first.
+
+    Args:
+        report: the report.
+        output_format: `json`, or any other for a table.
+    """
+    counts = Counter(finding.rule.name for finding in report.findings)
+    rules = {finding.rule.name: finding.rule for finding in report.findings}
+    mendable = Counter(
+        finding.rule.name
+        for finding in report.findings
+        if (fix := finding.diagnostic.fix) and fix.applicability is Applicability.SAFE
+    )
+    ranked = sorted(rules.values(), key=lambda rule: (-counts[rule.name], rule.code))
+    rows = [(counts[r.name], r, mendable[r.name]) for r in ranked]
+    if output_format == "json":
+        return _indented(
+            [
+                {
+                    "code": rule.code,
+                    "name": rule.name,
+                    "severity": rule.severity.word,
+                    "count": count,
+                    "fixable": fixable,
+                }
+                for count, rule, fixable in rows
+            ]
+        )
+    width = len(str(max(counts.values(), default=0)))
+    return _lines(
+        f"{count:{width}}  {rule.code} {rule.name} ({rule.severity.word})"
+        + (f", {fixable} fixable" if fixable else "")
+        for count, rule, fixable in rows
+    )
+
+
+WRITERS: Mapping[str, Callable[[CheckReport], str]] = {
+    "concise": lambda report: _lines(text.concise(report)),
+    "grouped": lambda report: _lines(text.grouped(report)),
+    "json": json_text,
+    "json-lines": json_lines,
+    "sarif": sarif,
+    "github": github,
+    "junit": junit,
+}
+"""What writes findings in each format but `full`."""

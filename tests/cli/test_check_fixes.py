@@ -1,0 +1,154 @@
+"""`rapc check --fix`, `--diff` and `--unsafe-fixes`: what they change, and what not."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from .command import COMMAND, HOME, rapc
+
+UNUSED = "; rapc: ignore[unknown-rap] nothing to ignore\n(define-rap (wait))\n"
+FIXED = "\n(define-rap (wait))\n"
+
+UNSAFE = """\
+(define-rap (walk ?place)
+  (method (task-net (t1 (wait ?place))))
+
+(define-rap (wait ?place))
+"""
+
+
+def test_safe_fixes_are_carried_out_and_reported(tmp_path: Path) -> None:
+    file = tmp_path / "one.rap"
+    file.write_text(UNUSED)
+    done = rapc("check", "one.rap", cwd=tmp_path)
+    assert done.stdout.endswith("1 warning; 1 fixable with --fix\n")
+    done = rapc("check", "--fix", "one.rap", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "checked 1 file, 1 RAP: no findings, 1 fix carried out\n"
+    assert file.read_text() == FIXED
+
+
+def test_a_difference_is_shown_and_nothing_written(tmp_path: Path) -> None:
+    file = tmp_path / "one.rap"
+    file.write_text(UNUSED)
+    done = rapc("check", "--diff", "one.rap", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (1, "would carry out 1 fix\n")
+    assert done.stdout == (
+        "--- one.rap\n+++ one.rap\n@@ -1,2 +1,2 @@\n"
+        "-; rapc: ignore[unknown-rap] nothing to ignore\n+\n (define-rap (wait))\n"
+    )
+    assert file.read_text() == UNUSED
+    file.write_text(FIXED)
+    done = rapc("check", "--diff", "one.rap", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "")
+
+
+def test_unsafe_fixes_only_if_asked_for(tmp_path: Path) -> None:
+    file = tmp_path / "one.rap"
+    file.write_text(UNSAFE)
+    before = rapc("check", "one.rap", cwd=tmp_path)
+    assert "fixable with --fix --unsafe-fixes" in before.stdout
+    rapc("check", "--fix", "one.rap", cwd=tmp_path)
+    assert file.read_text() == UNSAFE
+    done = rapc("check", "--fix", "--unsafe-fixes", "one.rap", cwd=tmp_path)
+    assert done.returncode == 0
+    assert file.read_text() == UNSAFE.replace("))))", ")))))")
+
+
+def test_line_ends_mark_and_mode_of_a_file_stay(tmp_path: Path) -> None:
+    file = tmp_path / "one.rap"
+    file.write_bytes(b"\xef\xbb\xbf" + UNUSED.replace("\n", "\r\n").encode())
+    file.chmod(0o640)
+    assert rapc("check", "--fix", "one.rap", cwd=tmp_path).returncode == 0
+    assert file.read_bytes() == b"\xef\xbb\xbf" + FIXED.replace("\n", "\r\n").encode()
+    assert file.stat().st_mode & 0o777 == 0o640
+
+
+def test_files_that_were_not_named_are_left_alone(tmp_path: Path) -> None:
+    other = tmp_path / "other.rap"
+    other.write_text(UNUSED)
+    (tmp_path / "one.rap").write_text('(require "other")\n')
+    done = rapc("check", "--fix", "one.rap", cwd=tmp_path)
+    assert done.returncode == 1
+    assert other.read_text() == UNUSED
+
+
+def test_a_text_on_standard_input_is_mended_on_standard_output(tmp_path: Path) -> None:
+    done = rapc("check", "--fix", "-", cwd=tmp_path, stdin=UNUSED)
+    assert (done.returncode, done.stdout) == (0, FIXED)
+    assert done.stderr.startswith("checked 1 file")
+    done = rapc("check", "--fix", "-", cwd=tmp_path, stdin="(define-rap (a ")
+    assert done.returncode == 1
+    assert done.stdout == "(define-rap (a "
+
+
+def test_a_text_on_standard_input_may_have_a_name(tmp_path: Path) -> None:
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "walk.rap").write_text("(define-rap (walk))\n")
+    text = '(require "walk")\n(define-rap (go) (method (task-net (t1 (walk)))))\n'
+    named = ("check", "-", "--stdin-filename", "lib/new.rap")
+    done = rapc(*named, cwd=tmp_path, stdin=text)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "checked 2 files, 2 RAPs: no findings\n"
+    done = rapc(*named, cwd=tmp_path, stdin=text.replace("(walk)", "(wolk)"))
+    assert "--> lib/new.rap:2:" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("--unsafe-fixes",), "--unsafe-fixes goes with --fix or --diff"),
+        (("--stdin-filename", "a"), "--stdin-filename goes with the path -"),
+        (
+            ("--isolated", "--config", "rapc.toml"),
+            "--config and --isolated exclude each other",
+        ),
+        (
+            ("--fix", "--write-baseline", "b"),
+            "--write-baseline does not go with --fix or --diff",
+        ),
+        (
+            ("--per-file-ignores", "a.rap"),
+            "--per-file-ignores: `a.rap` is not PATTERN:RULES",
+        ),
+        (
+            ("--per-file-ignores", "a.rap:unused-clam"),
+            "no rule is called `unused-clam`; did you mean `unused-claim`?",
+        ),
+    ],
+)
+def test_options_that_do_not_go_together(
+    args: tuple[str, ...], said: str, tmp_path: Path
+) -> None:
+    (tmp_path / "one.rap").write_text(UNUSED)
+    done = rapc("check", "one.rap", *args, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"error: {said}\n"
+    assert (tmp_path / "one.rap").read_text() == UNUSED
+
+
+def test_a_library_is_watched_until_ctrl_c(tmp_path: Path) -> None:
+    file = tmp_path / "one.rap"
+    file.write_text("(define-rap (go))\n")
+    child = subprocess.Popen(
+        [COMMAND, "check", "--watch", "."],
+        cwd=tmp_path,
+        env={"PATH": "", **HOME},
+        stdout=subprocess.PIPE,
+        encoding="utf-8",
+    )
+    assert child.stdout is not None
+    assert child.stdout.readline() == "checked 1 file, 1 RAP: no findings\n"
+    file.write_text("(define-rap (go) (succeed (there)))\n")
+    assert "error[RAP015 undeclared-predicate]" in child.stdout.readline()
+    while not child.stdout.readline().startswith("checked"):
+        pass
+    (tmp_path / "two.rap").write_text("(declare-memory-proposition there ())\n")
+    assert child.stdout.readline() == "checked 2 files, 1 RAP: no findings\n"
+    child.send_signal(signal.SIGINT)
+    assert child.wait(60) == 0
+    child.stdout.close()
