@@ -87,7 +87,8 @@ def test_rules_are_selected_by_code_and_name(
     args: tuple[str, ...], found: list[str], program: Path
 ) -> None:
     program.write_text(
-        "(define-rap (go) (method (task-net (t1 (wait) ((ready) for t2)) (t2 (go)))))"
+        "(define-rap (stop))"
+        "(define-rap (go) (method (task-net (t1 (wait) ((ready) for t2)) (t2 (stop)))))"
     )
     done = rapc("check", str(program), "--output-format", "json", *args)
     assert [one["name"] for one in json.loads(done.stdout)] == found
