@@ -143,11 +143,14 @@ class Session:
 
         return self.go(counted)
 
-    def go(self, until: Callable[[], str | None] | None = None) -> Stop:
+    def go(
+        self, until: Callable[[], str | None] | None = None, *, heed: bool = True
+    ) -> Stop:
         """Run until something stops it.
 
         Args:
             until: asked after each cycle; returns what to stop with, None to go on.
+            heed: whether breakpoints stop it.
         """
         self._paused = False
         while True:
@@ -159,7 +162,7 @@ class Session:
                 return Stop("broken", error.message)
             if not went:
                 return Stop("over", self.run.reason or "")
-            for check in self.checks.values():
+            for check in self.checks.values() if heed else ():
                 if (hit := check()) is not None:
                     return Stop("break", hit)
             if until is not None and (said := until()) is not None:
@@ -254,8 +257,12 @@ class Session:
 
     # --- backwards ----------------------------------------------------------------
 
-    def goto(self, cycle: int) -> Stop:
+    def goto(self, cycle: int, *, heed: bool = False) -> Stop:
         """Go to the end of a cycle, back or forth; forth as far as the run goes.
+
+        Args:
+            cycle: the number of the cycle.
+            heed: whether breakpoints stop the run on the way forth.
 
         Raises:
             StateError: if the run cannot be taken back in time.
@@ -267,10 +274,14 @@ class Session:
             return Stop("asked")
         if cycle == self.cycle:
             return Stop("asked")
-        return self.go(lambda: "" if self.cycle >= cycle else None)
+        return self._as_far(lambda: "" if self.cycle >= cycle else None, heed)
 
-    def goto_time(self, time: Time) -> Stop:
+    def goto_time(self, time: Time, *, heed: bool = False) -> Stop:
         """Go to the last moment at or before a time, back or forth.
+
+        Args:
+            time: the time.
+            heed: whether breakpoints stop the run on the way forth.
 
         Raises:
             StateError: if the run cannot be taken back in time.
@@ -279,11 +290,20 @@ class Session:
             self._look_back()
             later = self.scan(want=lambda told: told.time > time)
             return self.goto(later[0].cycle - 1 if later else self.cycle)
-        while True:
-            stop = self.go(lambda: "" if self.now > time else None)
-            if stop.kind == "asked" and not self.no_way_back:
-                return self.goto(self.cycle - 1)
-            return stop
+        stop = self._as_far(lambda: "" if self.now > time else None, heed)
+        if stop.kind == "asked" and not self.no_way_back:
+            return self.goto(self.cycle - 1)
+        return stop
+
+    def _as_far(self, until: Callable[[], str | None], heed: bool) -> Stop:
+        """Run as far as is asked; without `heed` nobody watches meanwhile."""
+        if heed:
+            return self.go(until)
+        watcher, self.log.watcher = self.log.watcher, None
+        try:
+            return self.go(until, heed=False)
+        finally:
+            self.log.watcher = watcher
 
     def _look_back(self) -> None:
         if self.no_way_back:
@@ -322,10 +342,8 @@ class Session:
     # --- looking at other moments -----------------------------------------------
 
     @contextmanager
-    def elsewhere(self, cycle: int) -> Iterator[None]:
-        """Stand at the end of another cycle of the past for a while, and come back.
-
-        Whatever is done to the run meanwhile is undone.
+    def aside(self) -> Iterator[None]:
+        """Let something be done to the run, here, that is undone afterwards.
 
         Raises:
             StateError: if the run cannot be taken back in time.
@@ -334,12 +352,24 @@ class Session:
         here, done, after = self.run.save(), self._done, self._next_save
         before, self.log.elsewhere = self.log.elsewhere, _nobody
         try:
-            self._put_back(Moment(cycle, self.branch.acts_by(cycle)))
             yield
         finally:
             self.run.restore(here)
             self._done, self._next_save = done, after
             self.log.elsewhere = before
+
+    @contextmanager
+    def elsewhere(self, cycle: int) -> Iterator[None]:
+        """Stand at the end of another cycle of the past for a while, and come back.
+
+        Whatever is done to the run meanwhile is undone.
+
+        Raises:
+            StateError: if the run cannot be taken back in time.
+        """
+        with self.aside():
+            self._put_back(Moment(cycle, self.branch.acts_by(cycle)))
+            yield
 
     def scan(
         self,

@@ -14,16 +14,23 @@ import msgspec
 from rapc.base.names import nearest
 from rapc.base.resources import Value
 from rapc.base.source import Span
+from rapc.base.values import format_atom
 from rapc.debug.acts import SubmitTask
+from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.log import Told
 from rapc.debug.session import Session
 from rapc.errors import Error, RefusedError, TextError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import Answer, failure, say, table
 from rapc.repl.arguments import Arguments, is_balanced, split
+from rapc.repl.patterns import pattern
 from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.events.trace import TextTrace
+from rapc.runtime.host_query import HostQuery
 from rapc.runtime.task_request import read_task_request
+
+_WATCHED = 3
+"""How many answers to a query that is watched are shown."""
 
 MOST = 50
 """How many solutions of a query are shown at once."""
@@ -70,6 +77,11 @@ class Shell:
         self.shows = "all"
         #: Whether the user wants to leave.
         self.left = False
+        self.breakpoints = Breakpoints(session, pattern)
+        #: The queries whose answers are shown after every stop, by their texts.
+        self.watches: dict[str, HostQuery] = {}
+        self._seen: dict[str, str] = {}
+        self._told_of = 0
         self.forget_trace()
 
     def answer(self, text: str) -> Answer:
@@ -139,12 +151,30 @@ class Shell:
 
     def forget_trace(self) -> None:
         """Begin a new trace: the run stands at another time."""
+        self.breakpoints.look_again()
         self._written = StringIO()
         self._trace = TextTrace(self._written)
 
+    def watch(self, text: str) -> None:
+        """Show the answers to a query after every stop from now on.
+
+        Raises:
+            ValueError: if `text` is no formula that can be asked.
+        """
+        self.watches[text] = self.session.run.question(text)
+
     def watched(self) -> list[str]:
-        """Return what is to be shown after every stop."""
-        return []
+        """Return what is to be shown after every stop: watches, what was logged."""
+        lines = self.breakpoints.logged[self._told_of :]
+        self._told_of = len(self.breakpoints.logged)
+        for number, (text, question) in enumerate(self.watches.items(), 1):
+            answers = [_in_words(one) for one in question.all()]
+            said = "; ".join(answers[:_WATCHED]) or "no"
+            said += f"; and {len(answers) - _WATCHED} more" * (len(answers) > _WATCHED)
+            mark = "*" if self._seen.get(text, said) != said else " "
+            self._seen[text] = said
+            lines.append(f"{mark} watch {number} {text}: {said}")
+        return lines
 
     # --- RAP text -----------------------------------------------------------------
 
@@ -205,6 +235,11 @@ class Shell:
         left = len(solutions) - MOST
         notes = [f"and {left} more"] if left > 0 else []
         return table(names, rows, notes=notes)
+
+
+def _in_words(answer: dict[str, Value]) -> str:
+    pairs = " ".join(f"{name} {format_atom(v)}" for name, v in answer.items())
+    return pairs or "yes"
 
 
 def _cell(value: Value) -> str | int | float:

@@ -87,11 +87,11 @@ def _to(shell: Shell, args: Arguments) -> Answer:
         time = args.time("a time")
         if time < session.now:
             raise ArgumentError("that has been; `:goto` goes back")
-        return _went(shell, lambda: session.goto_time(time))
+        return _went(shell, lambda: session.goto_time(time, heed=True))
     cycle = args.count("a cycle")
     if cycle < session.cycle:
         raise ArgumentError("that has been; `:goto` goes back")
-    return _went(shell, lambda: session.goto(cycle))
+    return _went(shell, lambda: session.goto(cycle, heed=True))
 
 
 def _moved(shell: Shell, move: Callable[[Session], Stop]) -> Answer:
@@ -105,6 +105,7 @@ def _moved(shell: Shell, move: Callable[[Session], Stop]) -> Answer:
 
 def _back(shell: Shell, args: Arguments) -> Answer:
     cycles = args.count("how many cycles", 1)
+    cycles -= shell.session.over  # the end of the run is a step of its own
     return _moved(shell, lambda session: session.goto(session.cycle - cycles))
 
 

@@ -7,15 +7,23 @@ from itertools import chain
 
 from msgspec.structs import replace
 
+from rapc.repl.commands.acting import ACTING
+from rapc.repl.commands.asking import ASKING
 from rapc.repl.commands.helping import HELPING
 from rapc.repl.commands.looking import LOOKING
 from rapc.repl.commands.moving import MOVING, TIME
+from rapc.repl.commands.remembering import REMEMBERING
+from rapc.repl.commands.stopping import SEARCHING, STOPPING
 from rapc.repl.shell import Command
 
 _GROUPS: Sequence[tuple[str, Sequence[Command]]] = (
     ("going on", MOVING),
-    ("time", TIME),
+    ("stopping", STOPPING),
+    ("time", (*TIME, *SEARCHING)),
     ("looking", LOOKING),
+    ("asking", ASKING),
+    ("what has been", REMEMBERING),
+    ("acting", ACTING),
     ("this and that", HELPING),
 )
 

@@ -101,18 +101,19 @@ def of_conditions(machine: Machine, task: Task) -> Cause | None:
     """
     if not machine.recorder.tells_causes:
         return None
-    for clause, query, asker, env in _conditions(task):
+    for clause, query, asker, env in conditions(task):
         found = _of_query(machine, clause, query, asker, env)
         if found is not None:
             return found
     return None
 
 
-_Condition = tuple[str, Query, Task, Env]
+Condition = tuple[str, Query, Task, Env]
 """A clause in words, its query, the task that asks, and what is bound then."""
 
 
-def _conditions(task: Task) -> Iterator[_Condition]:
+def conditions(task: Task) -> Iterator[Condition]:
+    """Iterate over the conditions of a task in the order in which they are asked."""
     run, step, plan = task.within, task.step, task.plan
     if run is not None and step is not None:
         for carrier, query in step.conditions:

@@ -1,0 +1,291 @@
+"""Breakpoints: what a run stops at, under which conditions, and how often it may pass.
+
+A cycle is one piece, so a run stops after the cycle in which the thing happened; a
+breakpoint that stops `before` goes back to the cycle before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import msgspec
+
+from rapc.base.values import Fact, format_atom, match
+from rapc.debug.log import Told
+from rapc.debug.session import Session
+from rapc.errors import ArgumentError, TextError
+from rapc.runtime.events import events
+from rapc.runtime.events.events import Event, Goal
+from rapc.runtime.host_query import HostQuery
+from rapc.world import Time
+
+KINDS: Mapping[str, str] = {
+    "rap": "a task of a RAP comes up: NAME, or a goal with variables",
+    "task": "a task comes up or ends: its number",
+    "method": "a method is chosen: NAME",
+    "failure": "a task fails: a reason or result, or nothing for any",
+    "primitive": "a request goes to the world: a request with variables",
+    "fact": "a fact is asserted or erased: a fact with variables",
+    "true": "a query comes to hold",
+    "false": "a query holds no more",
+    "deadline": "a deadline is missed",
+    "time": "the clock comes to a time",
+}
+"""What can be stopped at, and what is said of it."""
+
+
+class Breakpoint(msgspec.Struct, omit_defaults=True):
+    """Something that a run stops at."""
+
+    kind: str
+    #: What stands behind the kind: a name, a number, or a list; see `KINDS`.
+    what: str = ""
+    #: A formula that must hold at the end of the cycle; empty for none.
+    condition: str = ""
+    #: How many times it is passed before it stops the run.
+    passes: int = 0
+    #: Whether it is only logged.
+    logs: bool = False
+    #: Whether the run stops before the cycle.
+    before: bool = False
+    #: How often it was met.
+    met: int = 0
+
+    def __str__(self) -> str:
+        words = [self.kind, self.what]
+        words += ["if", self.condition] if self.condition else []
+        words += ["after", str(self.passes)] if self.passes else []
+        words += ["log"] * self.logs + ["before"] * self.before
+        return " ".join(word for word in words if word)
+
+
+Meets = Callable[[Told], bool]
+
+_OF_TASKS = (events.TaskSelected, events.TaskSucceeded, events.TaskFailed)
+
+
+class Breakpoints:
+    """The breakpoints of a session.
+
+    Args:
+        session: what they stop.
+        pattern: makes a pattern of values of a list with variables.
+    """
+
+    def __init__(self, session: Session, pattern: Callable[[str], Fact]) -> None:
+        self._session = session
+        self._pattern = pattern
+        self._next = 1
+        #: All of them by number.
+        self.all: dict[int, Breakpoint] = {}
+        #: What those that only log have met, in words.
+        self.logged: list[str] = []
+        self._meets: dict[int, Meets] = {}
+        self._questions: dict[int, HostQuery] = {}
+        self._conditions: dict[int, HostQuery] = {}
+        self._held: dict[int, bool] = {}
+        self._reached: dict[int, Time] = {}
+        self._pending: list[tuple[int, str]] = []
+        self._stopped_before: int | None = None
+
+    # --- setting ------------------------------------------------------------------
+
+    def add(self, point: Breakpoint) -> int:
+        """Set a breakpoint and return its number.
+
+        Raises:
+            TextError: if it is none.
+            ValueError: for a condition that names what the library does not declare.
+        """
+        number, run = self._next, self._session.run
+        if point.kind not in KINDS:
+            raise TextError(
+                f"`{point.kind}` is nothing to stop at; it is one of {', '.join(KINDS)}"
+            )
+        if point.condition:
+            self._conditions[number] = run.question(point.condition)
+        if point.kind in ("true", "false"):
+            self._questions[number] = run.question(point.what)
+            self._held[number] = bool(self._questions[number].holds())
+        elif point.kind == "time":
+            self._reached[number] = _number(point.what)
+        else:
+            self._meets[number] = self._matcher(point)
+        self.all[number] = point
+        self._next += 1
+        self._install()
+        return number
+
+    def remove(self, number: int) -> None:
+        """Remove a breakpoint.
+
+        Raises:
+            ArgumentError: if there is none of that number.
+        """
+        if self.all.pop(number, None) is None:
+            raise ArgumentError(f"there is no breakpoint {number}")
+        tables: tuple[dict[int, object], ...] = (
+            self._meets,  # type: ignore[assignment]  # only keys are used
+            self._questions,
+            self._conditions,
+            self._held,
+            self._reached,
+        )
+        for table in tables:
+            table.pop(number, None)
+        self._install()
+
+    def _install(self) -> None:
+        self._session.log.watcher = self._watch if self._meets else None
+        if self.all:
+            self._session.checks["breakpoints"] = self._check
+        else:
+            self._session.checks.pop("breakpoints", None)
+
+    def _matcher(self, point: Breakpoint) -> Meets:
+        """Return what says whether an event is one that a breakpoint waits for."""
+        what = point.what
+        if point.kind == "rap":
+            return self._of_goal(what)
+        if point.kind in ("primitive", "fact"):
+            return self._of_list(point.kind, what)
+        number = _number(what) if point.kind == "task" else None
+        kinds, wanted = {
+            "task": (_OF_TASKS, lambda keys: keys["task"] == number),
+            "method": ((events.MethodChosen,), lambda keys: keys["method"] == what),
+            "failure": (
+                (events.TaskFailed,),
+                lambda keys: what in ("", keys["reason"], keys["result"]),
+            ),
+            "deadline": ((events.DeadlineMissed,), lambda keys: True),
+        }[point.kind]
+        return _of(kinds, wanted)
+
+    def _of_list(self, kind: str, what: str) -> Meets:
+        """Return what says whether an event is about a request or a fact."""
+        pattern = self._pattern(what if what.startswith("(") else f"({what})")
+        if kind == "primitive":
+            return _of((events.PrimitiveRequested,), _fits("request", pattern))
+        return _of((events.FactAsserted, events.FactErased), _fits("fact", pattern))
+
+    def _of_goal(self, what: str) -> Meets:
+        if not what.startswith("("):
+            name = what.lower()
+            if name not in self._session.library.program.library.raps:
+                known = self._session.library.program.signatures
+                raise ArgumentError(str(known.unknown("goal", name)))
+            return _of((events.TaskSelected,), lambda keys: _goal(keys).name == name)
+        pattern = self._pattern(what)
+        return _of(
+            (events.TaskSelected,),
+            lambda keys: (
+                match(pattern, (_goal(keys).name, *_goal(keys).inputs)) is not None
+            ),
+        )
+
+    # --- while the run goes on ------------------------------------------------------
+
+    def _watch(self, told: Told) -> None:
+        for number, meets in self._meets.items():
+            if meets(told):
+                self._pending.append((number, _words(told)))
+
+    def _check(self) -> str | None:
+        """Say what the cycle that has just been run has met, if that stops the run."""
+        met, self._pending = self._pending, []
+        met += self._turned()
+        stops = None
+        for number, words in met:
+            point = self.all[number]
+            if not self._counts(number, point):
+                continue
+            said = f"breakpoint {number} ({point}): {words}"
+            if point.logs:
+                self.logged.append(f"{format_atom(self._session.now):>7} {said}")
+            elif stops is None and not (
+                point.before and self._session.cycle == self._stopped_before
+            ):
+                stops = said
+                if point.before:
+                    self._stopped_before = self._session.cycle
+        if stops is not None and self._stopped_before == self._session.cycle:
+            self._session.goto(self._session.cycle - 1)
+        return stops
+
+    def _counts(self, number: int, point: Breakpoint) -> bool:
+        """Count a meeting; whether it is one that matters."""
+        condition = self._conditions.get(number)
+        if condition is not None and not condition.holds():
+            return False
+        point.met += 1
+        return point.met > point.passes
+
+    def _turned(self) -> list[tuple[int, str]]:
+        """Return the queries that have come to hold or not to, and times that came."""
+        found = []
+        for number, question in self._questions.items():
+            holds = bool(question.holds())
+            if holds != self._held[number]:
+                self._held[number] = holds
+                if holds == (self.all[number].kind == "true"):
+                    words = "holds" if holds else "holds no more"
+                    found.append((number, f"{self.all[number].what} {words}"))
+        for number, time in list(self._reached.items()):
+            if self._session.now >= time:
+                del self._reached[number]
+                found.append((number, f"time {format_atom(self._session.now)}"))
+        return found
+
+    def look_again(self) -> None:
+        """Take note of what holds now: the session stands at another moment."""
+        self._pending.clear()
+        for number, question in self._questions.items():
+            self._held[number] = bool(question.holds())
+        for number, point in self.all.items():
+            if point.kind == "time" and self._session.now < _number(point.what):
+                self._reached[number] = _number(point.what)
+
+
+def _of(
+    kinds: tuple[type[Event], ...], wanted: Callable[[Mapping[str, object]], bool]
+) -> Meets:
+    return lambda told: told.kind in kinds and wanted(told.keys)
+
+
+def _goal(keys: Mapping[str, object]) -> Goal:
+    found = keys["goal"]
+    assert isinstance(found, Goal)
+    return found
+
+
+def _fits(key: str, pattern: Fact) -> Callable[[Mapping[str, object]], bool]:
+    size = len(pattern)
+
+    def fits(keys: Mapping[str, object]) -> bool:
+        fact = keys[key]
+        assert isinstance(fact, tuple)
+        return match(pattern, fact[:size]) is not None
+
+    return fits
+
+
+def _words(told: Told) -> str:
+    """Return an event in a few words."""
+    keys = told.keys
+    tag = told.kind.__struct_config__.tag
+    about = next(
+        (keys[key] for key in ("goal", "request", "fact", "method") if key in keys), ""
+    )
+    if isinstance(about, tuple):
+        about = f"({' '.join(map(format_atom, about))})"
+    task = keys.get("task")
+    return " ".join(
+        str(word) for word in (tag, about, "" if task is None else f"[{task}]") if word
+    )
+
+
+def _number(text: str) -> Time:
+    try:
+        return float(text.removeprefix("[").removesuffix("]"))
+    except ValueError:
+        raise TextError(f"a number is wanted, not `{text}`") from None

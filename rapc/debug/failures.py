@@ -1,0 +1,79 @@
+"""Why tasks failed: the cause that was told then, down to the first one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+
+from rapc.debug.log import Told
+from rapc.debug.session import Session
+from rapc.errors import ArgumentError
+from rapc.runtime.events import events
+from rapc.runtime.events.events import Cause
+from rapc.world import Time
+
+
+class Failure(msgspec.Struct, frozen=True):
+    """How a task or its last method failed."""
+
+    task: int
+    goal: str
+    cycle: int
+    time: Time
+    #: `failed`, `method ended`, or `removed`.
+    what: str
+    result: str
+    because: Cause | None
+
+
+def why_failed(session: Session, number: int | None = None) -> Failure:
+    """Return why a task failed, or the last one that did.
+
+    Raises:
+        ArgumentError: if none has, or this one has not.
+    """
+
+    def wanted(told: Told) -> bool:
+        if told.kind is events.TaskFailed:
+            return number is None or told.keys["task"] == number
+        if told.keys["task"] != number:
+            return False
+        return told.kind is events.TaskRemoved or told.keys["result"] != "okay"
+
+    kinds = (events.TaskFailed, events.MethodEnded, events.TaskRemoved)
+    kept = session.log.backwards()
+    told = next((one for one in kept if one.kind in kinds and wanted(one)), None)
+    if told is None:
+        found = session.scan(*kinds, want=wanted)
+        if not found:
+            if number is None:
+                raise ArgumentError("no task has failed")
+            raise ArgumentError(
+                f"task [{number}] has not failed, and no method of it has ended badly"
+            )
+        told = found[-1]
+    keys = told.keys
+    what = {events.TaskFailed: "failed", events.MethodEnded: "method ended"}.get(
+        told.kind, "removed"
+    )
+    result = keys.get("result") or keys.get("cause", "")
+    return Failure(
+        keys["task"],
+        _goal(session, keys),
+        told.cycle,
+        told.time,
+        what,
+        result,
+        keys.get("because"),
+    )
+
+
+def _goal(session: Session, keys: Mapping[str, Any]) -> str:
+    if "goal" in keys:
+        return str(keys["goal"])
+    made = session.scan(
+        events.TaskCreated, want=lambda told: told.keys["task"] == keys["task"]
+    )
+    return str(made[-1].keys["goal"]) if made else ""

@@ -1,0 +1,104 @@
+"""Search for an event through the whole run, back and forth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import msgspec
+
+from rapc.base.names import nearest
+from rapc.debug.log import Told
+from rapc.debug.session import Session
+from rapc.errors import TextError
+from rapc.runtime.events import events
+from rapc.runtime.events.events import Event
+from rapc.runtime.events.trace import record
+
+
+def kinds() -> dict[str, type[Event]]:
+    """Return the kinds of events by their names in traces."""
+    found: dict[str, type[Event]] = {}
+    for value in vars(events).values():
+        if isinstance(value, type) and issubclass(value, Event):
+            tag = value.__struct_config__.tag
+            if value not in (Event, events.ItemEvent):
+                found[str(tag)] = value
+    return found
+
+
+class Finder(msgspec.Struct, frozen=True):
+    """What an event is to be like."""
+
+    kind: type[Event]
+    #: Keys of the trace with the values that they must have, as text.
+    keys: tuple[tuple[str, str], ...]
+    #: Words that must occur in its values.
+    words: tuple[str, ...]
+
+    @classmethod
+    def of(cls, kind: str, said: Iterable[str]) -> Finder:
+        """Return what a search is made of.
+
+        Raises:
+            TextError: for a kind of events that there is not.
+        """
+        known = kinds()
+        if kind not in known:
+            near = nearest(kind, known)
+            hint = f"; did you mean `{near}`?" if near else ""
+            raise TextError(f"there are no events `{kind}`{hint}")
+        keys, words = [], []
+        for one in said:
+            key, equals, value = one.partition("=")
+            if equals and not one.startswith("("):
+                keys.append((key, value))
+            else:
+                words.append(one)
+        return cls(known[kind], tuple(keys), tuple(words))
+
+    def fits(self, told: Told) -> bool:
+        """Whether an event is one that is looked for."""
+        if told.kind is not self.kind:
+            return False
+        if not (self.keys or self.words):
+            return True
+        values = record(told.event())
+        if any(str(values.get(key)) != value for key, value in self.keys):
+            return False
+        text = " ".join(str(value) for value in values.values())
+        return all(word in text for word in self.words)
+
+
+def find(session: Session, finder: Finder, *, back: bool = False) -> Told | None:
+    """Go to the cycle of the next event that fits, or of the last one before.
+
+    Where none is found the session stands where it stood, or at the end of the run if
+    it cannot be taken back. Breakpoints do not matter meanwhile.
+
+    Raises:
+        StateError: if the run cannot be taken back in time and has to be.
+    """
+    if back:
+        found = session.scan(
+            finder.kind,
+            want=lambda told: told.cycle < session.cycle and finder.fits(told),
+        )
+        if not found:
+            return None
+        session.goto(found[-1].cycle)
+        return found[-1]
+    met: list[Told] = []
+
+    def watch(told: Told) -> None:
+        if not met and finder.fits(told):
+            met.append(told)
+
+    start = session.cycle
+    before, session.log.watcher = session.log.watcher, watch
+    try:
+        session.go(lambda: "" if met else None, heed=False)
+    finally:
+        session.log.watcher = before
+    if not (met or session.no_way_back):
+        session.goto(start)
+    return met[0] if met else None

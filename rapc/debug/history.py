@@ -1,0 +1,288 @@
+"""What has been: of facts and items, of retries and deadlines, of the time used.
+
+Gathered from the events of the run up to now.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import msgspec
+
+from rapc.base.values import Fact, format_atom, format_list, match
+from rapc.debug.log import Told
+from rapc.debug.session import Session
+from rapc.runtime.events import events
+from rapc.world import Time
+
+_FACTS = (events.FactAsserted, events.FactErased)
+_ITEMS = (
+    events.ItemIntroduced,
+    events.ItemMerged,
+    events.ItemMoved,
+    events.ItemLost,
+)
+_ENDS = (
+    events.PrimitiveEnded,
+    events.PrimitiveCancelled,
+    events.RequestRefused,
+)
+_CAUSES = (events.PrimitiveEnded, events.DataReceived, events.TaskSelected)
+
+
+class Change(msgspec.Struct, frozen=True):
+    """A fact that came or went, or what became of an item."""
+
+    time: Time
+    cycle: int
+    #: `+`, `-`, or what became of the item.
+    what: str
+    said: str
+    #: By what: a request of a task, a datum, a notation, the user.
+    by: str
+
+
+def of_facts(session: Session, pattern: Fact) -> list[Change]:
+    """Return when facts that match a pattern came and went.
+
+    Args:
+        session: the session.
+        pattern: a name with values and variables; as many arguments as are known.
+    """
+    size = len(pattern)
+
+    def wanted(told: Told) -> bool:
+        fact = told.keys["fact"]
+        return len(fact) >= size and match(pattern, fact[:size]) is not None
+
+    return _changes(session, wanted, lambda told: False)
+
+
+def of_item(session: Session, name: str, predicate: str = "") -> list[Change]:
+    """Return what has become of an item under all its names, and the facts about it.
+
+    Args:
+        session: the session.
+        name: one of its names.
+        predicate: the facts of this name alone, if it is given.
+    """
+    names = _names_of(session, name)
+
+    def about(told: Told) -> bool:
+        fact = told.keys["fact"]
+        if predicate and fact[0] != predicate:
+            return False
+        return not names.isdisjoint([part for part in fact[1:] if type(part) is str])
+
+    def became(told: Told) -> bool:
+        return not predicate and (told.keys["item"] in names)
+
+    return _changes(session, about, became)
+
+
+def _names_of(session: Session, name: str) -> set[str]:
+    """Return all names that stand for one item now."""
+    items = session.run.machine.memory.items
+    kept = str(items.canonical(name))
+    return {name, kept} | {n for n in items.aliases if items.canonical(n) == kept}
+
+
+def _changes(session: Session, fact: Any, item: Any) -> list[Change]:
+    """Return the changes that are wanted, each with what made it."""
+    found: list[Change] = []
+    open_since = 0
+    chooser: int | None = None
+    for told in session.scan(*_FACTS, *_ITEMS, *_CAUSES):
+        if told.kind is events.TaskSelected:
+            chooser, open_since = told.keys["task"], len(found)
+        elif told.kind in (events.PrimitiveEnded, events.DataReceived):
+            by = _source(told)
+            for at in range(open_since, len(found)):
+                if found[at].by == "handler":
+                    found[at] = msgspec.structs.replace(found[at], by=by)
+            open_since = len(found)
+        elif told.kind in _FACTS:
+            if fact(told):
+                found.append(_of_fact(told, chooser))
+        elif item(told):
+            found.append(_of_item(told))
+    return found
+
+
+def _source(told: Told) -> str:
+    if told.kind is events.DataReceived:
+        return f"datum {format_list(told.keys['data'])}"
+    task = told.keys["task"]
+    return format_list(told.keys["request"]) + ("" if task is None else f" [{task}]")
+
+
+def _of_fact(told: Told, chooser: int | None) -> Change:
+    by = told.keys["by"]
+    if by == "notation" and chooser is not None:
+        by = f"notation [{chooser}]"
+    sign = "+" if told.kind is events.FactAsserted else "-"
+    return Change(told.time, told.cycle, sign, format_list(told.keys["fact"]), by)
+
+
+def _of_item(told: Told) -> Change:
+    keys = told.keys
+    what = told.kind.__struct_config__.tag
+    assert isinstance(what, str)
+    said = f"{keys['item']} at {format_atom(keys['location'])}"
+    if keys.get("with_") is not None:
+        said += f", also {keys['with_']}"
+        if keys.get("score") is not None:
+            said += f", score {format_atom(keys['score'])}"
+    return Change(told.time, told.cycle, what.removeprefix("item-"), said, "handler")
+
+
+# --- retries ------------------------------------------------------------------------
+
+
+class Retry(msgspec.Struct, frozen=True):
+    """A goal that has failed more than once."""
+
+    goal: str
+    failed: int
+    #: At how many different times; 1 means: again and again with the clock standing.
+    times: int
+    first: Time
+    last: Time
+    #: What it came to, with how often.
+    results: Mapping[str, int]
+    #: The clause that was named as the cause, and how often, most often first.
+    causes: Mapping[str, int]
+
+
+def retries(session: Session) -> list[Retry]:
+    """Return the goals that have failed more than once, the most frequent first."""
+    by_goal: dict[str, list[Told]] = {}
+    for told in session.scan(events.TaskFailed):
+        by_goal.setdefault(str(told.keys["goal"]), []).append(told)
+    found = [
+        Retry(
+            goal=goal,
+            failed=len(told),
+            times=len({one.time for one in told}),
+            first=told[0].time,
+            last=told[-1].time,
+            results=dict(Counter(one.keys["result"] for one in told)),
+            causes=dict(Counter(map(_root, told)).most_common()),
+        )
+        for goal, told in by_goal.items()
+        if len(told) > 1
+    ]
+    return sorted(found, key=lambda one: -one.failed)
+
+
+def _root(told: Told) -> str:
+    """Return the clause of the first cause of a failure."""
+    cause = told.keys["because"]
+    while cause is not None and cause.because is not None:
+        cause = cause.because
+    return "" if cause is None else cause.clause
+
+
+# --- deadlines ----------------------------------------------------------------------
+
+
+class Deadline(msgspec.Struct, frozen=True):
+    """A deadline: missed, or still ahead."""
+
+    task: int
+    goal: str
+    deadline: Time
+    missed: bool
+    #: When the task ended; None while it is under way.
+    ended: Time | None
+    #: How much too late it ended or is by now; how much is left if it is ahead.
+    by: Time
+
+
+def deadlines(session: Session) -> list[Deadline]:
+    """Return the deadlines that were missed, and those of tasks under way."""
+    goals: dict[int, str] = {}
+    ended: dict[int, Time] = {}
+    missed: dict[tuple[int, Time], None] = {}
+    ends = (events.TaskSucceeded, events.TaskFailed, events.TaskRemoved)
+    for told in session.scan(events.TaskCreated, events.DeadlineMissed, *ends):
+        number = told.keys["task"]
+        if told.kind is events.TaskCreated:
+            goals[number] = str(told.keys["goal"])
+        elif told.kind is events.DeadlineMissed:
+            missed[number, told.keys["deadline"]] = None
+        else:
+            ended[number] = told.time
+    now = session.now
+    found = [
+        Deadline(
+            number,
+            goals[number],
+            time,
+            True,
+            ended.get(number),
+            ended.get(number, now) - time,
+        )
+        for number, time in missed
+    ]
+    entries = {entry.task: entry for entry in session.run.agenda()}
+    for entry in entries.values():
+        above = entries.get(entry.parent or 0)
+        own = above is None or above.deadline != entry.deadline
+        if entry.deadline is not None and own and entry.deadline >= now:
+            left = entry.deadline - now
+            found.append(
+                Deadline(entry.task, str(entry.goal), entry.deadline, False, None, left)
+            )
+    return found
+
+
+# --- time ---------------------------------------------------------------------------
+
+
+class Spell(msgspec.Struct, frozen=True):
+    """A stretch of time that a request took, or that was waited."""
+
+    start: Time
+    stop: Time
+    family: int | None
+    task: int | None
+    #: The request; empty where nothing was asked of the world.
+    request: str
+
+
+def timeline(
+    session: Session, start: Time = 0, stop: Time | None = None
+) -> list[Spell]:
+    """Return what the time went by with, in order, between two times."""
+    families: dict[int, int] = {}
+    found: list[Spell] = []
+    under_way: dict[Fact, int] = {}
+    last: Time = 0
+    for told in session.scan():
+        keys = told.keys
+        if told.kind is events.TaskCreated:
+            families[keys["task"]] = keys["family"]
+        if told.time > last:
+            request, task = next(reversed(under_way.items()), (None, None))
+            family = None if task is None else families.get(task)
+            said = "" if request is None else format_list(request)
+            found.append(Spell(last, told.time, family, task, said))
+            last = told.time
+        if told.kind is events.PrimitiveRequested:
+            under_way[keys["request"]] = keys["task"]
+        elif told.kind in _ENDS:
+            under_way.pop(keys["request"], None)
+    return [
+        one for one in found if one.stop > start and (stop is None or one.start < stop)
+    ]
+
+
+def time_by_family(spells: Iterable[Spell]) -> dict[int | None, Time]:
+    """Return how much time went by with each family; None where all waited."""
+    found: Counter[int | None] = Counter()
+    for one in spells:
+        found[one.family] += one.stop - one.start  # type: ignore[assignment]  # times
+    return dict(found.most_common())

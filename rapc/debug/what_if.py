@@ -1,0 +1,71 @@
+"""What would be chosen if memory were another: tried aside, and undone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import msgspec
+
+from rapc.debug.acts import Act
+from rapc.debug.log import Told
+from rapc.debug.session import Session
+from rapc.runtime.events import events
+
+_TOLD = (
+    events.TaskSelected,
+    events.MethodChosen,
+    events.TaskSucceeded,
+    events.TaskFailed,
+    events.TaskBlocked,
+    events.TaskWoken,
+    events.PrimitiveRequested,
+    events.RunEnded,
+)
+"""The events that tell what is chosen."""
+
+
+class WhatIf(msgspec.Struct, frozen=True):
+    """What happens next as things stand, and what would happen."""
+
+    as_it_is: tuple[Told, ...]
+    would_be: tuple[Told, ...]
+
+    @property
+    def differs(self) -> bool:
+        """Whether anything else would be done."""
+        return [_key(one) for one in self.as_it_is] != [
+            _key(one) for one in self.would_be
+        ]
+
+
+def _key(told: Told) -> tuple[object, ...]:
+    return told.kind, told.time, tuple(told.keys.items())
+
+
+def what_if(session: Session, acts: Iterable[Act], cycles: int = 1) -> WhatIf:
+    """Return what the next cycles bring, with and without some acts.
+
+    Raises:
+        Error: if an act cannot be done.
+        StateError: if the run cannot be taken back in time.
+    """
+    return WhatIf(
+        tuple(_next(session, (), cycles)), tuple(_next(session, acts, cycles))
+    )
+
+
+def _next(session: Session, acts: Iterable[Act], cycles: int) -> list[Told]:
+    found: list[Told] = []
+
+    def take(told: Told) -> None:
+        if told.kind in _TOLD:
+            found.append(told)
+
+    with session.aside():
+        for act in acts:
+            act.do(session.run)
+        session.log.elsewhere = take
+        for _ in range(cycles):
+            if not session.run.step():
+                break
+    return found

@@ -1,0 +1,118 @@
+"""Who has to do with a fact: who asserted it, who asks for it, who waits for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import msgspec
+
+from rapc.analysis.index import Index
+from rapc.base.values import Fact, match
+from rapc.compiler.watches import WatchKey
+from rapc.debug.clause import Support, support
+from rapc.debug.session import Session
+from rapc.debug.why import Origin, origins
+from rapc.errors import ArgumentError
+from rapc.library.signatures import Use
+from rapc.runtime.events.events import Goal
+
+_READS: tuple[Use, ...] = ("test", "believed")
+_WRITES: tuple[Use, ...] = ("asserted", "erased")
+
+
+class Place(msgspec.Struct, frozen=True):
+    """A place in the library that names the fact."""
+
+    place: str
+    #: `test`, `believed`, `asserted` or `erased`.
+    use: str
+    #: The form that it stands in: `define-rap fetch`.
+    form: str
+
+
+class Listener(msgspec.Struct, frozen=True):
+    """A task whose monitor hears of changes of the fact."""
+
+    task: int
+    goal: Goal
+    state: str
+
+
+class Who(msgspec.Struct, frozen=True):
+    """Who has to do with a fact."""
+
+    #: The facts that are believed, with who asserted each last.
+    believed: tuple[Origin, ...]
+    #: Where the library asks for it or makes it so.
+    places: tuple[Place, ...]
+    listeners: tuple[Listener, ...]
+    #: The methods under way that have noted it, by task.
+    noted_by: tuple[int, ...]
+
+
+def who(session: Session, pattern: Fact) -> Who:
+    """Return who has to do with the facts that a pattern matches.
+
+    Raises:
+        ArgumentError: if nothing is declared by that name.
+    """
+    machine = session.run.machine
+    name = str(pattern[0])
+    if name not in machine.library.signatures.relations:
+        raise ArgumentError(str(machine.library.signatures.unknown("test", name)))
+    facts = [
+        fact
+        for fact in machine.memory.facts.table(name).stamps
+        if match(pattern, fact[: len(pattern)]) is not None
+    ]
+    found: list[Support] = [support(machine, fact) for fact in facts]
+    entries = {entry.task: entry for entry in session.run.agenda()}
+    listening = tuple(
+        Listener(task.number, entries[task.number].goal, entries[task.number].state)
+        for task in machine.state.live_tasks()
+        if task.wait is not None
+        and any(_hears(key, pattern) for key in task.wait.keys or ())
+    )
+    return Who(
+        believed=origins(session, found, session.cycle + 1),
+        places=tuple(_places(session, name)),
+        listeners=listening,
+        noted_by=tuple(_noting(session, facts)),
+    )
+
+
+def _hears(key: WatchKey, pattern: Fact) -> bool:
+    """Whether a change of a fact that fits the pattern may touch a listener's key."""
+    if not isinstance(key, tuple) or key[0] != pattern[0]:
+        return False
+    if len(key) == 1:
+        return True
+    at, value = int(str(key[1])), key[2]
+    if at >= len(pattern):
+        return True
+    return str(pattern[at]).startswith("?") or pattern[at] == value
+
+
+def _places(session: Session, name: str) -> Iterator[Place]:
+    library = session.library.program.library
+    compiler = session.library.program.compiler
+    index = Index(library)
+    for use in (*_READS, *_WRITES):
+        for one in index.uses_of(use, name):
+            head = type(one.owner).__name__
+            named = getattr(one.owner, "name", "")
+            yield Place(compiler.row(one.span), use, f"{_words(head)} {named}".strip())
+
+
+def _words(name: str) -> str:
+    """Return the name of a class of nodes as the language writes it."""
+    return "".join(f"-{c.lower()}" if c.isupper() else c for c in name).lstrip("-")
+
+
+def _noting(session: Session, facts: list[Fact]) -> Iterator[int]:
+    notations = session.run.machine.memory.notations
+    for task in session.run.machine.state.live_tasks():
+        if task.run is not None and task.run.notations:
+            noted = notations.facts(task.run.notations)
+            if any(fact in noted for fact in facts):
+                yield task.number

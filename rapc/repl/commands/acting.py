@@ -1,0 +1,169 @@
+"""Commands that do something to the run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rapc.base.values import Fact
+from rapc.debug.acts import (
+    Act,
+    AssertFact,
+    CancelTasks,
+    EraseFacts,
+    FailTask,
+    RetryTask,
+    SendSignal,
+)
+from rapc.debug.log import Told
+from rapc.debug.what_if import what_if
+from rapc.errors import TextError
+from rapc.repl.answer import Answer, say
+from rapc.repl.arguments import Arguments, split
+from rapc.repl.patterns import pattern
+from rapc.repl.shell import Command, Shell
+
+
+def _do(shell: Shell, act: Act) -> Answer:
+    before, branch = shell.session.serial, shell.session.branch
+    shell.session.act(act)
+    lines = [*shell.happened(before)]
+    if shell.session.branch is not branch:
+        lines.append(f"on {shell.session.branch.name}: the other future stays")
+    return say(*lines, f"done: {act}")
+
+
+def _with_fact(make: Callable[[Fact], Act]) -> Callable[[Shell, Arguments], Answer]:
+    def does(shell: Shell, args: Arguments) -> Answer:
+        return _do(shell, make(args.fact("a fact")))
+
+    return does
+
+
+def _with_task(make: Callable[[int], Act]) -> Callable[[Shell, Arguments], Answer]:
+    def does(shell: Shell, args: Arguments) -> Answer:
+        return _do(shell, make(shell.task(args)))
+
+    return does
+
+
+def _submit(shell: Shell, args: Arguments) -> Answer:
+    args.word("a goal")
+    args.rest()
+    return shell.submit(args.text)
+
+
+def _cancel(shell: Shell, args: Arguments) -> Answer:
+    return _do(shell, CancelTasks(pattern(args.word("a goal"))))
+
+
+def _signal(shell: Shell, args: Arguments) -> Answer:
+    content = args.fact("a signal")
+    events = shell.session.library.program.library.events
+    name = str(content[0])
+    if events and name not in events:
+        known = shell.session.library.program.signatures
+        raise TextError(str(known.unknown("event", name)))
+    return _do(shell, SendSignal(content))
+
+
+def _what_if(shell: Shell, args: Arguments) -> Answer:
+    acts: list[Act] = []
+    cycles = 1
+    for said in args.rest():
+        if said.isdecimal():
+            cycles = int(said)
+        else:
+            acts.append(_act(said))
+    if not acts:
+        raise TextError("say what if: (assert FACT...) or (erase PREFIX...)")
+    found = what_if(shell.session, acts, cycles)
+    if not found.differs:
+        return say("the same would be done:", *_told(shell, found.as_it_is))
+    return say(
+        "as it is:",
+        *_told(shell, found.as_it_is),
+        "it would be:",
+        *_told(shell, found.would_be),
+    )
+
+
+def _act(text: str) -> Act:
+    """Return what `(assert FACT)` or `(erase PREFIX)` does."""
+    words = split(text[1:].rstrip().removesuffix(")"))
+    makes: dict[str, Callable[[Fact], Act]] = {
+        "assert": AssertFact,
+        "erase": EraseFacts,
+    }
+    if len(words) != 2 or words[0] not in makes:
+        raise TextError(f"(assert FACT) or (erase PREFIX) is wanted, not {text}")
+    return makes[words[0]](pattern(words[1]))
+
+
+def _told(shell: Shell, told: tuple[Told, ...]) -> list[str]:
+    shell.forget_trace()
+    lines = shell.trace(told)
+    shell.forget_trace()
+    return lines or ["  nothing"]
+
+
+ACTING = (
+    Command(
+        "assert",
+        "FACT",
+        "Assert a fact.",
+        _with_fact(AssertFact),
+        (":assert (truck-status ready)",),
+        "All that is done to the run is done again when it is replayed. Done in the "
+        "past, it begins a new branch.",
+    ),
+    Command(
+        "erase",
+        "PREFIX",
+        "Erase every fact that starts so.",
+        _with_fact(EraseFacts),
+        (":erase (color item-1)",),
+    ),
+    Command(
+        "submit",
+        "GOAL [OPTIONS]",
+        "Give the robot a task; a goal typed by itself does the same.",
+        _submit,
+        (":submit (rock-order red 1) :priority 2 :deadline 400",),
+    ),
+    Command(
+        "cancel",
+        "GOAL",
+        "Take away the top-level tasks that a goal matches.",
+        _cancel,
+        (":cancel (rock-order red ?)",),
+    ),
+    Command(
+        "signal",
+        "SIGNAL",
+        "Send a signal to the tasks that wait for it.",
+        _signal,
+        (":signal (door-open hall)",),
+    ),
+    Command(
+        "fail",
+        "[TASK]",
+        "Let a task fail, as if a condition of it did not hold.",
+        _with_task(FailTask),
+        (":fail 12",),
+    ),
+    Command(
+        "retry",
+        "[TASK]",
+        "Let the method of a task end badly, so that the task chooses again.",
+        _with_task(RetryTask),
+        (":retry 12",),
+    ),
+    Command(
+        "what-if",
+        "(assert FACT) | (erase PREFIX) ... [CYCLES]",
+        "Say what the next cycles would bring if memory were another.",
+        _what_if,
+        (":what-if (assert (truck-fuel 2))", ":what-if (erase (color item-1)) 5"),
+        "It is tried aside and undone.",
+    ),
+)

@@ -1,0 +1,145 @@
+"""Commands that tell what has been: of facts, items, failures, deadlines and time."""
+
+from __future__ import annotations
+
+from rapc.base.values import format_atom, format_list
+from rapc.debug import history
+from rapc.debug.who import who
+from rapc.repl.answer import Answer, table
+from rapc.repl.arguments import Arguments
+from rapc.repl.patterns import pattern
+from rapc.repl.shell import Command, Shell
+from rapc.world import Time
+
+
+def _history(shell: Shell, args: Arguments) -> Answer:
+    said = args.word("an item or a fact")
+    if said.startswith("("):
+        found = history.of_facts(shell.session, pattern(said))
+    else:
+        predicate = args.word("a predicate").lower() if args else ""
+        found = history.of_item(shell.session, said.lower(), predicate)
+    rows = [(one.time, one.cycle, one.what, one.said, one.by) for one in found]
+    columns = ("time", "cycle", "", "what", "by")
+    return table(columns, rows, none=f"nothing has become of {said}")
+
+
+def _who(shell: Shell, args: Arguments) -> Answer:
+    found = who(shell.session, pattern(args.word("a fact")))
+    rows = [
+        (
+            "believed" if one.by != "notation" else "noted",
+            format_list(one.fact),
+            f"since {_at(one.time)}" + (f", by {one.by}" if one.by else ""),
+        )
+        for one in found.believed
+    ]
+    rows += [("noted by", f"[{number}]", "") for number in found.noted_by]
+    rows += [
+        ("listened to by", f"[{one.task}] {one.goal}", one.state)
+        for one in found.listeners
+    ]
+    rows += [(one.use, one.form, one.place) for one in found.places]
+    return table(("how", "who", "where"), rows, none="nobody has to do with it")
+
+
+def _at(time: Time | None) -> str:
+    return "the beginning" if time is None else format_atom(time)
+
+
+def _retries(shell: Shell, args: Arguments) -> Answer:
+    rows = [
+        (
+            one.goal,
+            one.failed,
+            one.times,
+            f"{format_atom(one.first)} to {format_atom(one.last)}",
+            ", ".join(f"{count} {result}" for result, count in one.results.items()),
+            next(iter(one.causes)),
+        )
+        for one in history.retries(shell.session)
+    ]
+    columns = ("goal", "failed", "times", "from", "results", "most often because of")
+    return table(columns, rows, none="no goal has failed twice")
+
+
+def _deadlines(shell: Shell, args: Arguments) -> Answer:
+    rows = [
+        (
+            one.task,
+            one.goal,
+            one.deadline,
+            "missed" if one.missed else "ahead",
+            one.ended,
+            one.by,
+        )
+        for one in history.deadlines(shell.session)
+    ]
+    columns = ("task", "goal", "deadline", "", "ended", "late or left")
+    return table(columns, rows, none="no task has a deadline")
+
+
+def _timeline(shell: Shell, args: Arguments) -> Answer:
+    start = args.time("a time") if args else 0
+    stop = args.time("a time") if args else None
+    spells = history.timeline(shell.session, start, stop)
+    rows = [
+        (
+            one.start,
+            one.stop,
+            None if one.family is None else f"[{one.family}]",
+            None if one.task is None else f"[{one.task}]",
+            one.request or "waiting",
+        )
+        for one in spells
+    ]
+    total = sum(one.stop - one.start for one in spells)
+    notes = [
+        f"{'waiting' if family is None else f'family [{family}]'}: "
+        f"{format_atom(round(used, 2))} of {format_atom(round(total, 2))}, "
+        f"{100 * used / total:.0f} %"
+        for family, used in history.time_by_family(spells).items()
+        if total
+    ]
+    columns = ("from", "to", "family", "task", "what")
+    return table(columns, rows, none="no time has passed", notes=notes)
+
+
+REMEMBERING = (
+    Command(
+        "history",
+        "ITEM [PREDICATE] | FACT",
+        "Tell when facts came and went, and what became of an item, with who did it.",
+        _history,
+        (":history item-1", ":history item-1 color", ":history (truck-location ?)"),
+    ),
+    Command(
+        "who",
+        "FACT",
+        "Tell who asserted a fact, who asks for it, and who waits for it.",
+        _who,
+        (":who (truck-location depot)", ":who (location ?item external)"),
+    ),
+    Command(
+        "retries",
+        "",
+        "List the goals that have failed more than once, and why.",
+        _retries,
+        (":retries",),
+        "Where `times` is 1, all of it happened with the clock standing still.",
+    ),
+    Command(
+        "deadlines",
+        "",
+        "List the deadlines that were missed, by how much, and those ahead.",
+        _deadlines,
+        (":deadlines",),
+    ),
+    Command(
+        "timeline",
+        "[FROM [TO]]",
+        "Tell what the time went by with, and how much of it each family used.",
+        _timeline,
+        (":timeline", ":timeline 200 240"),
+    ),
+)

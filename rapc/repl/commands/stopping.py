@@ -1,0 +1,209 @@
+"""Commands about breakpoints and watches, and searching through time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+
+from rapc.base.names import plural
+from rapc.debug import differences
+from rapc.debug.breakpoints import KINDS, Breakpoint
+from rapc.debug.find import Finder, find
+from rapc.errors import ArgumentError, TextError
+from rapc.repl.answer import Answer, say, table
+from rapc.repl.arguments import Arguments
+from rapc.repl.shell import Command, Shell
+
+
+def _break(shell: Shell, args: Arguments) -> Answer:
+    if not args:
+        return _listed(shell)
+    kind = args.word("what to stop at")
+    if kind == "save":
+        return _save(shell, Path(args.word("a file")))
+    if kind == "load":
+        return _load(shell, Path(args.word("a file")))
+    point = Breakpoint(kind)
+    if args and args.peek() not in _OPTIONS:
+        point.what = args.word("what to stop at")
+    while args:
+        option = args.word("an option")
+        if option == "if":
+            point.condition = args.word("a condition")
+        elif option == "after":
+            point.passes = args.count("how many times")
+        elif option == "log":
+            point.logs = True
+        elif option == "before":
+            point.before = True
+        else:
+            raise TextError(f"`{option}` is none of if, after, log, before")
+    number = shell.breakpoints.add(point)
+    return say(f"breakpoint {number}: {point}")
+
+
+_OPTIONS = ("if", "after", "log", "before")
+
+
+def _listed(shell: Shell) -> Answer:
+    rows = [
+        (number, str(point), point.met)
+        for number, point in shell.breakpoints.all.items()
+    ]
+    columns = ("number", "stops at", "met")
+    logged = shell.breakpoints.logged[-20:]
+    return table(columns, rows, none="there are no breakpoints", notes=logged)
+
+
+def _save(shell: Shell, path: Path) -> Answer:
+    points = [
+        msgspec.structs.replace(point, met=0)
+        for point in shell.breakpoints.all.values()
+    ]
+    try:
+        path.write_bytes(msgspec.json.format(msgspec.json.encode(points)) + b"\n")
+    except OSError as error:
+        raise ArgumentError(f"cannot write `{path}`: {error.strerror}") from error
+    return say(f"{plural(len(points), 'breakpoint')} in {path}")
+
+
+def _load(shell: Shell, path: Path) -> Answer:
+    try:
+        points = msgspec.json.decode(path.read_bytes(), type=list[Breakpoint])
+    except OSError as error:
+        raise ArgumentError(f"cannot read `{path}`: {error.strerror}") from error
+    except msgspec.DecodeError as error:
+        raise ArgumentError(f"`{path}` holds no breakpoints: {error}") from error
+    for point in points:
+        shell.breakpoints.add(point)
+    return _listed(shell)
+
+
+def _unbreak(shell: Shell, args: Arguments) -> Answer:
+    if args.takes("all"):
+        for number in list(shell.breakpoints.all):
+            shell.breakpoints.remove(number)
+    else:
+        shell.breakpoints.remove(args.count("a breakpoint"))
+    return _listed(shell)
+
+
+def _watch(shell: Shell, args: Arguments) -> Answer:
+    if args:
+        shell.watch(args.word("a query"))
+    lines = shell.watched()
+    return say(*(lines or ["nothing is watched"]))
+
+
+def _unwatch(shell: Shell, args: Arguments) -> Answer:
+    if args.takes("all"):
+        shell.watches.clear()
+    else:
+        number = args.count("a watch")
+        if not 0 < number <= len(shell.watches):
+            raise ArgumentError(f"there is no watch {number}")
+        del shell.watches[list(shell.watches)[number - 1]]
+    return say(*(shell.watched() or ["nothing is watched"]))
+
+
+def _find(shell: Shell, args: Arguments) -> Answer:
+    back = args.takes("back")
+    kind = args.word("a kind of event")
+    said = args.rest()
+    finder = Finder.of(kind, said)
+    found = find(shell.session, finder, back=back)
+    shell.forget_trace()
+    if found is None:
+        return say(f"no {kind} is found", shell.session.stand())
+    return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.session.stand())
+
+
+def _diff(shell: Shell, args: Arguments) -> Answer:
+    session = shell.session
+    first = args.count("a cycle")
+    second = args.count("a cycle", session.cycle)
+    found = differences.between(session, first, second)
+    rows = [("+", "fact", one) for one in found.came]
+    rows += [("-", "fact", one) for one in found.went]
+    rows += [("+", "task", f"[{n}] {goal}") for n, goal in found.joined]
+    rows += [("-", "task", f"[{n}] {goal}") for n, goal in found.left]
+    rows += [
+        ("~", "task", f"[{number}] {goal}: {before}, now {after}")
+        for number, goal, before, after in found.changed
+    ]
+    head = f"cycle {first} to cycle {second}"
+    return table(("", "of", "what"), rows, head, none="no difference")
+
+
+STOPPING = (
+    Command(
+        "break",
+        "[KIND [WHAT] [if QUERY] [after N] [log] [before]] | save FILE | load FILE",
+        "Set a breakpoint, or list them.",
+        _break,
+        (
+            ":break rap fill-order",
+            ":break rap (travel-road ?from ?way zone-2)",
+            ":break task 12",
+            ":break method carry",
+            ":break failure interference",
+            ":break primitive (arm-grasp ? ?) if (truck-status ready)",
+            ":break fact (location ?thing bay1) after 2",
+            ":break true (truck-location zone-4) before",
+            ":break deadline log",
+            ":break time 200",
+            ":break save my-breakpoints.json",
+        ),
+        "A cycle is one piece: the run stops after the cycle in which it happened, or "
+        "with `before` at the end of the one before. `if` asks memory then, `after N` "
+        "lets it happen N times first, `log` takes note and goes on. Kinds: "
+        + "; ".join(f"`{kind}`: {said}" for kind, said in KINDS.items())
+        + ".",
+    ),
+    Command(
+        "unbreak",
+        "NUMBER | all",
+        "Remove a breakpoint, or all.",
+        _unbreak,
+        (":unbreak 2", ":unbreak all"),
+    ),
+    Command(
+        "watch",
+        "[QUERY]",
+        "Show the answers to a query after every stop, and mark what has changed.",
+        _watch,
+        (":watch (truck-location ?where)",),
+    ),
+    Command(
+        "unwatch",
+        "NUMBER | all",
+        "Watch a query no more.",
+        _unwatch,
+        (":unwatch 1",),
+    ),
+)
+
+SEARCHING = (
+    Command(
+        "find",
+        "[back] KIND [KEY=VALUE | TEXT]...",
+        "Go to the next event of a kind, or back to the last one.",
+        _find,
+        (
+            ":find task-failed",
+            ":find back method-chosen task=12",
+            ":find fact-asserted location bay1",
+            ":find primitive-ended result=arm-dropped",
+        ),
+        "Kinds and keys are those of a trace. Other words must occur in the event. The "
+        "session then stands at the end of the cycle in which it happened.",
+    ),
+    Command(
+        "diff",
+        "CYCLE [CYCLE]",
+        "Say what differs between two moments, or between one and now.",
+        _diff,
+        (":diff 20", ":diff 20 60"),
+    ),
+)

@@ -1,0 +1,188 @@
+"""Breakpoints stop where they say, as often as they say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rapc.debug.breakpoints import Breakpoint, Breakpoints
+from rapc.debug.differences import between
+from rapc.debug.find import Finder, find
+from rapc.debug.session import Session
+from rapc.errors import ArgumentError, TextError
+from rapc.repl.patterns import pattern
+from rapc.runtime.events import events
+from tests.debug.sessions import truck
+from tests.repl.shells import said, truck_shell
+
+
+def _with(*points: Breakpoint) -> tuple[Session, Breakpoints]:
+    session = truck()
+    found = Breakpoints(session, pattern)
+    for point in points:
+        found.add(point)
+    return session, found
+
+
+def _cycles(session: Session) -> list[int]:
+    """Run to the end and return the cycles at whose end the run has stopped."""
+    found = []
+    while session.go().kind == "break":
+        found.append(session.cycle)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("point", "kind", "wanted"),
+    [
+        (
+            Breakpoint("rap", "travel-road"),
+            events.TaskSelected,
+            lambda keys: keys["goal"].name == "travel-road",
+        ),
+        (
+            Breakpoint("rap", "(travel-road ?from ?way zone-2)"),
+            events.TaskSelected,
+            lambda keys: keys["goal"].inputs[2:] == ("zone-2",),
+        ),
+        (
+            Breakpoint("method", "outside"),
+            events.MethodChosen,
+            lambda keys: keys["method"] == "outside",
+        ),
+        (
+            Breakpoint("primitive", "(arm-grasp ? ?)"),
+            events.PrimitiveRequested,
+            lambda keys: keys["request"][0] == "arm-grasp",
+        ),
+        (
+            Breakpoint("fact", "(location ?thing bay2)"),
+            events.FactAsserted,
+            lambda keys: keys["fact"][0] == "location" and keys["fact"][2] == "bay2",
+        ),
+    ],
+)
+def test_a_run_stops_wherever_it_happens(
+    point: Breakpoint, kind: type, wanted: object
+) -> None:
+    session, _ = _with(point)
+    stopped = _cycles(session)
+    kinds = (kind, events.FactErased) if kind is events.FactAsserted else (kind,)
+    told = session.scan(*kinds, want=lambda one: wanted(one.keys))  # type: ignore[operator]
+    assert stopped == sorted({one.cycle for one in told})
+    assert stopped
+
+
+def test_conditions_counts_and_logs() -> None:
+    session, points = _with(
+        Breakpoint("primitive", "(truck-move)", condition="(truck-location zone-2)"),
+        Breakpoint("primitive", "(truck-move)", passes=6),
+        Breakpoint("primitive", "(truck-move)", logs=True),
+    )
+    moves = session_moves()
+    assert _cycles(session) == [moves[2], moves[4], moves[6]]
+    assert len(points.logged) == len(moves)
+
+
+def session_moves() -> list[int]:
+    """Return the cycles in which the truck moves."""
+    session = truck()
+    session.go()
+    told = session.scan(events.PrimitiveRequested)
+    return [o.cycle for o in told if o.keys["request"][0] == "truck-move"]
+
+
+def test_a_query_that_turns_and_a_time_stop_the_run() -> None:
+    session, _ = _with(
+        Breakpoint("true", "(truck-location zone-4)", before=True),
+        Breakpoint("false", "(truck-location zone-4)"),
+        Breakpoint("time", "150"),
+    )
+    session.go()
+    assert not session.run.question("(truck-location zone-4)").holds()
+    session.step()
+    assert session.run.question("(truck-location zone-4)").holds()
+    session.go()
+    assert not session.run.question("(truck-location zone-4)").holds()
+    session.go()
+    assert session.now >= 150
+    session.goto(session.cycle - 1)
+    assert session.now < 150
+
+
+def test_nothing_stops_a_replay() -> None:
+    session, _ = _with(Breakpoint("rap", "travel-road"))
+    session.goto(100)
+    session.go()
+    session.goto(90)
+    assert session.cycle == 90
+
+
+def test_what_is_no_breakpoint_is_said() -> None:
+    session, points = _with()
+    for point, said_of in (
+        (Breakpoint("frob"), "`frob` is nothing to stop at"),
+        (Breakpoint("rap", "fill-oder"), "did you mean `fill-order`"),
+        (Breakpoint("true", "(frob)"), "`frob` is not declared"),
+        (Breakpoint("time", "noon"), "a number is wanted"),
+    ):
+        with pytest.raises((ArgumentError, TextError, ValueError), match=said_of):
+            points.add(point)
+    with pytest.raises(ArgumentError, match="no breakpoint 4"):
+        points.remove(4)
+    assert not points.all
+    assert session.log.watcher is None
+
+
+def test_breakpoints_are_kept_in_a_file(tmp_path: Path) -> None:
+    kept = tmp_path / "points.json"
+    shell = truck_shell()
+    shell.answer(":break rap travel-road after 2 if (place depot depot)")
+    shell.answer(":break deadline log")
+    assert "2 breakpoints" in said(shell, f":break save {kept}")
+    other = truck_shell()
+    text = said(other, f":break load {kept}")
+    assert "rap travel-road if (place depot depot) after 2" in text
+    kept.write_text("[{}]")
+    assert "holds no breakpoints" in said(other, f":break load {kept}")
+    assert "cannot read" in said(other, f":break load {tmp_path / 'none'}")
+    assert "there are no breakpoints" in said(other, ":unbreak all")
+
+
+def test_watches_are_marked_where_they_change() -> None:
+    shell = truck_shell()
+    shell.answer(":show none")
+    assert said(shell, ":watch (truck-location ?where)") == (
+        "  watch 1 (truck-location ?where): no\n"
+    )
+    assert "* watch 1 (truck-location ?where): ?where depot" in said(shell, ":step 2")
+    assert "  watch 1 (truck-location ?where): ?where depot" in said(shell, ":step 2")
+    assert said(shell, ":unwatch 1") == "nothing is watched\n"
+    assert "there is no watch 3" in said(shell, ":unwatch 3")
+    assert "`frob` is not declared" in said(shell, ":watch (frob)")
+
+
+def test_events_are_found_back_and_forth() -> None:
+    session = truck()
+    grasp = find(session, Finder.of("primitive-ended", ["arm-grasp"]))
+    assert grasp is not None
+    assert session.cycle == grasp.cycle
+    back = find(session, Finder.of("method-chosen", ["rap=travel-road"]), back=True)
+    assert back is not None
+    assert session.cycle == back.cycle < grasp.cycle
+    here = session.cycle
+    assert find(session, Finder.of("task-failed", [])) is None
+    assert session.cycle == here
+    with pytest.raises(TextError, match="did you mean `task-failed`"):
+        Finder.of("task-faild", [])
+
+
+def test_two_moments_are_compared() -> None:
+    session = truck()
+    session.goto(60)
+    found = between(session, 20, 60)
+    assert "(truck-location quarry-1)" in found.came
+    assert "(truck-location zone-6)" in found.went
+    assert 10 in dict(found.left)
+    assert session.cycle == 60

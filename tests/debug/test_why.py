@@ -1,0 +1,218 @@
+"""What is said of choices is held against the run itself."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from rapc.debug.acts import AssertFact
+from rapc.debug.clause import Asked
+from rapc.debug.commitments import commitment, stale
+from rapc.debug.failures import why_failed
+from rapc.debug.session import Session
+from rapc.debug.what_if import what_if
+from rapc.debug.why import why
+from rapc.debug.why_not import why_not, why_not_query
+from rapc.errors import ArgumentError, FactError
+from rapc.runtime.events import events
+from tests.debug.sessions import row, scripted, truck
+
+CHOICES = """
+(declare-primitive say (?word) (okay hoarse))
+(declare-memory-proposition at (?who ?where))
+(declare-memory-proposition warm (?where))
+(declare-memory-proposition holds (?who ?thing))
+(define-rap (greet ?who)
+  (succeed (holds ?who note))
+  (method shout
+    (context (and (at ?who ?where) (warm ?where) (not (holds ?who bell))))
+    (primitive (say loud)))
+  (method whisper
+    (context (and (at ?who ?where) (holds robot ?thing)))
+    (primitive (say soft))))
+(define-rap (idle) (method (primitive (say nothing))))
+"""
+
+
+def _small(*tasks: str) -> Session:
+    return scripted(
+        CHOICES, *tasks, rows=(row("(say loud)", "hoarse"), row("(say ?word)"))
+    )
+
+
+def test_each_rule_of_choice_is_told_with_what_it_left() -> None:
+    session = _small("(idle) :priority 1", "(idle) :priority 3", "(idle) :priority 3")
+    session.step()
+    selected = session.selected
+    assert selected in (2, 3)
+    choice = why(session, selected).choice
+    assert choice.candidates == (1, 2, 3)
+    assert [(rule.rule, rule.left) for rule in choice.rules] == [
+        ("highest priority", (2, 3)),
+        ("chance", (selected,)),
+    ]
+
+
+def test_why_agrees_with_the_trace_of_every_cycle() -> None:
+    session = truck("(rock-order red 1)", "(rock-order blue 1) :priority 1")
+    session.step(150)
+    told = session.scan(events.TaskSelected, events.MethodChosen)
+    methods = {o.cycle: o.keys for o in told if o.kind is events.MethodChosen}
+    chance = random.Random(3)
+    selected = [one for one in told if one.kind is events.TaskSelected]
+    for one in chance.sample(selected, 40):
+        found = why(session, one.keys["task"], one.cycle)
+        assert one.keys["task"] in found.choice.candidates
+        for rule in found.choice.rules:
+            assert one.keys["task"] in rule.left
+        if found.choice.rules:
+            assert found.choice.rules[-1].left == (one.keys["task"],)
+        else:
+            assert found.choice.candidates == (one.keys["task"],)
+        if one.cycle in methods:
+            keys = methods[one.cycle]
+            assert (found.doing.outcome, found.doing.said) == ("method", keys["method"])
+            [method] = [m for m in found.doing.methods if m.name == keys["method"]]
+            assert method.holds
+            for fact in found.doing.rests_on:
+                assert fact.time is not None
+
+
+def test_a_method_is_told_with_the_facts_it_rested_on_and_who_asserted_them() -> None:
+    session = truck()
+    session.goto(60)
+    found = why(session, 41).doing
+    assert (found.outcome, found.said) == ("method", "outside")
+    [origin] = found.rests_on
+    assert origin.fact == ("location", "item-1", "quarry-1")
+    assert (origin.time, origin.cycle) == (141.44, 58)
+    assert origin.by == "(eye-scan external) [40]"
+
+
+def test_a_task_that_did_not_come_up_is_said() -> None:
+    session = truck()
+    session.step(5)
+    with pytest.raises(ArgumentError, match="did not come up in cycle 2"):
+        why(session, 1, 2)
+    with pytest.raises(ArgumentError, match="never came up"):
+        why(session, 4)
+    with pytest.raises(ArgumentError, match="there is no task"):
+        why(session, 40)
+
+
+def test_why_not_says_how_far_each_conjunct_held() -> None:
+    session = _small("(greet ann)")
+    session.act(AssertFact(("at", "ann", "hall")))
+    session.act(AssertFact(("at", "ann", "cellar")))
+    answer = why_not(session, 1)
+    shout, whisper = answer.methods
+    assert shout.context is not None
+    assert [part.solutions for part in shout.context.parts] == [2, 0]
+    assert shout.context.count == 3
+    assert shout.context.missing == (("warm", "hall"), ("warm", "cellar"))
+    assert not whisper.holds
+    session.act(AssertFact(("warm", "hall")))
+    session.act(AssertFact(("holds", "ann", "bell")))
+    asked = why_not(session, 1).methods[0].context
+    assert asked is not None
+    assert asked.unwanted == (("holds", "ann", "bell"),)
+
+
+def test_why_not_of_a_task_that_has_ended_is_of_its_last_cycle() -> None:
+    session = truck()
+    session.go()
+    answer = why_not(session, 9)
+    assert answer.past
+    assert answer.clauses[0].clause == "succeed of `travel-road`"
+    assert answer.clauses[0].holds
+    assert session.over
+
+
+def _answers(session: Session) -> list[tuple[int, Asked]]:
+    """Return clauses and contexts that fail now, with their tasks."""
+    found = []
+    for task in session.run.machine.state.live_tasks():
+        answer = why_not(session, task.number)
+        asked = [*answer.clauses, *(m.context for m in answer.methods if m.context)]
+        found += [(task.number, one) for one in asked if one.missing]
+    return found
+
+
+def test_the_fact_that_is_named_lets_the_conjunct_hold() -> None:
+    session = truck("(rock-order red 1)", "(rock-order blue 1) :priority 1")
+    session.go()
+    chance, tried = random.Random(5), 0
+    last = session.cycle
+    while tried < 200:
+        session.goto(chance.randrange(1, last))
+        for number, asked in _answers(session):
+            fact = chance.choice(asked.missing)
+            with session.aside():
+                try:
+                    session.run.assert_fact(*fact)
+                except FactError:  # a place of an item, which handlers alone set
+                    continue
+                again = _same(why_not(session, number), asked)
+            at = len(asked.parts) - 1
+            assert again.parts[at].solutions > 0, (fact, asked)
+            tried += 1
+
+
+def _same(answer: object, asked: Asked) -> Asked:
+    """Return what became of a clause when it was asked again."""
+    clauses = answer.clauses  # type: ignore[attr-defined]
+    methods = answer.methods  # type: ignore[attr-defined]
+    found: list[Asked] = [*clauses, *(m.context for m in methods if m.context)]
+    return next(one for one in found if one.clause == asked.clause)
+
+
+def test_a_query_is_asked_conjunct_by_conjunct() -> None:
+    session = truck()
+    asked = why_not_query(session, "(and (place ?p quarry) (produces ?p green))")
+    assert [part.solutions for part in asked.parts] == [3, 0]
+    assert asked.missing[0] == ("produces", "quarry-1", "green")
+    assert asked.near[0][:2] == ("produces", "quarry-1")
+    assert why_not_query(session, "(place ?p quarry)").holds
+
+
+def test_why_failed_names_the_clause_down_to_the_first_cause() -> None:
+    session = _small("(greet ann)")
+    with pytest.raises(ArgumentError, match="no task has failed"):
+        why_failed(session)
+    session.act(AssertFact(("at", "ann", "hall")))
+    session.act(AssertFact(("warm", "hall")))
+    session.go()
+    found = why_failed(session)
+    assert (found.task, found.result) == (1, "hoarse")
+    cause = found.because
+    while cause is not None and cause.because is not None:
+        cause = cause.because
+    assert cause is not None
+    assert cause.note == "the world answered `hoarse`"
+    with pytest.raises(ArgumentError, match="has not failed"):
+        why_failed(session, 7)
+
+
+def test_commitments_that_are_stale_are_told() -> None:
+    session = truck()
+    session.goto(60)
+    found = {one.task: one for one in stale(session)}
+    assert found[7].gone == (("truck-location", "depot"),)
+    assert found[7].bindings["?here"] == "depot"
+    assert dict(found[7].would)["#1"] == {"?here": "quarry-1"}
+    assert commitment(session, 3).now is not None
+    with pytest.raises(ArgumentError, match="is at work on no method"):
+        commitment(session, 4)
+
+
+def test_what_if_is_tried_aside() -> None:
+    session = _small("(greet ann)")
+    session.act(AssertFact(("at", "ann", "hall")))
+    here = session.run.save()
+    found = what_if(session, [AssertFact(("warm", "hall"))])
+    assert found.differs
+    assert [one.kind for one in found.as_it_is][-1] is events.TaskFailed
+    assert [o.keys["method"] for o in found.would_be if "method" in o.keys] == ["shout"]
+    assert session.run.save() == here
+    assert not what_if(session, [AssertFact(("at", "bob", "hall"))]).differs
