@@ -145,7 +145,7 @@ def test_breakpoints_are_kept_in_a_file(tmp_path: Path) -> None:
     text = said(other, f":break load {kept}")
     assert "rap travel-road if (place depot depot) after 2" in text
     kept.write_text("[{}]")
-    assert "holds no breakpoints" in said(other, f":break load {kept}")
+    assert "holds no breakpoints" in said(other, f":break load {kept}", width=300)
     assert "cannot read" in said(other, f":break load {tmp_path / 'none'}")
     assert "there are no breakpoints" in said(other, ":unbreak all")
 
@@ -154,7 +154,7 @@ def test_watches_are_marked_where_they_change() -> None:
     shell = truck_shell()
     shell.answer(":show none")
     assert said(shell, ":watch (truck-location ?where)") == (
-        "  watch 1 (truck-location ?where): no\n"
+        "  watch 1 (truck-location ?where): ?where unknown\n"
     )
     assert "* watch 1 (truck-location ?where): ?where depot" in said(shell, ":step 2")
     assert "  watch 1 (truck-location ?where): ?where depot" in said(shell, ":step 2")

@@ -85,7 +85,7 @@ def test_looking_elsewhere_changes_nothing() -> None:
     with session.elsewhere(10):
         assert session.cycle == 10
         session.run.step()
-        session.run.assert_fact("truck-status", "broken")
+        session.run.assert_fact("truck-fuel", 3)
     assert session.run.save() == here
     assert _told(session) == events
     assert session.moment == (60, 0)
@@ -96,7 +96,7 @@ def test_acts_are_done_again_where_they_were_done() -> None:
     session.step(20)
     session.act(SubmitTask(read_task_request("(rock-order blue 1) :priority 3")))
     session.step(30)
-    session.act(AssertFact(("truck-status", "broken")))
+    session.act(AssertFact(("truck-fuel", 3)))
     states = {session.cycle: session.run.save()}
     session.step(20)
     states[session.cycle] = session.run.save()
