@@ -238,6 +238,8 @@ class Offer(msgspec.Struct, frozen=True):
     events: Mapping[str, int] = {}
     #: The primitives that only look and change nothing [T 6.3].
     sensors: tuple[str, ...] = ()
+    #: The primitives that are not atomic: their end comes later [T 7.3.3].
+    not_atomic: tuple[str, ...] = ()
 
 
 class Thing(msgspec.Struct, frozen=True):

@@ -1,4 +1,4 @@
-"""`rapc worlds [NAME]`: the worlds installed, or what one of them offers."""
+"""`rapc worlds [NAME]`: the worlds installed, what one offers, how well it is made."""
 
 from __future__ import annotations
 
@@ -7,9 +7,15 @@ import shutil
 import click
 
 from rapc.base.visible import visible_lines
+from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail
+from rapc.console.world_contract import report
 from rapc.console.worlds import describe_world, list_worlds, summary
 from rapc.errors import WorldError
+from rapc.ir.layout import laid_out
+from rapc.testing.world_contract.contract import try_world
+from rapc.testing.world_contract.declarations import declarations
+from rapc.world import World
 from rapc.worlds import registry
 
 EXAMPLES = """\b
@@ -17,6 +23,8 @@ Examples:
   rapc worlds
   rapc worlds truck
   rapc worlds my_package.world:MyWorld
+  rapc worlds truck --declare > truck-words.rap
+  rapc worlds lamps --test lamps.rap
 """
 
 _NARROWEST = 20
@@ -27,22 +35,56 @@ _WIDEST = 100
     epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
 )
 @click.argument("name", required=False)
+@click.option(
+    "--declare",
+    is_flag=True,
+    help="Print what the world offers as the declarations of a library.",
+)
+@click.option(
+    "--test",
+    "library",
+    is_flag=False,
+    flag_value="",
+    metavar="[LIBRARY]",
+    help="Hold the world to the port; its handlers too, with a library of their words.",
+)
 @common_options
-def worlds(name: str | None) -> None:
+def worlds(name: str | None, declare: bool, library: str | None) -> None:
     """List the worlds installed, or say what the world NAME offers.
 
-    NAME is the name of an installed world, or `module:Class`.
+    NAME is the name of an installed world, or `module:Class`. Exit status of `--test`:
+    0 if the world keeps to the port, 1 if it does not, 2 if it cannot be had.
     """
     width = max(_NARROWEST, min(shutil.get_terminal_size().columns, _WIDEST))
+    if name is None and library:
+        name, library = library, ""
+    if name is None and (declare or library is not None):
+        raise click.UsageError("the name of a world is missing")
+    if declare and library is not None:
+        raise click.UsageError("`--declare` and `--test` do not go together")
     if name is None:
-        found = {installed: _summary(installed) for installed in registry.available()}
-        click.echo(visible_lines(list_worlds(found, width)))
+        listed = {installed: _summary(installed) for installed in registry.available()}
+        click.echo(visible_lines(list_worlds(listed, width)))
         return
     try:
-        world = registry.build_world(registry.find_world(name), 0, {})
+        found = registry.find_world(name)
+        world = registry.build_world(found, 0, {})
     except WorldError as error:
         fail(error.message, error.help)
-    click.echo(visible_lines(describe_world(world, width)))
+    if declare:
+        click.echo("\n".join(map(laid_out, declarations(world.kit.offer))))
+    elif library is not None:
+        raise SystemExit(_test(found, library, width))
+    else:
+        click.echo(visible_lines(describe_world(world, width)))
+
+
+def _test(found: type[World], library: str, width: int) -> int:
+    """Hold a world to the port, say what came of it, and return the exit status."""
+    program = load_checked(library) if library else None
+    trials = try_world(lambda seed: registry.build_world(found, seed, {}), program)
+    click.echo(visible_lines(report(found.name, trials, width)))
+    return int(any(trial.faults for trial in trials))
 
 
 def _summary(name: str) -> str:

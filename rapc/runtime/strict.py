@@ -171,7 +171,7 @@ class _Held:
             return
         form, library = told.form, self._machine.library.library
         names = [arg.variable.name for arg in form.args]
-        given = dict(zip(names, of[1:], strict=True))
+        given = dict(zip(names, map(self._named, of[1:]), strict=True))
         patterns = [(effect, self._filled(effect, given)) for effect in effects]
         world = self._machine.world.name
         behind = f" behind {format_list(of)}" + (f" - {result}" if result else "")
@@ -180,6 +180,11 @@ class _Held:
             at = f" ({place})" if place else place_of(handler)
             declared = _row(library.files, form.span)
             raise PortError(f"{whose}{at}{behind} {said}; see {declared}")
+
+    def _named(self, value: Atom) -> Atom:
+        """Return the memory name for a sensor name that the handler may have given."""
+        name_of = self._machine.memory.items.name_of
+        return name_of(value) if isinstance(value, str) else value
 
     def _faults(
         self,

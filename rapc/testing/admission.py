@@ -17,6 +17,7 @@ from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.world import Kit, World
 from rapc.worlds import registry
+from rapc.worlds.script import no_later_end
 
 
 class Problem(msgspec.Struct, frozen=True):
@@ -39,7 +40,7 @@ def problems(
         kit: what the world that it names brings along; an empty one without a world.
     """
     handled, solved = kit.handlers.data, kit.solvers
-    found = [problem for row in test.script for problem in _row(row, handled)]
+    found = [problem for row in test.script for problem in _row(row, handled, library)]
     for answer in test.answers:
         name = answer.call.function
         if name in kit.functions:
@@ -90,12 +91,17 @@ def method_names(rap: nodes.DefineRap) -> list[str]:
     ]
 
 
-def _row(row: nodes.ScriptRow, handled: Collection[str]) -> Iterator[Problem]:
+def _row(
+    row: nodes.ScriptRow, handled: Collection[str], library: Library
+) -> Iterator[Problem]:
     if row.kind != "request":
         yield from _of_skill(row)
     elif row.every is not None or row.pauses:
         message = "only a skill tells signals with waits between them, or again"
         yield Problem(row.span, message)
+    declared = library.primitives.get(row.request.name)
+    if row.after is not None and declared is not None and declared.atomic:
+        yield Problem(row.span, no_later_end(declared.name))
     for datum in row.data:
         if datum.name not in handled:
             message = f"there is no handler for the datum `{datum.name}`"

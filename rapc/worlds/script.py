@@ -116,6 +116,9 @@ def offer_of(declared: Declarations) -> Offer:
         data={name: len(form.args) for name, form in declared.data.items()},
         skills={name: len(form.args) for name, form in declared.skills.items()},
         events={name: len(form.args) for name, form in declared.events.items()},
+        not_atomic=tuple(
+            [name for name, form in declared.primitives.items() if not form.atomic]
+        ),
     )
 
 
@@ -136,6 +139,13 @@ def mentioned(rows: Sequence[Row], at: Sequence[At]) -> Offer:
         data=_arities(datum for row in rows for datum in row.data),
         skills=_arities(row.pattern for row in rows if row.kind != "request"),
         events=_arities(signals),
+        not_atomic=tuple(
+            {
+                str(row.pattern[0]): None
+                for row in rows
+                if row.kind == "request" and row.after is not None
+            }
+        ),
     )
 
 
@@ -155,7 +165,7 @@ def check_script(
     """
     signatures = Signatures.offered(offer)
     for row in rows:
-        for problem in _row_problems(row, signatures, handled):
+        for problem in _row_problems(row, signatures, handled, offer):
             raise ValueError(f"row {format_list(row.pattern)}: {problem}")
     for entry in at:
         facts = (*entry.asserts, *entry.erases, *entry.signals)
@@ -165,7 +175,7 @@ def check_script(
 
 
 def _row_problems(
-    row: Row, signatures: Signatures, handled: Container[str]
+    row: Row, signatures: Signatures, handled: Container[str], offer: Offer
 ) -> Iterator[object]:
     """Yield what is wrong with a row of a script."""
     if row.kind == "request":
@@ -173,6 +183,8 @@ def _row_problems(
         no_result = signatures.no_result(str(row.pattern[0]), row.result)
         if no_result is not None:
             yield no_result
+        if row.after is not None and row.pattern[0] not in offer.not_atomic:
+            yield no_later_end(str(row.pattern[0]))
     else:
         yield from _faults(signatures, "skill", [row.pattern])
     yield from _unbound(
@@ -183,6 +195,11 @@ def _row_problems(
     for datum in row.data:
         if datum[0] not in handled:
             yield f"there is no handler for the datum `{datum[0]}`"
+
+
+def no_later_end(name: str) -> str:
+    """Say that `name` cannot end `:after` it was asked for, as it is declared."""
+    return f"`{name}` is declared atomic, so it does not end `:after` its request"
 
 
 def _unbound(facts: Iterable[Fact], pattern: Fact) -> Iterator[str]:

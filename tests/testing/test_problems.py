@@ -26,6 +26,10 @@ PROBLEMS = [
         "(script ((grab box) :data ((sighting box))))",
         "there is no handler for the datum `sighting`",
     ),
+    (
+        "(script ((look box) :after 3))",
+        "`look` is declared atomic, so it does not end `:after` its request",
+    ),
     ("(script ((enable (:roll 1))))", "no skill is called `:roll`"),
     ("(at 1 (asserts (hold box)))", "`hold` is not declared"),
     ("(at 1 (erases (hold)))", "`hold` is not declared"),

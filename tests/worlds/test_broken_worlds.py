@@ -102,7 +102,7 @@ class Good(World):
         return None
 
     def advance(self, to: Any) -> None:
-        self.time = to
+        self.time = max(self.time, to)
 
     def messages(self) -> Any:
         sent, self.sent = self.sent, ()

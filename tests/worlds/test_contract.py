@@ -1,16 +1,59 @@
-"""Our own worlds keep to the port."""
+"""The contract of worlds: ours keep to it, and each way to break it is found."""
 
 from __future__ import annotations
 
+import json
 import random
+import re
+from collections.abc import Sequence
+from typing import Any
 
+import pytest
+
+import rapc
+from rapc.compiler.program import Program
+from rapc.ir.layout import laid_out
 from rapc.library.loader import load_text
-from rapc.world import Handlers, Kit
+from rapc.testing.world_contract.contract import (
+    HANDLERS,
+    PICTURE,
+    SAVING,
+    TIMES,
+    Trial,
+    try_world,
+)
+from rapc.testing.world_contract.declarations import declaring
+from rapc.world import (
+    Datum,
+    Fact,
+    Finished,
+    Handlers,
+    Kit,
+    Offer,
+    Option,
+    Picture,
+    Refused,
+    Reply,
+    Spot,
+    World,
+)
+from rapc.worlds.faults import FaultyWorld, InjectedFault
+from rapc.worlds.hallway.world import HallwayWorld
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 from rapc.worlds.truck import TruckWorld
+from tests.worlds.test_broken_worlds import (
+    ARITIES,
+    LIBRARY,
+    OFFER,
+    RAISING,
+    TYPES,
+    Good,
+    ignored,
+    looked,
+    with_,
+)
 
-from .contract import check_world
 from .robot import truck_words
 
 ERRAND = """
@@ -22,6 +65,7 @@ arm-toggle arm1 fuel-drum-1 | eye-monitor rock | truck-speed fast
 truck-turn northeast | truck-move | eye-scan external | eye-scan bay1
 truck-turn east | truck-move | eye-unmonitor rock | truck-move
 """
+REQUESTS = [tuple(part.split()) for part in ERRAND.replace("\n", "|").split("|")]
 
 GATE = """
 (declare-primitive open (?gate) (okay jammed))
@@ -31,13 +75,32 @@ GATE = """
 """
 
 
+def faults(trials: Sequence[Trial]) -> list[str]:
+    return [fault for trial in trials for fault in trial.faults]
+
+
+def truck(seed: int) -> TruckWorld:
+    return TruckWorld(random.Random(f"{seed}:world"), {})
+
+
 def test_the_truck() -> None:
-    requests = [tuple(part.split()) for part in ERRAND.replace("\n", "|").split("|")]
-    check_world(
-        lambda: TruckWorld(random.Random("3:world"), {}),
-        truck_words(),
-        [request for request in requests if request],
+    requests = [request for request in REQUESTS if request]
+    trials = try_world(truck, Program(truck_words()), requests)
+    assert faults(trials) == []
+    assert [trial.left_out for trial in trials if trial.left_out] == []
+
+
+def test_the_truck_with_faults_put_in() -> None:
+    fault = InjectedFault(("eye-scan", "?"), "eye-cant-find", 0.5)
+    trials = try_world(
+        lambda seed: FaultyWorld(truck(seed), (fault,), seed), Program(truck_words())
     )
+    assert faults(trials) == []
+
+
+def test_the_hallway() -> None:
+    trials = try_world(lambda seed: HallwayWorld(random.Random(f"{seed}:world"), {}))
+    assert faults(trials) == []
 
 
 def test_a_script() -> None:
@@ -48,13 +111,237 @@ def test_a_script() -> None:
     )
     at = (At(4, erases=(("open-gate",),)), At(30, asserts=(("open-gate", "back"),)))
     library = load_text(GATE).library
-    check_world(
-        lambda: ScriptedWorld(
-            rows,
-            at,
-            declared=library,
-            kit=Kit(handlers=Handlers(data={"seen": lambda memory, datum: None})),
-        ),
-        library,
-        [("open", "front"), ("open", "front"), ("walk", "front"), ("open", "back")],
+    seen = Handlers(data={"seen": lambda memory, datum: None})
+
+    def make(seed: int) -> World:
+        return ScriptedWorld(rows, at, declared=library, kit=Kit(handlers=seen))
+
+    assert (
+        faults(try_world(make, requests=[("walk", "front"), ("open", "front")])) == []
     )
+
+
+# --- broken ones ------------------------------------------------------------------
+
+
+def tried(world: type[World], library: str = LIBRARY) -> list[str]:
+    """What is wrong with a world that is made like the good one."""
+    make: Any = world
+    program = rapc.loads(library).program
+    return faults(try_world(lambda seed: make(random.Random(seed), {}), program))
+
+
+def test_nothing_is_wrong_with_the_good_one() -> None:
+    assert tried(Good) == []
+
+
+@pytest.mark.parametrize("case", TYPES)
+def test_worlds_that_do_not_keep_to_the_port_are_found_out(case: str) -> None:
+    world, _ = TYPES[case]
+    found = tried(world)
+    assert found
+    assert "comparator" in case or "test_broken_worlds.py:" in " ".join(found)
+
+
+@pytest.mark.parametrize("case", [case for case in RAISING if case != "a function"])
+def test_worlds_whose_code_raises_are_found_out(case: str) -> None:
+    world, whose = RAISING[case]
+    assert f"{whose} failed at test_broken_worlds.py:" in " ".join(tried(world))
+
+
+@pytest.mark.parametrize("case", ARITIES)
+def test_code_that_takes_other_arguments_is_found_out(case: str) -> None:
+    world, said = ARITIES[case]
+    assert [line for line in tried(world) if re.search(said, line)]
+
+
+class Whole(Good):
+    """A world with all parts of the port, and nothing wrong with any."""
+
+    kit = Kit(
+        Offer(OFFER.primitives, OFFER.data, events=OFFER.events, not_atomic=("doze",)),
+        *[getattr(Good.kit, name) for name in Kit.__struct_fields__[1:]],
+    )
+
+    def __init__(self, rng: Any, options: Any) -> None:
+        super().__init__(rng, options)
+        self.rng = rng
+        self.dozing: list[int] = []
+
+    def perform(self, ticket: int, request: Fact) -> Any:
+        if request[0] == "doze":
+            self.dozing.append(ticket)
+            return None
+        return super().perform(ticket, request)
+
+    def next_time(self) -> Any:
+        return self.time + 1 if self.dozing else None
+
+    def advance(self, to: Any) -> None:
+        if to > self.time:
+            self.sent = [Finished(n, Reply("okay")) for n in self.dozing]
+            self.dozing = []
+        super().advance(to)
+
+    def cancel(self, ticket: int) -> None:
+        self.dozing = [one for one in self.dozing if one != ticket]
+
+    def save(self) -> bytes:
+        return json.dumps([self.time, self.dozing, len(self.sent)]).encode()
+
+    def restore(self, state: bytes) -> None:
+        self.time, self.dozing, sent = json.loads(state)
+        self.sent = [Datum(("spotted", "mouse"))] * sent
+
+    def picture(self) -> Picture:
+        return Picture("shelf", (Spot("shelf"), Spot("box")), (("shelf", "box"),))
+
+    def usual_time(self, request: Fact) -> Any:
+        return 1
+
+
+def forgets(self: Any, state: bytes) -> None:
+    Whole.restore(self, state)
+    self.time += 1
+
+
+def restores_anything(self: Any, state: bytes) -> None:
+    if state != b"no state":
+        Whole.restore(self, state)
+
+
+def saves_otherwise(self: Any) -> bytes:
+    self.time += 1
+    return Whole.save(self)
+
+
+def saves_too_little(self: Any) -> bytes:
+    return json.dumps([self.time, [], 0]).encode()
+
+
+def counts_again(self: Any, ticket: int, request: Fact) -> Any:
+    self.asked = getattr(self, "asked", 0) + 1
+    self.time += self.asked
+    return Reply("okay")
+
+
+def by_chance(self: Any, ticket: int, request: Fact) -> Any:
+    self.time += random.SystemRandom().random()
+    return Reply("okay")
+
+
+def drawn_apart(self: Any) -> Picture:
+    return Picture("moon", (Spot("box"), Spot("box")))
+
+
+def drawn_on(self: Any) -> Picture:
+    self.time += 1
+    return Picture("box", (Spot("box"),))
+
+
+def in_no_time(self: Any, request: Fact) -> Any:
+    self.time += 1
+    return 1
+
+
+def never(self: Any) -> Any:
+    return None
+
+
+def refuses(self: Any, ticket: int, request: Fact) -> Any:
+    return Refused((17,))
+
+
+def unheard_of(self: Any, ticket: int) -> None:
+    self.dozing.remove(ticket)
+
+
+WORSE: dict[str, tuple[dict[str, Any], str]] = {
+    "restores another": ({"restore": forgets}, "does not take up all of it"),
+    "restores nonsense": ({"restore": restores_anything}, "takes up what is no state"),
+    "saves otherwise": ({"save": saves_otherwise}, "is another once it is saved"),
+    "saves too little": (
+        {"save": saves_too_little, "perform": counts_again},
+        "goes on otherwise than it was saved",
+    ),
+    "by its own chance": ({"perform": by_chance}, "a second time seed 0 brings"),
+    "a picture of nowhere": ({"picture": drawn_apart}, "has no spot `moon`"),
+    "two spots of one name": ({"picture": drawn_apart}, "two spots of its picture"),
+    "drawn on": ({"picture": drawn_on}, "is another world once it is drawn"),
+    "a time that takes time": ({"usual_time": in_no_time}, "moves its clock on"),
+    "a time that is none": ({"usual_time": lambda *_: -1}, "a usual time .* is `-1`"),
+    "a request without end": ({"next_time": never}, "has begun .doze., and nothing mo"),
+    "a refusal of nothing": ({"perform": refuses}, "beside the request 17, which is"),
+    "a ticket unheard of": ({"cancel": unheard_of}, "failed at test_contract.py:"),
+}
+
+
+def test_nothing_is_wrong_with_a_world_that_has_all_parts() -> None:
+    assert tried(Whole) == []
+
+
+@pytest.mark.parametrize("case", WORSE)
+def test_each_other_fault_is_told_with_its_place(case: str) -> None:
+    parts, said = WORSE[case]
+    found = tried(type("Bad", (Whole,), parts))
+    assert [line for line in found if re.search(said, line)], found
+
+
+def test_an_offer_fits_its_options_and_handlers() -> None:
+    options = (
+        Option("one", "number", "many", "", "a number"),
+        Option("one", "flag", False, "", "a flag"),
+    )
+    offer = Offer(
+        {"look": (1, ("dark", "dark"))}, {"spotted": 1, "smelt": 1}, sensors=("see",)
+    )
+    handlers = Handlers({"lok": looked}, {"spotted": ignored})
+    world = with_(kit=Kit(offer, handlers, options))
+    make: Any = world
+    (first, *_) = try_world(lambda seed: make(random.Random(seed), {}))
+    assert first.faults == (
+        "there are several options `one`",
+        "the default of the option `one`, 'many', is no number",
+        "the results of `look` must differ, with `okay` among them",
+        "the handler of `lok`: nothing on offer is called so",
+        "the sensor `see`: nothing on offer is called so",
+        "the datum `smelt` has no handler",
+    )
+
+
+def test_handlers_do_not_run_without_a_library() -> None:
+    world, _ = RAISING["a handler"]
+    make: Any = world
+    trials = try_world(lambda seed: make(random.Random(seed), {}))
+    assert faults(trials) == []
+    left_out = [trial.part for trial in trials if trial.left_out]
+    assert left_out == [SAVING, PICTURE, TIMES, HANDLERS]
+
+
+def test_handlers_are_held_to_what_is_declared() -> None:
+    library = LIBRARY.replace(
+        "look (?thing) (okay)", "look (?thing) (okay) :on (okay (not (seen ?thing)))"
+    )
+    assert "which `:on` does not say" in " ".join(tried(Good, library))
+
+
+def test_what_is_on_offer_is_declared() -> None:
+    offer = Offer(
+        {"look": (2, ("okay", "dark")), "doze": (0, ("okay",))},
+        {"seen": 1},
+        {":roll": 1},
+        {":bump": 30},
+        ("look",),
+        ("doze",),
+    )
+    library = declaring(offer)
+    text = "\n".join(laid_out(form) for form in library.forms)
+    again = load_text(text)
+    assert again.diagnostics == ()
+    assert again.library.primitives == library.primitives
+    assert not library.primitives["doze"].atomic
+    assert again.library.data == library.data
+    assert again.library.skills == library.skills
+    assert again.library.events == library.events
+    names = [arg.variable.name for arg in library.events[":bump"].args]
+    assert (len(set(names)), names[0], names[27]) == (30, "?a", "?b1")

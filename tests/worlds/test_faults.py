@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import pytest
 
-from rapc.library.loader import load_text
 from rapc.world import (
     Drawable,
     Fact,
@@ -22,8 +21,6 @@ from rapc.world import (
 )
 from rapc.worlds.faults import FaultyWorld, InjectedFault
 from rapc.worlds.truck import TruckWorld
-
-from .contract import check_world
 
 SCAN = ("eye-scan", "external")
 FAULTS = (InjectedFault(("eye-scan", "?"), "eye-cant-find", 0.5),)
@@ -53,11 +50,6 @@ class Still(World):
 
     def messages(self) -> Sequence[Message]:
         return ()
-
-
-def test_it_keeps_to_the_port() -> None:
-    library = load_text('(require "truck")').library
-    check_world(_truck, library, [SCAN, SCAN, ("truck-turn", "north"), SCAN])
 
 
 def test_it_is_what_is_behind_it() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,20 +16,10 @@ PACKAGE = HERE / "lamps"
 DOCS = HERE.parents[1] / "docs" / "worlds.md"
 
 SCRIPT = """
-import json, random, sys
-from pathlib import Path
-sys.path.append(sys.argv[1])
-from tests.worlds.contract import check_world
-from rapc.library.loader import load
+import json, sys
 from rapc.worlds import registry
 
-library = load([Path(sys.argv[2])]).library
 world = registry.find_world("lamps")
-check_world(
-    lambda: registry.build_world(world, 3, {"rooms": 2}),
-    library,
-    [("look", "room-1"), *[("press", "room-1"), ("press", "room-2")] * 20],
-)
 file = sys.modules[world.__module__].__file__
 print(json.dumps([registry.available(), file]))
 """
@@ -59,13 +50,33 @@ def rapc(site: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return run([sys.executable, "-c", main, *arguments], site)
 
 
-def test_it_keeps_to_the_port_and_is_found_by_its_entry_point(installed: Path) -> None:
-    checkout, words = str(HERE.parents[1]), str(PACKAGE / "lamps.rap")
-    done = run([sys.executable, "-c", SCRIPT, checkout, words], installed)
+def test_it_is_found_by_its_entry_point(installed: Path) -> None:
+    done = run([sys.executable, "-c", SCRIPT], installed)
     assert done.returncode == 0, done.stderr
     names, file = json.loads(done.stdout)
-    assert names == ["lamps", "truck"]
+    assert "lamps" in names
     assert Path(file) == installed / "lamps.py"
+
+
+def test_it_keeps_to_the_port_as_the_manual_shows(installed: Path) -> None:
+    (installed / "lamps.rap").write_text((PACKAGE / "lamps.rap").read_text())
+    done = rapc(installed, "worlds", "lamps", "--test", "lamps.rap")
+    assert (done.returncode, done.stderr) == (0, "")
+    section = DOCS.read_text().partition("## Whether it keeps to the port")[2]
+    shown = section.partition("$ rapc worlds lamps --test lamps.rap\n")[2]
+    assert shown.partition("```")[0] == done.stdout
+    [python] = re.findall(r"```python\n(.*?)```", section.partition("\n## ")[0], re.S)
+    assert run([sys.executable, "-c", python], installed).returncode == 0
+
+
+def test_its_declarations_are_a_library(installed: Path) -> None:
+    declared = rapc(installed, "worlds", "lamps", "--declare")
+    assert declared.stdout.splitlines()[0] == (
+        "(declare-primitive press (?a) (okay stuck none))"
+    )
+    (installed / "words.rap").write_text(declared.stdout)
+    assert rapc(installed, "check", "words.rap").returncode == 0
+    assert rapc(installed, "worlds", "lamps", "--test", "words.rap").returncode == 1
 
 
 def test_it_is_listed_and_described(installed: Path) -> None:
@@ -73,7 +84,7 @@ def test_it_is_listed_and_described(installed: Path) -> None:
     assert listed.returncode == 0, listed.stderr
     assert "lamps  A corridor of rooms with lamps" in listed.stdout
     described = rapc(installed, "worlds", "lamps")
-    assert "press/1  okay, stuck" in described.stdout
+    assert "press/1  okay, stuck, none" in described.stdout
     assert "every  40 time units: between visits of somebody" in described.stdout
 
 

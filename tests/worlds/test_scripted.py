@@ -24,7 +24,7 @@ from .robot import Robot
 WORDS = load_text(
     """
 (declare-primitive grasp (?arm ?item) (okay dropped))
-(declare-primitive wait () (okay))
+(declare-primitive wait () (okay) :atomic false)
 (declare-sensor-datum seen (?item ?size))
 (declare-event :bump (?side))
 (declare-memory-proposition holding (?arm ?item))
@@ -240,3 +240,9 @@ def test_a_saved_script_goes_on_where_it_was() -> None:
         two.advance(to)
         assert one.messages() == two.messages()
     assert one.save() == two.save()
+
+
+def test_a_script_does_not_put_off_what_is_declared_atomic() -> None:
+    said = r"row \(grasp .*`grasp` is declared atomic, so it does not end `:after`"
+    with pytest.raises(ValueError, match=said):
+        ScriptedWorld([Row(("grasp", "?arm", "?x"), after=3)], declared=WORDS)

@@ -32,7 +32,7 @@ class LampWorld(World):
     name = "lamps"
     kit = Kit(
         Offer(
-            {"press": (1, ("okay", "stuck")), "look": (1, ("okay",))},
+            {"press": (1, ("okay", "stuck", "none")), "look": (1, ("okay", "none"))},
             {"lamp": 2},
             sensors=("look",),
         ),
@@ -58,6 +58,8 @@ class LampWorld(World):
     def perform(self, ticket: int, request: Fact) -> Reply:
         name, room = str(request[0]), str(request[1])
         self.advance(self.time + 2)
+        if room not in self.lit:
+            return Reply("none")
         if name == "look":
             return Reply("okay", (("lamp", room, "on" if self.lit[room] else "off"),))
         if self.rng.random() < 0.25:

@@ -1,0 +1,1 @@
+"""Whether a world keeps to the port: what `rapc worlds NAME --test` tries."""

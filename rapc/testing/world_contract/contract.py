@@ -1,0 +1,356 @@
+"""The parts of the port's contract, each tried on worlds made for it.
+
+What is wrong is told in lines, by the author's file and row where a call shows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.base.values import Fact, format_atom
+from rapc.compiler.program import Program
+from rapc.errors import FactError, PortError
+from rapc.runtime.admission import misfitting, refusals
+from rapc.runtime.authors import blame, breach, is_time, wrong
+from rapc.testing.world_contract.declarations import declaring
+from rapc.testing.world_contract.driver import Driver, first_facts
+from rapc.world import NOT_KNOWN, Drawable, Savable, Text, Time, Timed, World
+
+REQUESTS = 150
+"""How many requests a world is tried with under one seed."""
+
+SEEDS = (0, 1, 2)
+"""The seeds under which a world is tried."""
+
+_TYPES: Mapping[str, tuple[type, ...]] = {
+    "flag": (bool,),
+    "integer": (int,),
+    "number": (int, float),
+    "symbol": (str,),
+    "text": (Text,),
+}
+"""The types of the values of options, by kind."""
+
+Make = Callable[[int], World]
+"""Makes a new world from a seed, the same each time."""
+
+
+class Trial(msgspec.Struct, frozen=True):
+    """What came of one part of the contract."""
+
+    #: What was looked at, in a few words.
+    part: str
+    #: What is wrong, in lines; empty if nothing is.
+    faults: tuple[str, ...] = ()
+    #: Why nothing was tried; empty if it was.
+    left_out: str = ""
+
+
+class _Tried(msgspec.Struct, frozen=True):
+    """A world to be tried: how it is made, and a library that declares it."""
+
+    make: Make
+    #: Declares what is on offer, and no more.
+    offered: Program
+    #: A library with the words that the handlers use; or none.
+    library: Program | None
+    requests: Sequence[Fact]
+
+    def driver(self, seed: int) -> Driver:
+        """Return a robot in a new world, whose handlers do not run."""
+        world = self.make(seed)
+        return Driver(world, self.offered, seed, False, self.requests)
+
+
+def try_world(
+    make: Make, program: Program | None = None, requests: Sequence[Fact] = ()
+) -> tuple[Trial, ...]:
+    """Hold a world to the port, part by part.
+
+    Args:
+        make: makes the world.
+        program: a library that declares what the world offers and the words that its
+            handlers use; without one the handlers do not run.
+        requests: what is asked for first; all else is asked for at random, about what
+            the world has told.
+    """
+    offered = Program(declaring(make(0).kit.offer))
+    tried = _Tried(make, offered, program, requests)
+    trials: list[Trial] = []
+    for part, check in _PARTS.items():
+        if any(trial.part == CODE and trial.faults for trial in trials):
+            trials.append(Trial(part, left_out="its code is to be mended first"))
+        else:
+            trials.append(_try(tried, part, check))
+    return tuple(trials)
+
+
+def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> Trial:
+    """Try one part; what the world's own code raises is one of its faults."""
+    world = tried.make(0)
+    left_out = _left_out(part, world, tried.library is not None)
+    if left_out:
+        return Trial(part, left_out=left_out)
+    kit = world.kit
+    code: dict[str, Mapping[str, Callable[..., Any]]] = {
+        "the handler of": kit.handlers.results,
+        "the handler of the datum": kit.handlers.data,
+        "the function": kit.functions,
+        "the comparator": kit.comparators,
+    }
+    try:
+        return Trial(part, tuple(dict.fromkeys(check(tried))))
+    except (PortError, FactError) as error:
+        return Trial(part, (error.message,))
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # whatever a world's code may raise
+        try:
+            blame(error, world, code)
+        except PortError as told:
+            return Trial(part, (told.message,))
+
+
+def _left_out(part: str, world: World, handled: bool) -> str:
+    """Return why a part cannot be tried on a world, or nothing."""
+    if part == SAVING and not isinstance(world, Savable):
+        return "it cannot be saved"
+    if part == PICTURE and not isinstance(world, Drawable):
+        return "it has no picture"
+    if part == TIMES and not isinstance(world, Timed):
+        return "it does not say how long requests take"
+    if part == HANDLERS and not handled:
+        return "they need a library that declares their words: `--test LIBRARY`"
+    return ""
+
+
+# --- the parts ------------------------------------------------------------------------
+
+
+def _offer(tried: _Tried) -> Iterator[str]:
+    """Options, offer and handlers fit together."""
+    kit = tried.make(0).kit
+    names = [option.name for option in kit.options]
+    for name in dict.fromkeys(n for n in names if names.count(n) > 1):
+        yield f"there are several options `{name}`"
+    for option in kit.options:
+        if type(option.default) not in _TYPES[option.kind]:
+            what = f"the default of the option `{option.name}`"
+            yield f"{what}, {option.default!a}, is no {option.kind}"
+    for name, (count, results) in kit.offer.primitives.items():
+        if count < 0 or "okay" not in results or len(set(results)) < len(results):
+            yield f"the results of `{name}` must differ, with `okay` among them"
+    for what, listed, known in (
+        ("the handler of", kit.handlers.results, kit.offer.primitives),
+        ("the handler of the datum", kit.handlers.data, kit.offer.data),
+        ("the sensor", kit.offer.sensors, kit.offer.primitives),
+        ("not atomic", kit.offer.not_atomic, kit.offer.primitives),
+    ):
+        for name in listed:
+            if name not in known:
+                yield f"{what} `{name}`: nothing on offer is called so"
+    for name in kit.offer.data:
+        if name not in kit.handlers.data:
+            yield f"the datum `{name}` has no handler"
+
+
+def _code(tried: _Tried) -> Iterator[str]:
+    """All code takes the arguments that it is called with; the library fits."""
+    world = tried.make(0)
+    kit = world.kit
+    code: dict[str, Mapping[str, Callable[..., Any]]] = {
+        "the handler of": kit.handlers.results,
+        "the handler of the datum": kit.handlers.data,
+        "the function": kit.functions,
+        "the solver of": kit.solvers,
+        "the comparator": kit.comparators,
+    }
+    yield from misfitting(tried.library or tried.offered, world, code)
+    if tried.library is not None:
+        yield from refusals(tried.library, world, kit.functions, kit.comparators)
+
+
+def _start(tried: _Tried) -> Iterator[str]:
+    """The clock begins at 0, nothing has happened, and what is known are facts."""
+    world = tried.make(0)
+    if _now(world) != 0:
+        yield f"its clock begins at {format_atom(_now(world))}, not at 0"
+    ended = world.ended()
+    if ended is not None:
+        yield f"{breach(world, 'ended', f'ends the run before it begins: {ended!a}')}"
+    first_facts(world)
+
+
+def _requests(tried: _Tried) -> Iterator[str]:
+    """Answers and messages are declared, time goes on, and all is repeatable."""
+    for seed in SEEDS:
+        one, other = tried.driver(seed), tried.driver(seed)
+        one.drive(REQUESTS)
+        other.drive(REQUESTS)
+        pairs = zip(one.history, other.history, strict=False)
+        for first, second in pairs:
+            if first != second:
+                yield (
+                    f"a second time seed {seed} brings something else: first "
+                    f"{_short(first)}, then {_short(second)}; does all chance come "
+                    "from the random stream that it is given?"
+                )
+                return
+
+
+def _short(happened: tuple[object, ...]) -> str:
+    text = " ".join(map(str, happened))
+    return text if len(text) <= 120 else text[:120] + "..."
+
+
+def _time(tried: _Tried) -> Iterator[str]:
+    """Time goes where it is told, never back, and what is announced comes."""
+    for seed in SEEDS:
+        world = tried.make(seed)
+        _sent(world)
+        for _ in range(20):
+            now, due = _now(world), world.next_time()
+            if due not in (None, NOT_KNOWN) and not is_time(due):
+                raise wrong(world, "next_time", "the next time", due)
+            target = now + 10 if due in (None, NOT_KNOWN) else due
+            assert target is not None
+            world.advance(target)
+            sent = _sent(world)
+            if world.ended() is not None:
+                break
+            if _now(world) < target and due != NOT_KNOWN:
+                said = f"did not move its clock on to {format_atom(target)}"
+                raise breach(world, "advance", said)
+            if due not in (None, NOT_KNOWN) and not sent:
+                said = (
+                    f"announced something for {format_atom(target)}, and sent nothing"
+                )
+                raise breach(world, "next_time", said)
+        before = _now(world)
+        world.advance(0)
+        if _now(world) < before:
+            yield f"{breach(world, 'advance', 'sets its clock back to a time gone')}"
+        world.cancel(10**6)
+
+
+def _sent(world: World) -> Sequence[object]:
+    """Return the messages of a world. Raises PortError for what are none."""
+    messages = world.messages()
+    if not isinstance(messages, tuple | list):
+        raise wrong(world, "messages", "what `messages` returns", messages)
+    return list(messages)
+
+
+def _now(world: World) -> Time:
+    """Return the time of a world. Raises PortError for what is none."""
+    now = world.now()
+    if not is_time(now):
+        raise wrong(world, "now", "the time", now)
+    return now
+
+
+def _saving(tried: _Tried) -> Iterator[str]:
+    """A saved state is taken up as if nothing had been."""
+    for seed in SEEDS:
+        driver, copy = tried.driver(seed), tried.make(seed)
+        world = driver.world
+        assert isinstance(world, Savable)
+        assert isinstance(copy, Savable)
+        driver.drive(REQUESTS // 2)
+        state = world.save()
+        if world.save() != state:
+            yield f"{breach(driver.world, 'save', 'is another once it is saved')}"
+            return
+        copy.restore(state)
+        if copy.save() != state:
+            yield f"{breach(driver.world, 'restore', 'does not take up all of it')}"
+            return
+        yield from _apart(driver, copy)
+        try:
+            copy.restore(b"no state")
+        except ValueError:
+            continue
+        yield f"{breach(driver.world, 'restore', 'takes up what is no state')}"
+
+
+def _apart(driver: Driver, copy: World) -> Iterator[str]:
+    """Yield where a world and one that was put in its state do not go the same way."""
+    world = driver.world
+    for ticket in range(10**6, 10**6 + REQUESTS // 2):
+        request = driver.request()
+        if request is None or world.ended() is not None:
+            return
+        answers = [one.perform(ticket, request) for one in (world, copy)]
+        for one in (world, copy):
+            due = one.next_time()
+            if answers[0] is None and due not in (None, NOT_KNOWN):
+                one.advance(due or 0)
+        seen = [(_now(one), one.next_time(), _sent(one)) for one in (world, copy)]
+        if answers[0] != answers[1] or seen[0] != seen[1]:
+            yield f"{breach(world, 'restore', 'goes on otherwise than it was saved')}"
+            return
+
+
+def _picture(tried: _Tried) -> Iterator[str]:
+    """A picture hangs together, and drawing it changes nothing."""
+    one, other = tried.driver(0), tried.driver(0)
+    world = one.world
+    assert isinstance(world, Drawable)
+    for _ in range(10):
+        picture = world.picture()
+        names = [spot.name for spot in picture.spots]
+        if len(set(names)) < len(names):
+            yield "two spots of its picture have one name"
+        for name in {picture.here, *(end for road in picture.roads for end in road)}:
+            if name not in names:
+                yield f"its picture has no spot `{name}`, which it speaks of"
+        one.drive(5)
+        other.drive(5)
+    if one.history != other.history:
+        yield f"{breach(one.world, 'picture', 'is another world once it is drawn')}"
+
+
+def _usual_times(tried: _Tried) -> Iterator[str]:
+    """It says of each request how long it takes, and does nothing by that."""
+    driver = tried.driver(0)
+    world = driver.world
+    assert isinstance(world, Timed)
+    for _ in range(REQUESTS):
+        request = driver.request()
+        now = _now(driver.world)
+        if request is not None and not is_time(takes := world.usual_time(request)):
+            raise wrong(driver.world, "usual_time", "a usual time", takes)
+        if _now(driver.world) != now:
+            yield f"{breach(driver.world, 'usual_time', 'moves its clock on')}"
+            return
+
+
+def _handlers(tried: _Tried) -> Iterator[str]:
+    """Handlers put declared facts into memory, and keep to `:on` and `:tells`."""
+    for seed in SEEDS:
+        assert tried.library is not None
+        world = tried.make(seed)
+        Driver(world, tried.library, seed, True, tried.requests).drive(REQUESTS)
+    yield from ()
+
+
+CODE = "its code"
+SAVING = "it is saved and restored"
+PICTURE = "its picture"
+TIMES = "how long requests take"
+HANDLERS = "its handlers"
+
+_PARTS: Mapping[str, Callable[[_Tried], Iterator[str]]] = {
+    "what it offers": _offer,
+    CODE: _code,
+    "the start": _start,
+    "requests, messages and chance": _requests,
+    "time": _time,
+    SAVING: _saving,
+    PICTURE: _picture,
+    TIMES: _usual_times,
+    HANDLERS: _handlers,
+}

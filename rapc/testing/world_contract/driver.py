@@ -1,0 +1,222 @@
+"""A robot without a mind, by which a world is tried: it asks at random.
+
+It asks for all that is on offer, about what the world has told it, and digests what
+comes as the interpreter does: replies and messages are held to the port, handlers run
+on a real memory and are held to their declarations.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Sequence
+
+from rapc.base.values import Atom, Fact, format_list
+from rapc.compiler.program import Program
+from rapc.ir import nodes
+from rapc.library.kinds import Kinds
+from rapc.runtime.acts.primitives import take_reply
+from rapc.runtime.authors import breach, is_fact, is_refusal, is_time, wrong
+from rapc.runtime.host_query import HandlerQuestions
+from rapc.runtime.intake import take_in
+from rapc.runtime.machine import Machine
+from rapc.runtime.settings import Settings
+from rapc.runtime.strict import hold_handlers
+from rapc.world import NOT_KNOWN, Finished, Handlers, Refused, World
+
+_STRANGER = "nobody"
+"""What requests are about as long as the world has told nothing."""
+
+_MOST_WAITS = 1000
+"""How often a world may send something else before a request ends."""
+
+_CANCELLED = 0.25
+"""How many of the requests that are not atomic are cancelled."""
+
+History = list[tuple[object, ...]]
+"""What came of each request: the request, what was answered or sent, the time."""
+
+
+class Driver:
+    """Asks one world for things, and digests the answers.
+
+    Args:
+        world: the world, new.
+        program: a library that declares what the world offers.
+        seed: decides what is asked for.
+        handled: whether the world's handlers run: the library has their words.
+        requests: what is asked for first.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        program: Program,
+        seed: int,
+        handled: bool,
+        requests: Sequence[Fact] = (),
+    ) -> None:
+        kit = world.kit
+        if not is_time(now := world.now()):
+            raise wrong(world, "now", "the time", now)
+        self.world = world
+        self.history: History = []
+        self._rng = random.Random(f"{seed}:contract")
+        self._library = program.library
+        self._first = list(requests)
+        self._machine = Machine(
+            program,
+            world,
+            random.Random(f"{seed}:interpreter"),
+            Settings(strict=True),
+            kit.functions,
+            {},
+            kit.comparators,
+        )
+        self._told: dict[Atom, None] = {}
+        self._machine.access.answers = HandlerQuestions(self._machine).ask
+        if handled:
+            hold_handlers(self._machine)
+        else:
+            self._machine.handlers = Handlers({}, dict.fromkeys(kit.offer.data, _hear))
+            self._machine.result_handlers.clear()
+        for fact in first_facts(world):
+            self._note([fact])
+            if handled:
+                self._machine.access.assert_fact(*fact)
+
+    def drive(self, requests: int) -> None:
+        """Ask for so many things, or until the world ends the run.
+
+        Raises:
+            PortError: for a world that does not keep to the port.
+        """
+        self._listen()
+        for _ in range(requests):
+            request = self.request()
+            if request is None or self.world.ended() is not None:
+                return
+            self.ask(request)
+
+    def ask(self, request: Fact) -> None:
+        """Ask for one thing, and wait for its end or, now and then, cancel it.
+
+        Raises:
+            PortError: as `drive`.
+        """
+        machine, world = self._machine, self.world
+        machine.state.tickets += 1
+        ticket = machine.state.tickets
+        answer = world.perform(ticket, request)
+        self._tell(request, answer)
+        if is_refusal(answer):
+            self._check_refusal(request, answer)
+            return
+        reply = machine.port.checked(request, answer)
+        machine.sync_clock()
+        name_of = machine.memory.items.name_of
+        args = [name_of(p) if isinstance(p, str) else p for p in request[1:]]
+        asked = (request[0], *args)
+        if reply is not None:
+            self._note(reply.data)
+            take_reply(machine, None, asked, reply)
+        else:
+            machine.state.pending[ticket] = None, asked
+            if self._rng.random() < _CANCELLED:
+                world.cancel(ticket)
+            else:
+                self._wait_for(ticket)
+        self._listen()
+
+    def _check_refusal(self, request: Fact, answer: Refused) -> None:
+        """See that a refusal names requests under way. Raises PortError."""
+        for ticket in answer.conflicts:
+            if ticket not in self._machine.state.pending:
+                said = f"refuses {format_list(request)} beside the request {ticket}"
+                said += ", which is not under way"
+                raise breach(self.world, "perform", said)
+
+    def _wait_for(self, ticket: int) -> None:
+        """Move time on until a request has ended.
+
+        Raises:
+            PortError: if it never does.
+        """
+        machine, world = self._machine, self.world
+        for _ in range(_MOST_WAITS):
+            due = world.next_time()
+            if ticket not in machine.state.pending or world.ended() is not None:
+                return
+            if due is None:
+                break
+            patience = machine.settings.patience
+            world.advance(machine.recorder.time + patience if due == NOT_KNOWN else due)
+            if not self._listen():
+                break
+        if ticket in machine.state.pending and world.ended() is None:
+            asked = format_list(machine.state.pending[ticket][1])
+            said = f"has begun {asked}, and nothing more comes: it never ends"
+            raise breach(world, "next_time", said)
+
+    def _listen(self) -> int:
+        """Digest what the world has sent; return how many messages it was."""
+        machine = self._machine
+        machine.sync_clock()
+        messages = self.world.messages()
+        take_in(machine, messages)
+        for message in messages:
+            if isinstance(message, Finished):
+                self._note(message.reply.data)
+            else:
+                self._note([message.content])
+        self._tell(*messages)
+        return len(messages)
+
+    def _tell(self, *happened: object) -> None:
+        self.history.append((*happened, self.world.now()))
+
+    def _note(self, facts: Iterable[Fact]) -> None:
+        """Remember what the world has told of, to ask about it."""
+        for fact in facts:
+            self._told.update(dict.fromkeys(fact[1:]))
+
+    # --- what is asked for ---------------------------------------------------------
+
+    def request(self) -> Fact | None:
+        """Return what is asked for next; None if nothing is on offer."""
+        if self._first:
+            return self._first.pop(0)
+        offer = self.world.kit.offer.primitives
+        if not offer:
+            return None
+        name = self._rng.choice(list(offer))
+        form = self._library.primitives.get(name)
+        args: Sequence[nodes.Argument | None] = [None] * offer[name][0]
+        if form is not None:
+            args = form.args
+        return (name, *[self._value(arg) for arg in args])
+
+    def _value(self, arg: nodes.Argument | None) -> Atom:
+        """Return a value for an argument, of its kind where that is known."""
+        known: Sequence[Atom] = list(self._told) or [_STRANGER]
+        if arg is not None and arg.kind is not None:
+            kinds = Kinds(self._library.kinds)
+            listed = kinds.values(arg.kind)
+            fitting = [v for v in known if kinds.holds(arg.kind, v)]
+            known = list(listed or fitting) or known
+        return self._rng.choice(known)
+
+
+def _hear(memory: object, datum: Fact) -> None:
+    """Take a datum and make nothing of it."""
+
+
+def first_facts(world: World) -> list[Fact]:
+    """Return what the robot knows at first. Raises PortError for what are no facts."""
+    facts = world.facts()
+    if not isinstance(facts, Iterable):
+        raise wrong(world, "facts", "what the robot knows at first", facts)
+    found = list(facts)
+    for fact in found:
+        if not is_fact(fact):
+            raise wrong(world, "facts", "a first fact", fact)
+    return found
