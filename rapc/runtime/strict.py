@@ -17,7 +17,6 @@ from typing import Any
 
 import msgspec
 
-from rapc.base.source import Span
 from rapc.base.values import Atom, Fact, format_list, match
 from rapc.errors import PortError
 from rapc.ir import nodes
@@ -166,20 +165,75 @@ class _Held:
     def _hold(
         self, told: _Told, handler: object, noting: NotingMemory, of: Fact, result: str
     ) -> None:
+        """See that a handler did nothing else, and that what is told of it holds.
+
+        What is told of a result holds once the data that come with it are handled.
+        """
         effects = told.effects(result)
         if effects is None:
             return
-        form, library = told.form, self._machine.library.library
-        names = [arg.variable.name for arg in form.args]
+        names = [arg.variable.name for arg in told.form.args]
         given = dict(zip(names, map(self._named, of[1:]), strict=True))
         patterns = [(effect, self._filled(effect, given)) for effect in effects]
-        world = self._machine.world.name
         behind = f" behind {format_list(of)}" + (f" - {result}" if result else "")
-        whose = f"in the world `{world}` {told.whose}"
-        for said, place in self._faults(noting, patterns, given):
-            at = f" ({place})" if place else place_of(handler)
-            declared = _row(library.files, form.span)
-            raise PortError(f"{whose}{at}{behind} {said}; see {declared}")
+        for said, place in self._surplus(noting, patterns):
+            raise self._breach(told, f"{told.whose} ({place}){behind} {said}")
+
+        def look() -> None:
+            for said in self._missing(patterns, given):
+                whose = f"{told.whose}{place_of(handler)}"
+                raise self._breach(told, f"{whose}{behind} {said}")
+
+        if result:
+            self._machine.access.closing.append(look)
+        else:
+            look()
+
+    def _breach(self, told: _Told, said: str) -> PortError:
+        """Return what to raise for a handler that does not do what is told of it."""
+        source = self._machine.library.library.files.get(told.form.span.file)
+        declared = "its declaration"
+        if source is not None:
+            row = source.position(told.form.span.start).row
+            declared = f"{told.form.span.file}:{row}"
+        world = self._machine.world.name
+        return PortError(f"in the world `{world}` {said}; see {declared}")
+
+    def _surplus(
+        self,
+        noting: NotingMemory,
+        patterns: Sequence[tuple[nodes.DeclaredEffect, Fact]],
+    ) -> Iterator[tuple[str, str]]:
+        """Yield what a handler did that is not told of it, and where it did that."""
+        relations = self._machine.memory.signatures.relations
+        for change in noting.made:
+            if not any(
+                not effect.negated and match(pattern, change.fact) is not None
+                for effect, pattern in patterns
+            ):
+                told = format_list(change.fact)
+                yield f"asserted {told}, which `:on` does not say", change.place
+        for change in noting.taken:
+            is_property = relations[str(change.fact[0])].is_property
+            if not any(_takes(e, p, change.fact, is_property) for e, p in patterns):
+                told = format_list(change.fact)
+                yield f"erased {told}, which `:on` does not say", change.place
+
+    def _missing(
+        self,
+        patterns: Sequence[tuple[nodes.DeclaredEffect, Fact]],
+        given: Mapping[str, Atom],
+    ) -> Iterator[str]:
+        """Yield what is told of a handler and has not come about."""
+        for effect, pattern in patterns:
+            if effect.possible:
+                continue
+            if effect.negated:
+                left = self._matching(pattern)
+                if left is not None:
+                    yield f"left {format_list(left)}, which is to go by `:on`"
+            elif not self._holds(effect, given):
+                yield f"has not made {format_list(pattern)} hold, as `:on` says"
 
     def _named(self, value: Atom) -> Atom:
         """Return the memory name for a sensor name that the handler may have given."""
@@ -256,15 +310,6 @@ def _takes(
         return True
     replaced = is_property and not effect.negated
     return replaced and match(pattern[:-1], fact[:-1]) is not None
-
-
-def _row(files: Mapping[str, Any], span: Span) -> str:
-    source = files.get(span.file)
-    return (
-        "its declaration"
-        if source is None
-        else (f"{span.file}:{source.position(span.start).row}")
-    )
 
 
 def hold_handlers(machine: Machine) -> None:

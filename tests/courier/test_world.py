@@ -9,12 +9,13 @@ from pathlib import Path
 import pytest
 
 from rapc.base.values import Atom, Fact
+from rapc.compiler.program import Program
 from rapc.library.loader import load
+from rapc.testing.world_contract.contract import try_world
 from rapc.world import Finished, Reply, Signal
 from rapc.worlds.courier import CourierWorld
 from rapc.worlds.courier.building import ROOMS, passed, way
 from tests.courier.shifts import COURIER
-from tests.worlds.contract import check_world
 
 STILL: Mapping[str, Atom | bool] = {
     "blocked": 0,
@@ -57,9 +58,12 @@ def test_it_keeps_to_the_port() -> None:
         ("dock",),
         ("help", "ward-1"),
     ]
-    check_world(
-        lambda: CourierWorld(random.Random("5:world"), {}), loaded.library, requests
+    trials = try_world(
+        lambda seed: CourierWorld(random.Random(f"{seed}:world"), {}),
+        Program(loaded.library),
+        requests,
     )
+    assert [fault for trial in trials for fault in trial.faults] == []
 
 
 def test_a_drive_takes_as_long_as_its_way_and_as_much_of_the_battery() -> None:

@@ -65,6 +65,8 @@ class Gate(MemoryView):
             if any(argument.kind is not None for argument in relation.args or ())
         }
         self._batch = Batch(self)
+        #: What is to be looked at before the batch ends: `rapc.strict` does.
+        self.closing: list[Callable[[], None]] = []
         #: Answers what handlers ask; the interpreter sets it.
         self.answers: Answers | None = None
 
@@ -90,6 +92,8 @@ class Gate(MemoryView):
 
     def end_batch(self) -> None:
         """The outermost batch has ended."""
+        while self.closing:
+            self.closing.pop(0)()
         self.recognise()
         while self._counted:
             place = next(iter(self._counted))
@@ -102,6 +106,7 @@ class Gate(MemoryView):
     def drop_batch(self) -> None:
         """Forget what a batch that broke off has left to be done."""
         self._counted.clear()
+        self.closing.clear()
 
     def recognise(self) -> None:
         """Recognise what can be recognised, if any description has changed."""

@@ -149,8 +149,9 @@ class Driver:
             if due is None:
                 break
             patience = machine.settings.patience
-            world.advance(machine.recorder.time + patience if due == NOT_KNOWN else due)
-            if not self._listen():
+            before = machine.recorder.time
+            world.advance(before + patience if due == NOT_KNOWN else due)
+            if not self._listen() and machine.recorder.time == before:
                 break
         if ticket in machine.state.pending and world.ended() is None:
             asked = format_list(machine.state.pending[ticket][1])

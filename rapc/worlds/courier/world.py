@@ -73,6 +73,7 @@ _OFFER = Offer(
     },
     data={"position": 2, "battery": 1, "call": 1},
     events={":nurse": 1},
+    not_atomic=("drive", "take-on", "help"),
 )
 
 
