@@ -10,10 +10,11 @@ import sys
 from collections import Counter
 
 from hypothesis import HealthCheck, Phase, given, settings
-from lark.exceptions import UnexpectedInput
+from lark import Token
+from lark.exceptions import UnexpectedInput, UnexpectedToken
 
 from rapc.base.diagnostics import Diagnostic
-from rapc.language.build import parser
+from rapc.language.build import parser, terminals, words
 from rapc.language.comments import blanked
 from tests.parser.programs import programs
 from tests.parser.reading import parsed
@@ -59,10 +60,30 @@ def accepted(text: str) -> bool:
     """Whether the grammar makes a program of a text."""
     code = blanked(text + "\n")
     try:
-        parser().parse(text if code is None else code, start="start")
+        parser().parse(
+            text if code is None else code, start="start", on_error=_read_as_name
+        )
     except UnexpectedInput:
         return False
     return True
+
+
+def _read_as_name(error: UnexpectedInput) -> bool:
+    """Go on with a word as the name that it can be where it stands.
+
+    The lexer chooses by what may follow a list anywhere: of `false` in
+    `(believe (p) false)` it thinks as of that in `(and (p) false)`.
+    """
+    if not isinstance(error, UnexpectedToken) or error.token.type not in words():
+        return False
+    names = [
+        name
+        for name in sorted(error.accepts & terminals().keys())
+        if re.fullmatch(terminals()[name], error.token)
+    ]
+    if names:
+        error.interactive_parser.feed_token(Token(names[0], error.token))
+    return bool(names)
 
 
 def disagreement(text: str) -> set[str]:

@@ -108,6 +108,14 @@ def test_what_the_grammar_alone_refuses() -> None:
     assert parsed(text).diagnostics == ()
 
 
+@pytest.mark.parametrize("word", ["false", "t", "otherwise", "for", "okay"])
+def test_words_of_the_language_are_terms(word: str) -> None:
+    for asked in (f"(believe (p) {word})", f"(p {word})", f"(and (p) (= {word} 1))"):
+        program = f"(define-rap (a) (succeed {asked}))"
+        assert accepted(program)
+        assert parsed(program).diagnostics == ()
+
+
 @pytest.mark.parametrize("text", ["(p => x)", "(=> x)"])
 def test_the_arrow_is_no_value_and_no_name(text: str) -> None:
     program = f"(define-rap (a) (succeed {text}))"

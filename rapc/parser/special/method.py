@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, heads
 from rapc.parser.context import Context, head_of, kind_of
+from rapc.parser.fields import filled, slots
 from rapc.parser.special.clauses import clauses, read_clauses, single
 from rapc.parser.special.steps import wait_for
 from rapc.parser.syntax import Datum, List, Numeral, Symbol
@@ -25,17 +26,12 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
         name, items = _name(ctx, items[0]), items[1:]
     found = single(ctx, clauses(ctx, items, "method", METHOD_CLAUSES))
     read = read_clauses(ctx, found, "method")
-    return nodes.Method(
-        name=name,
-        position=position,
-        context=read["context"][0] if "context" in read else None,
-        notations=read["notations"][0] if "notations" in read else (),
-        body=_body(ctx, datum, found, read),
-        constraints=read["constraints"][0] if "constraints" in read else None,
-        claims=read["claims"][0] if "claims" in read else (),
-        skills=read["skills"][0] if "skills" in read else (),
-        span=ctx.span(datum),
-    )
+    fields = filled(_SLOTS, read)
+    fields["body"] = _body(ctx, datum, found, read)
+    return nodes.Method(name=name, position=position, span=ctx.span(datum), **fields)
+
+
+_SLOTS = slots("method", nodes.Method)
 
 
 def _name(ctx: Context, datum: Datum) -> str | int | None:

@@ -14,6 +14,7 @@ from rapc.language.grammar import RULES
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, words
 from rapc.parser.context import ANY_CLAUSE, Context, head_of
 from rapc.parser.elaborate import made, wrong
+from rapc.parser.fields import filled, slots
 from rapc.parser.special.clauses import clauses, read_clauses, single
 from rapc.parser.special.effects import effects as read_effects
 from rapc.parser.special.method import method
@@ -121,8 +122,7 @@ def _rap(
     inputs = parameters(ctx, before, seen)
     outputs = parameters(ctx, after, seen)
     rows = found.pop("method", ())
-    read = read_clauses(ctx, found, "_rap_clause")
-    one = {name: values[0] for name, values in read.items()}
+    fields = filled(_SLOTS, read_clauses(ctx, found, "_rap_clause"))
     ctx.clause = "method"
     methods = [method(ctx, row, at) for at, row in enumerate(rows, start=1)]
     if len(rows) > 1:
@@ -139,19 +139,13 @@ def _rap(
                 if one.kind is not None
             ]
         ),
-        duration=one.get("duration"),
-        monitor_state=one.get("monitor-state"),
-        monitor_time=one.get("monitor-time"),
-        repeat_while=one.get("repeat-while"),
-        succeed=one.get("succeed"),
-        preconditions=one.get("preconditions"),
-        constraints=one.get("constraints"),
-        resources=one.get("resources", ()),
-        effects=one.get("effects", ()),
-        methods=tuple(methods),
+        **(fields | {"methods": tuple(methods)}),
         name_span=ctx.span(name),
         span=ctx.span(datum),
     )
+
+
+_SLOTS = slots("define_rap", nodes.DefineRap)
 
 
 def monitor_time(ctx: Context, clause: Datum) -> nodes.MonitorTime | None:

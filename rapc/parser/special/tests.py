@@ -6,8 +6,7 @@ The rows of a script are read by `rapc.parser.special.script`, expectations by
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TypeVar
+from collections.abc import Sequence
 
 import msgspec
 
@@ -15,12 +14,11 @@ from rapc.ir import nodes
 from rapc.language.heads import TEST_CLAUSES, heads
 from rapc.parser.context import Context, head_of
 from rapc.parser.elaborate import made
+from rapc.parser.fields import filled, slots
 from rapc.parser.special.clauses import clauses, read_clauses, single
 from rapc.parser.special.script import number, plain
 from rapc.parser.syntax import Datum, List, String, Symbol
 from rapc.parser.terms import constant, pattern
-
-T = TypeVar("T")
 
 _ONCE = heads("_once_test_clause")
 
@@ -70,29 +68,19 @@ def _test(
     owner = head_of(form) or ""
     found = clauses(ctx, data, owner, TEST_CLAUSES)
     kept = single(ctx, found, set(TEST_CLAUSES) - set(_ONCE))
-    read = dict.fromkeys(TEST_CLAUSES, ()) | read_clauses(ctx, kept, "_test_clause")
+    read = read_clauses(ctx, kept, "_test_clause")
+    fields = filled(_SLOTS, read)
+    fields["until"] = _until(made((*read.get("until", ()), *read.get("cycles", ()))))
     return nodes.DefineTest(
         name="" if name is None else name.name,
         doc=doc,
-        requires=made(read["require"]),
-        world=next(iter(made(read["world"])), None),
-        options=_joined(read["options"]),
-        seed=next(iter(made(read["seed"])), None),
-        agenda=next(iter(made(read["agenda"])), None),
-        answers=_joined(read["answers"]),
-        facts=_joined(read["facts"]),
-        script=_joined(read["script"]),
-        ats=made(read["at"]),
-        tasks=made(read["task"]),
-        until=_until(made((*read["until"], *read["cycles"]))),
-        expectations=_joined(e.expectations for e in made(read["expect"])),
         name_span=ctx.span(name or form.items[0]),
         span=ctx.span(form),
+        **fields,
     )
 
 
-def _joined(found: Iterable[tuple[T, ...] | None]) -> tuple[T, ...]:
-    return tuple([one for row in made(found) for one in row])
+_SLOTS = slots("define_test", nodes.DefineTest)
 
 
 def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
