@@ -50,8 +50,8 @@ ANY_ORDER = "parts of a declaration in any order"
 
 def excused(found: Diagnostic) -> str | None:
     """The attribute that a finding comes from, if there is one."""
-    for name, (rules, words) in ATTRIBUTES.items():
-        if found.rule in rules and re.search(words, found.message):
+    for name, (rules, message) in ATTRIBUTES.items():
+        if found.rule in rules and re.search(message, found.message):
             return name
     return None
 
