@@ -92,9 +92,14 @@ def _one_of(item: Shape) -> tuple[Shape, ...]:
 
 def _parts(item: Shape, kind: type[nodes.Node]) -> Iterable[Part]:
     rules, once = _clauses(item)
-    if once:
+    if once or (len(rules) == 1 and all(map(_is_option, rules))):
         return [Part(rule, _field(rule, kind)) for rule in rules]
     return [Part(item)]
+
+
+def _is_option(rule: str) -> bool:
+    """Whether a rule is that of an option: a word with a colon and its values."""
+    return RULES[rule][0] == "seq" and heads(rule)[0].startswith(":")
 
 
 def _clauses(item: Shape) -> tuple[dict[str, None], bool]:
@@ -122,6 +127,7 @@ _FIELDS = {
     "primitive": "body",
     "task_net": "body",
     "cycles": "until",
+    "above": "above",
     "expect": "expectations",
 }
 """The fields of clauses that are called otherwise."""

@@ -7,7 +7,7 @@ words, and returns the node, or None if nothing could be made of it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, Protocol, TypedDict, Unpack
+from typing import Any, NamedTuple, Protocol, TypedDict, Unpack
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
@@ -35,6 +35,14 @@ PARENTHESES = "()"
 """Stands among the names of clauses where parentheses had to be guessed at."""
 
 
+class Option(NamedTuple):
+    """What reads an option: a list that begins with its word."""
+
+    #: How many values stand behind the word.
+    values: int
+    read: Read
+
+
 class Readers(Protocol):
     """Readers by the name of their rule in the grammar, and by the words of a group."""
 
@@ -43,6 +51,9 @@ class Readers(Protocol):
 
     def group(self, rule: str) -> dict[str, Read]:
         """Return the readers of the lists in a group by the words that head them."""
+
+    def option(self, rule: str) -> Option:
+        """Return what reads an option, with the number of its values."""
 
 
 class Details(TypedDict, total=False):

@@ -21,10 +21,10 @@ from typing import Any, NamedTuple
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.language.grammar import RULES, TERMINALS
-from rapc.language.heads import ARROW, heads, rules_by_head
+from rapc.language.heads import ARROW, heads, rules_by_head, words
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
 from rapc.language.words import WORDS, spelling
-from rapc.parser.context import Context, Read, head_of, kind_of
+from rapc.parser.context import Context, Option, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 from rapc.parser.terms import term
 
@@ -73,6 +73,8 @@ class Readers(dict[str, Read]):
         made: Read
         if is_word(shape):
             made = _alone(self.makers.get(rule) or _named_like(rule))
+        elif shape[0] == "seq":
+            made = self._option(rule, shape)
         elif is_list(shape):
             made = self._list(rule, shape)
         else:
@@ -100,8 +102,6 @@ class Readers(dict[str, Read]):
             if is_rule(shape):
                 return self._rule_part(shape)
             return _terminal(shape)
-        if shape[0] == "list":
-            return Part(lambda d: type(d) is List, self._inner(shape), False)
         if shape[0] != "or":
             raise TypeError(f"no single operand has the shape {shape}")
         parts = [self.part(one) for one in shape[1:]]
@@ -115,23 +115,53 @@ class Readers(dict[str, Read]):
         return Part(lambda d: any(one.fits(d) for one in parts), read, True)
 
     def _rule_part(self, rule: str) -> Part:
-        words = frozenset(heads(rule))
+        known = frozenset(heads(rule))
 
         def late(ctx: Context, datum: Datum) -> Any:
             return self[rule](ctx, datum)  # made when needed: rules hold each other
 
         read = self.get(rule, late)
-        if words and RULES[rule][0] == "list":
-            return Part(lambda d: head_of(d) in words, read, True)
+        if known and RULES[rule][0] == "list":
+            return Part(lambda d: head_of(d) in known, read, True)
         return Part(lambda d: type(d) is List, read, False)
 
-    def _inner(self, shape: Shape) -> Read:
-        """The reader of a list without a head that holds any number of one kind."""
-        part = self.part(shape[1][1])
+    def option(self, rule: str) -> Option:
+        """Return what reads an option, with the number of its values."""
+        shape = RULES[rule]
+        count = 0 if is_word(shape) else len(shape) - 2
+        return Option(count, self[rule])
 
-        def read(ctx: Context, datum: Datum) -> Any:
+    def _option(self, rule: str, shape: Shape) -> Read:
+        """The reader of an option with one value."""
+        read = self._value(rule, shape[2])
+        return lambda ctx, datum: read(ctx, datum.items[1])
+
+    def _value(self, rule: str, shape: Shape) -> Read:
+        """The reader of whatever stands where a value of a shape is wanted."""
+        if shape[0] == "list":
+            return self._inner(rule, shape)
+        if words(shape) == _TRUTHS:
+            return _truth(rule)
+        return _wanted(rule, shape, self.part(shape))
+
+    def _inner(self, rule: str, shape: Shape) -> Read:
+        """The reader of a list without a head that holds any number of one kind."""
+        inner = shape[1][1]
+        one = _wanted(rule, inner, self.part(inner))
+        nested = isinstance(inner, str) and is_list(RULES.get(inner, ""))
+        what = "a list of lists" if nested else WANTED.get(rule, "a list")
+
+        def read(ctx: Context, datum: Datum) -> tuple[Any, ...]:
             items = datum.items if isinstance(datum, List) else ()
-            return made(part.read(ctx, item) for item in items)
+            flat = nested and items and not any(isinstance(d, List) for d in items)
+            if flat or not isinstance(datum, List):
+                message = f"{what} is wanted here, not {kind_of(datum)}"
+                if flat:
+                    message = f"{what} is wanted here, not a list alone"
+                fix = ctx.wrap(datum, datum, "(", sure=False)
+                ctx.report(_finding(rule), message, datum, fix=fix)
+                return ()
+            return made(one(ctx, item) for item in items)
 
         return read
 
@@ -184,6 +214,12 @@ WANTED: Mapping[str, str] = {
     "COUNT": "a whole number",
     "POSITIVE": "a whole number above 0",
     "INTEGER": "a whole number",
+    "SIGNAL": "a name with a colon",
+    "KIND": "the name of a kind",
+    "reads": "a list of predicates",
+    "tells": "a list of data",
+    "uses": "a list of things",
+    "skill_events": "a list of events",
 }
 """What is wanted where something else stands, by rule or terminal."""
 
@@ -195,6 +231,8 @@ FINDINGS: Mapping[str, str] = {
     **dict.fromkeys(("case", "rule", "alternative", "action"), "malformed-rule"),
     **dict.fromkeys(leaves(RULES["expectation"]), "malformed-clause"),
     "expectation": "malformed-clause",
+    **dict.fromkeys(("above", "reads", "uses", "tells"), "malformed-form"),
+    **dict.fromkeys(("primitive_atomic", "skill_events"), "malformed-form"),
 }
 """Which rule of the checker a fault breaks; in clauses it is `malformed-clause`."""
 
@@ -212,8 +250,8 @@ def _alone(make: Maker) -> Read:
 
 def _own_word(rule: str) -> str:
     """The word that heads a rule, whatever is written for it; empty of several."""
-    words = heads(rule)
-    return words[0] if len(words) == 1 else ""
+    known = heads(rule)
+    return known[0] if len(known) == 1 else ""
 
 
 def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:
@@ -293,8 +331,42 @@ def wrong(ctx: Context, rule: str, datum: Datum) -> None:
     message = f"`{name}` is written `{spelling(rule)}`"
     if row is not None and row.takes:
         message = f"`{name}` takes {row.takes}"
-    finding = FINDINGS.get(rule, "malformed-clause")
-    ctx.report(finding, message, datum)
+    ctx.report(_finding(rule), message, datum)
+
+
+def _finding(rule: str) -> str:
+    return FINDINGS.get(rule, "malformed-clause")
+
+
+def _truth(rule: str) -> Read:
+    """The reader of `true` or `false`."""
+
+    def read(ctx: Context, datum: Datum) -> bool | None:
+        if isinstance(datum, Symbol) and datum.name in _TRUTHS:
+            return datum.name == "true"
+        ctx.report(_finding(rule), "`true` or `false` is wanted here", datum)
+        return None
+
+    return read
+
+
+_TRUTHS = ("true", "false")
+
+
+def _wanted(rule: str, shape: Shape, part: Part) -> Read:
+    """What reads a datum as a part, and reports what cannot be one."""
+    if not part.strict:
+        return part.read
+    what = WANTED.get(shape, "a name") if isinstance(shape, str) else "a name"
+
+    def read(ctx: Context, datum: Datum) -> Any:
+        if part.fits(datum):
+            return part.read(ctx, datum)
+        message = f"{what} is wanted here, not {kind_of(datum)}"
+        ctx.report(_finding(rule), message, datum)
+        return None
+
+    return read
 
 
 def made(found: Iterable[Any]) -> tuple[Any, ...]:
@@ -334,11 +406,13 @@ def _terminal(name: str) -> Part:
         return Part(_is_string, _text, True)
     if TERMINALS[name] == TERMINALS["SYMBOL"]:
         return Part(_is_name, _named, True)
+    if TERMINALS[name] == TERMINALS["KEYWORD"]:
+        return Part(_NODES["KEYWORD"], _named, True)
     raise TypeError(f"no operand is a {name} alone")
 
 
 def _named(ctx: Context, datum: Datum) -> str:
-    assert isinstance(datum, Symbol)
+    assert isinstance(datum, Symbol | Keyword)
     return datum.name
 
 

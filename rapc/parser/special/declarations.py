@@ -1,83 +1,186 @@
-"""What memory holds: propositions, properties, functions, classes (T A.1, A.5).
+"""Declarations, by their rules: their operands and options, and what is wrong in them.
 
-What a world offers is declared in `rapc.parser.special.offers`.
+Behind its name the parts of a declaration come in any order. Its operands and options
+are read by the readers of their rules; some of those are here. That of a comparator
+alone is no row of operands, and has a reader of its own.
 """
 
 from __future__ import annotations
 
-from typing import Literal, cast
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, Literal, NamedTuple, cast
 
 from rapc.base.values import Atom
-from rapc.ir import nodes
-from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.special.parts import Option, Parts, arguments, parts, symbol, symbols
-from rapc.parser.syntax import Datum, List, Numeral, Symbol
+from rapc.ir import nodes, productions
+from rapc.language.heads import heads
+from rapc.language.shapes import is_word, leaves
+from rapc.parser.context import Context, Option, Read, head_of, kind_of
+from rapc.parser.fields import Slots, filled, slots
+from rapc.parser.special.effects import effects
+from rapc.parser.special.parts import Parts, parts, surplus, symbol
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import constant
 from rapc.parser.terms import proposition as read_proposition
 
 
-def proposition(ctx: Context, form: List) -> nodes.DeclareProposition | None:
-    """`(declare-memory-proposition name [(arg...)] ["doc"])`."""
-    found = parts(ctx, form, 1)
-    if found is None:
-        return None
-    args = arguments(ctx, found.operands[0]) if found.operands else None
-    return nodes.DeclareProposition(found.name, args, found.doc, ctx.span(form))
+class Operand(NamedTuple):
+    """An operand of a declaration behind its name."""
+
+    field: str
+    #: The rule or terminal that it is read as.
+    leaf: str
+    #: Whether it may be left out.
+    optional: bool
 
 
-def property_(ctx: Context, form: List) -> nodes.DeclareProperty | None:
-    """`(declare-memory-property name [(arg... value)] default [option] ["doc"])`.
+class Declaration(NamedTuple):
+    """What a rule says of a declaration and its node."""
 
-    The option is `:excludes value (pattern)`, as often as needed.
-    """
-    found = parts(ctx, form, 2, {":excludes": 2})
-    if found is None:
-        return None
-    args = None
-    if found.operands and isinstance(found.operands[0], List):
-        args = arguments(ctx, found.operands[0])
-        if not found.operands[0].items:
-            ctx.report(
-                "malformed-form",
-                "the arguments of a property end with its value",
-                found.operands[0],
-                help="a property without arguments has only that: `(?value)`",
-            )
-    return nodes.DeclareProperty(
-        found.name,
-        args,
-        _default(ctx, found, args is not None),
-        tuple([one for one in (_exclusion(ctx, o) for o in found.options) if one]),
-        found.doc,
-        ctx.span(form),
+    kind: type[nodes.Node]
+    #: Whether its name begins with a colon.
+    colon: bool
+    #: Whether its node keeps the text that explains it.
+    explained: bool
+    operands: tuple[Operand, ...]
+    #: The rules of its options by their words.
+    options: Mapping[str, str]
+    #: The options that may stand more than once.
+    many: frozenset[str]
+    slots: Slots
+
+
+@cache
+def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
+    """What the grammar says of the declarations of a rule."""
+    known = productions.parts(rule, kind)
+    names = productions.fields(kind, known)[1:]
+    wanted = [
+        part.shape for part in known if not part.field and not is_word(part.shape)
+    ]
+    operands = [
+        Operand(name, next(leaves(shape)), shape[0] == "?")
+        for name, shape in zip(names, wanted[1:], strict=False)
+        if name != "doc"
+    ]
+    options = {heads(str(p.shape))[0]: str(p.shape) for p in known if p.field}
+    many = {word for word, one in options.items() if one in _REPEATED}
+    return Declaration(
+        kind=kind,
+        colon=wanted[0] in ("SKILL", "SIGNAL"),
+        explained="doc" in names,
+        operands=tuple(operands),
+        options=options,
+        many=frozenset(many),
+        slots=slots(rule, kind),
     )
 
 
-def _default(ctx: Context, found: Parts, listed: bool) -> str:
-    """The default of a property; `unknown` if it is not said."""
-    operands = found.operands[1:] if listed else found.operands
-    help = "it is `unknown`, `true`, `false` or the name of a function"
-    if not operands:
-        last = found.operands[-1] if found.operands else found.place
-        ctx.report(
-            "malformed-form",
-            f"the property `{found.name}` has no default",
-            found.place,
-            help=help,
-            fix=ctx.insert(last.end, " unknown", sure=False),
-        )
-        return "unknown"
-    for extra in operands[1:]:
-        ctx.report("malformed-form", "a property has one default", extra)
-    if isinstance(operands[0], Symbol):
-        return operands[0].name
-    ctx.report("malformed-form", "this is no default", operands[0], help=help)
+_REPEATED = ("excludes", "result_effects")
+"""Options that may stand more than once."""
+
+
+def declaration(rule: str, kind: type[nodes.Node]) -> Read:
+    """What reads the declarations of a rule to nodes of a kind."""
+
+    def read(ctx: Context, form: List) -> nodes.Node | None:
+        told = _told(rule, kind)
+        known = {w: ctx.readers.option(one) for w, one in told.options.items()}
+        counts = {word: option.values for word, option in known.items()}
+        found = parts(ctx, form, counts, colon=told.colon)
+        if found is None:
+            return None
+        given = _operands(ctx, found, told)
+        given |= filled(told.slots, _options(ctx, found, told, known))
+        if told.explained:
+            given["doc"] = found.doc
+        return kind(name=found.name, span=ctx.span(form), **given)
+
+    return read
+
+
+def _operands(ctx: Context, found: Parts, told: Declaration) -> dict[str, Any]:
+    """The operands by their fields; reports the first that is missing."""
+    given: dict[str, Any] = {}
+    data = list(found.operands)
+    last, missed = found.place, False
+    for at, one in enumerate(told.operands):
+        later = any(not other.optional for other in told.operands[at + 1 :])
+        aside = one.optional and later and data and not isinstance(data[0], List)
+        if data and not aside:
+            last = data.pop(0)
+            given[one.field] = ctx.readers[one.leaf](ctx, last)
+        elif one.optional:
+            given[one.field] = None
+        else:
+            given[one.field] = _missing(ctx, found, one.leaf, last, silent=missed)
+            missed = True
+    surplus(ctx, found.form, data)
+    return given
+
+
+def _missing(
+    ctx: Context, found: Parts, leaf: str, last: Datum, *, silent: bool
+) -> Any:
+    """What is assumed of an operand that is missing, which is reported."""
+    what, help, written, assumed = _MISSING[leaf]
+    if not silent:
+        message = what.format(found.name)
+        fix = ctx.insert(last.end, f" {written}", sure=False) if written else None
+        ctx.report("malformed-form", message, found.place, help=help, fix=fix)
+    return assumed
+
+
+_DEFAULTS = "it is `unknown`, `true`, `false` or the name of a function"
+_RESULTS = "list `okay` and what else the world may answer: `(okay blocked)`"
+
+_MISSING: Mapping[str, tuple[str, str, str, Any]] = {
+    "arguments": (
+        "the arguments of `{}` are missing",
+        "without any, write `()`",
+        "()",
+        (),
+    ),
+    "results": ("the results of `{}` are missing", _RESULTS, "", ("okay",)),
+    "DEFAULT": ("the property `{}` has no default", _DEFAULTS, "unknown", "unknown"),
+}
+"""What is said of an operand that is missing, the advice, the fix, what is assumed."""
+
+
+def _options(
+    ctx: Context, found: Parts, told: Declaration, known: Mapping[str, Option]
+) -> dict[str, list[Any]]:
+    """What was read of each option; reports those that stand twice and may not."""
+    read: dict[str, list[Any]] = {}
+    for one in found.options:
+        word = cast(Keyword, one.items[0]).name
+        if word in read and word not in told.many:
+            message = f"there is a second `{word}`"
+            ctx.report("duplicate-clause", message, one.items[0])
+        else:
+            read.setdefault(word, []).append(known[word].read(ctx, one))
+    return read
+
+
+# --- operands and options that need a hand ------------------------------------------
+
+
+def default(ctx: Context, datum: Datum) -> str:
+    """The default of a property; `unknown` for what is none."""
+    if isinstance(datum, Symbol):
+        return datum.name
+    ctx.report("malformed-form", "this is no default", datum, help=_DEFAULTS)
     return "unknown"
 
 
-def _exclusion(ctx: Context, option: Option) -> nodes.Exclusion | None:
+def comparator_name(ctx: Context, datum: Datum) -> str | None:
+    """The name of the comparator of a class."""
+    return symbol(ctx, datum, "the name of a comparator")
+
+
+def excludes(ctx: Context, option: List) -> nodes.Exclusion | None:
     """`:excludes value (pattern)` (docs/memory.md)."""
-    first, second = option.operands
+    _, first, second = option.items
     value = constant(first)
     if value is None:
         ctx.report("malformed-form", "`:excludes` begins with a value", first)
@@ -85,37 +188,10 @@ def _exclusion(ctx: Context, option: Option) -> nodes.Exclusion | None:
     excluded = read_proposition(ctx, second)
     if excluded is None:
         return None
-    span = ctx.span(option.word).to(ctx.span(second))
-    return nodes.Exclusion(value, excluded, span)
+    return nodes.Exclusion(value, excluded, ctx.span(option))
 
 
-def function(ctx: Context, form: List) -> nodes.DeclareFunction | None:
-    """`(declare-memory-function name [(arg...)] [:reads (pred...)] ["doc"])`."""
-    found = parts(ctx, form, 1, {":reads": 1})
-    if found is None:
-        return None
-    args = arguments(ctx, found.operands[0]) if found.operands else None
-    reads = None
-    for option in found.options:
-        reads = symbols(ctx, option.operands[0], "predicates")
-    return nodes.DeclareFunction(found.name, args, reads, found.doc, ctx.span(form))
-
-
-def kind(ctx: Context, form: List) -> nodes.DeclareKind | None:
-    """`(declare-kind name [:is kind] [(value...)] ["doc"])`."""
-    found = parts(ctx, form, 1, {":is": 1})
-    if found is None:
-        return None
-    above = None
-    for option in found.options:
-        above = symbol(ctx, option.operands[0], "the name of a kind")
-    values = None
-    if found.operands:
-        values = _values(ctx, found.operands[0])
-    return nodes.DeclareKind(found.name, above, values, found.doc, ctx.span(form))
-
-
-def _values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
+def kind_values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
     """The values that a closed kind lists."""
     if not isinstance(datum, List):
         message = f"a list of values is wanted here, not {kind_of(datum)}"
@@ -132,15 +208,38 @@ def _values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
     return tuple(values)
 
 
-def indistinct_class(ctx: Context, form: List) -> nodes.DeclareIndistinctClass | None:
-    """`(declare-indistinct-class name [comparator] ["doc"])`."""
-    found = parts(ctx, form, 1)
-    if found is None:
-        return None
-    comparator = None
-    if found.operands:
-        comparator = symbol(ctx, found.operands[0], "the name of a comparator")
-    return nodes.DeclareIndistinctClass(found.name, comparator, ctx.span(form))
+def results(ctx: Context, datum: Datum) -> tuple[str, ...]:
+    """The results of a primitive, `okay` among them."""
+    if not isinstance(datum, List):
+        message = f"a list of results is wanted here, not {kind_of(datum)}"
+        ctx.report("malformed-form", message, datum)
+        return ()
+    named = [symbol(ctx, one, "a name") for one in datum.items]
+    found = tuple([name for name in named if name is not None])
+    if "okay" in found:
+        return found
+    ctx.report_fixable(
+        "malformed-form",
+        "`okay` is missing among the results",
+        datum,
+        fix=ctx.replace(datum, f"({' '.join(('okay', *found))})"),
+    )
+    return ("okay", *found)
+
+
+def datum_effects(
+    ctx: Context, option: List
+) -> tuple[nodes.DeclaredEffect, ...] | None:
+    """`:on (effect...)`: what a sensor datum does to memory."""
+    given = option.items[1]
+    if isinstance(given, List):
+        return effects(ctx, given.items)
+    message = f"a list of effects is wanted here, not {kind_of(given)}"
+    ctx.report("malformed-form", message, given)
+    return None
+
+
+# --- comparators ----------------------------------------------------------------------
 
 
 def comparator(ctx: Context, form: List) -> nodes.DeclareComparator | None:
@@ -148,7 +247,7 @@ def comparator(ctx: Context, form: List) -> nodes.DeclareComparator | None:
 
     A row is `(veto property)`, `(ignore property)` or `(score property weight)`.
     """
-    found = parts(ctx, form, len(form.items))
+    found = parts(ctx, form, {}, colon=False)
     if found is None:
         return None
     rows = [d for d in found.operands if isinstance(d, List)]

@@ -37,8 +37,9 @@ def _effect(
             yield nodes.DeclaredEffect(fact, negated, possible, ctx.span(datum))
 
 
-def result_effects(ctx: Context, datum: Datum) -> nodes.ResultEffects | None:
-    """`(result effect...)`, the value of an `:on` of a primitive."""
+def result_effects(ctx: Context, option: List) -> nodes.ResultEffects | None:
+    """`:on (result effect...)` of a primitive."""
+    datum = option.items[1]
     first = datum.items[0] if isinstance(datum, List) and datum.items else None
     if not isinstance(first, Symbol) or not isinstance(datum, List):
         ctx.report(

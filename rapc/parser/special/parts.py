@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
 import msgspec
 
@@ -10,13 +10,6 @@ from rapc.ir import nodes
 from rapc.language.heads import ARROW
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
-
-
-class Option(msgspec.Struct, frozen=True):
-    """An option with its operands, as many as it takes."""
-
-    word: Keyword
-    operands: tuple[Datum, ...]
 
 
 class Parts(msgspec.Struct, frozen=True):
@@ -27,33 +20,33 @@ class Parts(msgspec.Struct, frozen=True):
     place: Datum
     operands: tuple[Datum, ...]
     doc: str
-    options: tuple[Option, ...]
+    #: Lists that begin with a word, the values of which stand behind it.
+    options: tuple[List, ...]
 
 
 def parts(
-    ctx: Context,
-    form: List,
-    most: int,
-    options: Mapping[str, int] | None = None,
-    *,
-    colon: bool = False,
+    ctx: Context, form: List, options: Mapping[str, int], *, colon: bool
 ) -> Parts | None:
-    """A declaration with at most so many operands behind its name.
+    """A declaration taken apart, or None if there is no name.
 
-    `options` gives the number of operands for each option; `colon` says that the
-    name begins with one. None if there is no name.
+    `options` gives the number of values for each option; `colon` says that the
+    name begins with one.
     """
     place = form.items[1] if len(form.items) > 1 else form
     name = _name(ctx, form, place, colon)
     if name is None:
         return None
-    operands, docs, found = _sort(ctx, form, options or {})
-    for extra in (*operands[most:], *docs[1:]):
-        ctx.report(
-            "malformed-form", f"{kind_of(extra)} too many for `{head_of(form)}`", extra
-        )
+    operands, docs, found = _sort(ctx, form, options)
+    surplus(ctx, form, docs[1:])
     doc = docs[0].value if docs else ""
-    return Parts(form, name, place, tuple(operands[:most]), doc, tuple(found))
+    return Parts(form, name, place, tuple(operands), doc, tuple(found))
+
+
+def surplus(ctx: Context, form: List, data: Iterable[Datum]) -> None:
+    """Report what a declaration has no place for."""
+    for extra in data:
+        message = f"{kind_of(extra)} too many for `{head_of(form)}`"
+        ctx.report("malformed-form", message, extra)
 
 
 def _name(ctx: Context, form: List, place: Datum, colon: bool) -> str | None:
@@ -76,11 +69,11 @@ def _name(ctx: Context, form: List, place: Datum, colon: bool) -> str | None:
 
 def _sort(
     ctx: Context, form: List, known: Mapping[str, int]
-) -> tuple[list[Datum], list[String], list[Option]]:
+) -> tuple[list[Datum], list[String], list[List]]:
     """Operands, doc strings and options behind the name."""
     operands: list[Datum] = []
     docs: list[String] = []
-    found: list[Option] = []
+    found: list[List] = []
     data = form.items[2:]
     at = 0
     while at < len(data):
@@ -98,7 +91,9 @@ def _sort(
             if word and len(taken) < known[word]:
                 ctx.report("malformed-form", f"`{word}` lacks its value", here)
             elif word:
-                found.append(Option(here, taken))
+                end = taken[-1].end if taken else here.end
+                meant = Keyword(word, here.start, here.end)
+                found.append(List((meant, *taken), here.start, end))
         else:
             operands.append(here)
     return operands, docs, found
@@ -113,26 +108,25 @@ def arguments(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
     return parameters(ctx, datum.items, {})
 
 
+def valued(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
+    """The arguments of a property, the last of which is its value."""
+    made = arguments(ctx, datum)
+    if isinstance(datum, List) and not datum.items:
+        ctx.report(
+            "malformed-form",
+            "the arguments of a property end with its value",
+            datum,
+            help="a property without arguments has only that: `(?value)`",
+        )
+    return made
+
+
 def parameters(
     ctx: Context, data: Iterable[Datum], seen: dict[str, Datum]
 ) -> tuple[nodes.Argument, ...]:
     """Variables in a row, with kinds or without, none of them among those `seen`."""
     made = [_argument(ctx, one, seen) for one in data]
     return tuple([one for one in made if one])
-
-
-def required_arguments(ctx: Context, found: Parts) -> tuple[nodes.Argument, ...]:
-    """The list of arguments that a declaration cannot do without."""
-    if found.operands:
-        return arguments(ctx, found.operands[0])
-    ctx.report(
-        "malformed-form",
-        f"the arguments of `{found.name}` are missing",
-        found.place,
-        help="without any, write `()`",
-        fix=ctx.insert(found.place.end, " ()", sure=False),
-    )
-    return ()
 
 
 def _argument(
@@ -182,13 +176,3 @@ def symbol(ctx: Context, datum: Datum, what: str) -> str | None:
         return datum.name
     ctx.report("malformed-form", f"{what} is wanted here, not {kind_of(datum)}", datum)
     return None
-
-
-def symbols(ctx: Context, datum: Datum, what: str) -> tuple[str, ...]:
-    """The names of a list of symbols."""
-    if not isinstance(datum, List):
-        message = f"a list of {what} is wanted here, not {kind_of(datum)}"
-        ctx.report("malformed-form", message, datum)
-        return ()
-    made: Sequence[str | None] = [symbol(ctx, one, "a name") for one in datum.items]
-    return tuple([name for name in made if name is not None])

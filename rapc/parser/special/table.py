@@ -13,11 +13,12 @@ from rapc.parser.special import (
     agenda,
     clauses,
     declarations,
+    effects,
     expectations,
     formulas,
     memory_rules,
     method,
-    offers,
+    parts,
     query,
     rap,
     script,
@@ -32,26 +33,41 @@ def _skill(ctx: Context, datum: Datum) -> nodes.Skill | None:
     return terms.colon(ctx, datum, nodes.Skill)
 
 
+_DECLARED: Mapping[str, type[nodes.Node]] = {
+    "declare_memory_proposition": nodes.DeclareProposition,
+    "declare_memory_property": nodes.DeclareProperty,
+    "declare_memory_function": nodes.DeclareFunction,
+    "declare_indistinct_class": nodes.DeclareIndistinctClass,
+    "declare_primitive": nodes.DeclarePrimitive,
+    "declare_sensor_datum": nodes.DeclareDatum,
+    "declare_skill": nodes.DeclareSkill,
+    "declare_event": nodes.DeclareEvent,
+    "declare_kind": nodes.DeclareKind,
+}
+"""The nodes of declarations that are read as the grammar has them."""
+
 SPECIAL: Mapping[str, Read] = {
     # forms
     "define_rap": rap.define_rap,
-    "declare_memory_proposition": declarations.proposition,
-    "declare_memory_property": declarations.property_,
-    "declare_memory_function": declarations.function,
-    "declare_indistinct_class": declarations.indistinct_class,
+    **{rule: declarations.declaration(rule, kind) for rule, kind in _DECLARED.items()},
     "declare_class_comparator": declarations.comparator,
-    "declare_primitive": offers.primitive,
-    "declare_sensor_datum": offers.datum,
-    "declare_skill": offers.skill,
-    "declare_event": offers.event,
     "define_memory_rule": memory_rules.memory_rule,
     "define_event_rule": memory_rules.event_rule,
     "define_query": query.define_query,
     "define_agenda": agenda.define_agenda,
-    "declare_kind": declarations.kind,
     "define_test": tests.define_test,
     "define_test_defaults": tests.define_test_defaults,
     "require": require,
+    # operands and options of declarations
+    "arguments": parts.arguments,
+    "valued": parts.valued,
+    "DEFAULT": declarations.default,
+    "COMPARATOR": declarations.comparator_name,
+    "results": declarations.results,
+    "kind_values": declarations.kind_values,
+    "excludes": declarations.excludes,
+    "datum_effects": declarations.datum_effects,
+    "result_effects": effects.result_effects,
     # clauses
     **dict.fromkeys(
         (
