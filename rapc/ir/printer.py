@@ -12,9 +12,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
+from operator import attrgetter
 from typing import Any
 
-from rapc.base.values import Text, format_atom
+from rapc.base.values import Number, Text, format_atom
 from rapc.ir import nodes
 from rapc.ir.productions import Part, fields, parts, rule_of, rule_of_kind, unsaid
 from rapc.language.grammar import RULES, TERMINALS
@@ -133,6 +134,7 @@ def _clause(
     Of clauses that share a field that one stands which its node is.
     """
     left_out, words, whole = unsaid(rule, kind, field), heads(rule), _whole(rule)
+    take = _TAKEN.get(rule) or attrgetter(field)
     shared = sum(part.field == field for part in known) > 1
 
     def itself(value: Any) -> bool:
@@ -140,7 +142,7 @@ def _clause(
         return own in RULES and heads(own) == words
 
     def write(node: Any, values: Iterator[Any], bindings: Bindings | None) -> Row:
-        value = getattr(node, field)
+        value = take(node)
         if value == left_out or (shared and not itself(value)):
             return ()
         many = value if type(value) is tuple else (value,)
@@ -305,6 +307,17 @@ _OPERANDS: Mapping[type, Callable[[Any], Iterable[Any]]] = {
     nodes.ScriptRow: _row_request,
 }
 """The operands of nodes whose fields are not those of their rules."""
+
+
+def _row_signals(row: nodes.ScriptRow) -> tuple[nodes.Signal | Number, ...]:
+    """The signals of a row, each behind the wait for it if there is one."""
+    waits = row.pauses or [0] * len(row.signals)
+    told = zip(waits, row.signals, strict=True)
+    return tuple([part for wait, one in told for part in (wait, one) if part])
+
+
+_TAKEN: Mapping[str, Callable[[Any], Any]] = {"row_signals": _row_signals}
+"""What options hold that is more than their field."""
 
 
 def _term(term: nodes.Term, bindings: Bindings | None) -> Tree:
