@@ -67,7 +67,7 @@ def repl(
     """
     library = load_checked(path)
     begun = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
-    shell = Shell(_session(library, begun), commands())
+    shell = Shell(_session(library, begun), commands(), [path])
     texts = given or inputs(sys.stdin)
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPED_WIDTH
     color = settings().colored()

@@ -15,8 +15,10 @@ from typing import Any
 import msgspec
 
 from rapc.base.values import format_atom
+from rapc.compiler.program import Program
 from rapc.debug.acts import Act
 from rapc.debug.log import EventLog, Told
+from rapc.debug.reload import TakeUp, take_up
 from rapc.debug.saves import EVERY, Moment, Saves
 from rapc.errors import ArgumentError, PortError, StateError
 from rapc.host import CheckedLibrary
@@ -67,7 +69,7 @@ class Session:
         self, run: Interpreter, library: CheckedLibrary, log: EventLog
     ) -> None:
         self.run = run
-        self.library = library
+        self._program = library.program
         self.log = log
         #: Why the run cannot be taken back in time; empty if it can.
         self.no_way_back = ""
@@ -239,7 +241,7 @@ class Session:
         self.branch = branch
         return branch
 
-    def take_up(self, name: str) -> None:
+    def switch(self, name: str) -> None:
         """Go on in another branch, where it was left.
 
         Raises:
@@ -315,6 +317,7 @@ class Session:
         if found is None:
             raise StateError("there is no saved state before that moment")
         at, state = found
+        self.run.machine.library = self._program_at(at.acts)
         self.run.restore(state)
         self._done = at.acts
         if self.log.elsewhere is None:
@@ -354,6 +357,7 @@ class Session:
         try:
             yield
         finally:
+            self.run.machine.library = self._program_at(done)
             self.run.restore(here)
             self._done, self._next_save = done, after
             self.log.elsewhere = before
@@ -426,6 +430,31 @@ class Session:
                 self._replay(until)
             if over:
                 self.run.step()
+
+    # --- the library ----------------------------------------------------------------
+
+    @property
+    def library(self) -> CheckedLibrary:
+        """The library that runs now."""
+        return CheckedLibrary(self.run.machine.library)
+
+    def take_up(self, library: CheckedLibrary) -> TakeUp:
+        """Go on with another text of the library, and return what was done.
+
+        Raises:
+            RefusedError: if the run cannot go on with it; then nothing has changed.
+            StateError: if the run cannot be saved.
+        """
+        act = take_up(self.run, library)
+        self.act(act)
+        return act
+
+    def _program_at(self, acts: int) -> Program:
+        """Return the text that runs after so many acts of the branch."""
+        for _, act in reversed(self.branch.acts[:acts]):
+            if isinstance(act, TakeUp):
+                return act.program
+        return self._program
 
     def stand(self) -> str:
         """Return where the session stands, in a line."""

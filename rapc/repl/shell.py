@@ -15,11 +15,14 @@ from rapc.base.names import nearest
 from rapc.base.resources import Value
 from rapc.base.source import Span
 from rapc.base.values import format_atom
+from rapc.console.findings import concise
 from rapc.debug.acts import SubmitTask
 from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.log import Told
+from rapc.debug.reload import TYPED, Renewed, changed_raps, names_of, typed_in
 from rapc.debug.session import Session
 from rapc.errors import Error, RefusedError, TextError
+from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import Answer, failure, say, table
 from rapc.repl.arguments import Arguments, is_balanced, split
@@ -66,13 +69,22 @@ class Shell:
     Args:
         session: what is debugged.
         commands: what there is to be typed.
+        paths: the files and folders that the library was read from.
     """
 
-    def __init__(self, session: Session, commands: Sequence[Command]) -> None:
+    def __init__(
+        self,
+        session: Session,
+        commands: Sequence[Command],
+        paths: Sequence[str] = (),
+    ) -> None:
         self.session = session
+        self.paths = tuple(paths)
         self.commands = {command.name: command for command in commands}
         #: The last answers to queries, the newest first: `*1`, `*2`, `*3`.
         self.answers: list[list[dict[str, Value]]] = []
+        #: What was typed into the library, by the definitions in it.
+        self.typed: dict[frozenset[tuple[str, str]], str] = {}
         #: What is shown of the events after a step: `all`, `requests` or `none`.
         self.shows = "all"
         #: Whether the user wants to leave.
@@ -93,12 +105,8 @@ class Shell:
             if text.startswith(":"):
                 return self._command(text[1:])
             return self._rap_text(text)
-        except RefusedError as error:
-            return failure(*error.reasons)
-        except Error as error:
-            return failure(error.message, *([error.help] if error.help else []))
-        except ValueError as error:  # a question that names what there is not
-            return failure(str(error))
+        except (Error, ValueError) as error:
+            return failure(*_refusal(error))
 
     def _command(self, text: str) -> Answer:
         name, _, rest = text.partition(" ")
@@ -191,8 +199,29 @@ class Shell:
         words = text[1:].split(maxsplit=1)
         head = words[0].rstrip("()").lower() if words else ""
         if head.startswith(("define-", "declare-")):
-            raise TextError("definitions cannot be typed yet")
+            return self._define(text)
         return self.submit(text) if self._is_goal(head, text) else self.ask(text)
+
+    def _define(self, text: str) -> Answer:
+        """Check a definition, and let it join the library or replace the one there."""
+        names = names_of(text)
+        kept = {old: said for old, said in self.typed.items() if old.isdisjoint(names)}
+        typed = {**kept, names: text}
+        program = self.session.run.machine.library
+        renewed = typed_in(program.library, "\n\n".join(typed.values()), program.name)
+        answer = self.renew(renewed, TYPED)
+        self.typed = typed
+        return answer
+
+    def renew(self, renewed: Renewed, file: str = "") -> Answer:
+        """Go on with another text of the library; say what was found in `file`."""
+        if not changed_raps(
+            self.session.run.machine.library.library, renewed.library.program.library
+        ):
+            return say("nothing has changed")
+        act = self.session.take_up(renewed.library)
+        found = [line for line in concise(renewed.report) if line.startswith(file)]
+        return say(*found, f"done: {act}")
 
     def _is_goal(self, head: str, text: str) -> bool:
         """Whether a list is a goal; what may be both is a query if it has variables."""
@@ -235,6 +264,17 @@ class Shell:
         left = len(solutions) - MOST
         notes = [f"and {left} more"] if left > 0 else []
         return table(names, rows, notes=notes)
+
+
+def _refusal(error: Error | ValueError) -> Sequence[str]:
+    """Return the lines that say what an input got wrong."""
+    if isinstance(error, RefusedError):
+        return error.reasons
+    if isinstance(error, CheckError):
+        return tuple(concise(error.report))
+    if isinstance(error, Error):
+        return (error.message, error.help) if error.help else (error.message,)
+    return (str(error),)  # a question that names what there is not
 
 
 def _in_words(answer: dict[str, Value]) -> str:

@@ -116,14 +116,14 @@ def test_an_act_in_the_past_begins_a_branch() -> None:
     assert [branch.name for branch in session.branches] == ["main", "branch-1"]
     session.go()
     assert len(session.run.results()) == 2
-    session.take_up("main")
+    session.switch("main")
     assert session.cycle == 30
     session.go()
     assert session.run.results() == end
-    session.take_up("branch-1")
+    session.switch("branch-1")
     assert len(session.run.results()) == 2
     with pytest.raises(ArgumentError, match="no branch `x`"):
-        session.take_up("x")
+        session.switch("x")
 
 
 def test_an_act_that_cannot_be_done_changes_nothing() -> None:

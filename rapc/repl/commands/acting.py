@@ -15,6 +15,7 @@ from rapc.debug.acts import (
     SendSignal,
 )
 from rapc.debug.log import Told
+from rapc.debug.reload import reread
 from rapc.debug.what_if import what_if
 from rapc.errors import TextError
 from rapc.repl.answer import Answer, say
@@ -106,6 +107,15 @@ def _told(shell: Shell, told: tuple[Told, ...]) -> list[str]:
     return lines or ["  nothing"]
 
 
+def _reload(shell: Shell, args: Arguments) -> Answer:
+    """Read the library again; what was typed stays in place of what the files say."""
+    if not shell.paths:
+        raise TextError("it is not known which files the library was read from")
+    name = shell.session.run.machine.library.name
+    typed = "\n\n".join(shell.typed.values())
+    return shell.renew(reread(shell.paths, typed, name))
+
+
 ACTING = (
     Command(
         "assert",
@@ -157,6 +167,15 @@ ACTING = (
         "Let the method of a task end badly, so that the task chooses again.",
         _with_task(RetryTask),
         (":retry 12",),
+    ),
+    Command(
+        "reload",
+        "",
+        "Read the files of the library again, and go on with what they say now.",
+        _reload,
+        (":reload",),
+        "What is found in them is shown, and a faulty file is refused. A method under "
+        "way keeps the text that it began with; the next choice sees the new one.",
     ),
     Command(
         "what-if",

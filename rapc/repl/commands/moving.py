@@ -123,7 +123,7 @@ def _branch(shell: Shell, args: Arguments) -> Answer:
     session = shell.session
     name = args.peek() and args.word("a name")
     if any(branch.name == name for branch in session.branches):
-        session.take_up(name)
+        session.switch(name)
         shell.forget_trace()
     else:
         session.branch_off(name)
