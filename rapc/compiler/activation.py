@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from rapc.compiler.compiler import Compiler, RequestPlan
 from rapc.compiler.net_plan import WaitPlan
+from rapc.compiler.things import used_by
 from rapc.ir import nodes
 
 
 class ActivationPlan:
     """A set of skills that are to be on together."""
 
-    __slots__ = ("background", "events", "skills", "waits")
+    __slots__ = ("background", "events", "skills", "uses", "waits")
 
     def __init__(
         self,
@@ -25,6 +26,13 @@ class ActivationPlan:
     ) -> None:
         #: The skills to be filled in, in the order of the text.
         self.skills = tuple([compiler.assertion(one, "skill") for one in enabled])
+        #: What each of them uses.
+        self.uses = tuple(
+            [
+                tuple(compiler.assertion(u, "use") for u in used_by(compiler, one))
+                for one in enabled
+            ]
+        )
         #: What ends the method: the first of these that matches a signal.
         self.waits = tuple(
             [WaitPlan(wait, compiler.place("wait-for", wait.span)) for wait in waits]

@@ -37,19 +37,24 @@ def things_of(compiler: Compiler, method: nodes.Method) -> tuple[ThingPlan, ...]
 def _used(compiler: Compiler, method: nodes.Method) -> Iterator[nodes.Thing]:
     """Yield what the request or the skills of a method use, as they are declared."""
     for asked in _asked(method):
-        library = compiler.library
-        declared: nodes.DeclarePrimitive | nodes.DeclareSkill | None
-        if isinstance(asked, nodes.Skill):
-            declared = library.skills.get(asked.name)
-        else:
-            declared = library.primitives.get(asked.name)
-        if declared is None:
-            continue
-        names = [arg.variable.name for arg in declared.args]
-        given = dict(zip(names, asked.args, strict=False))
-        for thing in declared.uses:
-            args = [_filled_in(arg, given) for arg in thing.args]
-            yield nodes.Thing(thing.name, tuple(args), thing.span)
+        yield from used_by(compiler, asked)
+
+
+def used_by(compiler: Compiler, asked: nodes.Pattern) -> Iterator[nodes.Thing]:
+    """Yield what a request or a skill uses, as it is declared."""
+    library = compiler.library
+    declared: nodes.DeclarePrimitive | nodes.DeclareSkill | None
+    if isinstance(asked, nodes.Skill):
+        declared = library.skills.get(asked.name)
+    else:
+        declared = library.primitives.get(asked.name)
+    if declared is None:
+        return
+    names = [arg.variable.name for arg in declared.args]
+    given = dict(zip(names, asked.args, strict=False))
+    for thing in declared.uses:
+        args = [_filled_in(arg, given) for arg in thing.args]
+        yield nodes.Thing(thing.name, tuple(args), thing.span)
 
 
 def _asked(method: nodes.Method) -> tuple[nodes.Pattern, ...]:

@@ -801,23 +801,23 @@ class Active(Node, frozen=True, eq=False):
 
 
 class Primitives(Node, frozen=True, eq=False):
-    """`(primitives request...)`: all of them, in order."""
+    """`(primitives request...)`: all of them, and skills enabled, in order."""
 
-    requests: tuple[Request, ...]
+    requests: tuple[Request | Skill, ...]
     span: Span = NOWHERE
 
 
 class PrimitivesInclude(Node, frozen=True, eq=False):
     """`(primitives-include request...)`: in order, with others between."""
 
-    requests: tuple[Request, ...]
+    requests: tuple[Request | Skill, ...]
     span: Span = NOWHERE
 
 
 class Never(Node, frozen=True, eq=False):
     """`(never request)`."""
 
-    request: Request
+    request: Request | Skill
     span: Span = NOWHERE
 
 

@@ -12,6 +12,7 @@ from rapc.runtime.acts.primitives import handle, named, take_reply
 from rapc.runtime.authors import breach, wrong
 from rapc.runtime.events.events import DataReceived
 from rapc.runtime.machine import Machine
+from rapc.runtime.state.activations import Activation
 from rapc.runtime.tasks.finish import end_method
 from rapc.runtime.tasks.signals import signal
 from rapc.world import Datum, Finished, Message, Reply, Signal
@@ -57,6 +58,8 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
         raise breach(machine.world, "messages", said)
     machine.port.check_end(machine.state.pending[ticket][1], reply)
     task, asked = machine.state.pending.pop(ticket)
+    if task is not None:
+        machine.state.activations.off[ticket] = Activation(ticket, task, None, ())
     result = take_reply(machine, task, asked, reply)
     if result is not None and task is not None and task.run is not None:
         end_method(machine, task.run, result)

@@ -426,6 +426,7 @@ class Interpreter:
         for given in machine.state.top_level:
             if given.task.live:
                 remove(machine, given.task, "run-over")
+        assert not machine.state.activations.on, "skills are on that nobody has"
         if machine.recorder.on:
             machine.recorder.emit(
                 RunEnded,

@@ -16,6 +16,7 @@ from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.port import next_in_the_past, no_time_passed, stopped_for_nothing
 from rapc.runtime.tasks.cycle import run_cycle
+from rapc.runtime.tasks.hold_things import resume_skills
 from rapc.runtime.tasks.start import create_top, release_at_start_time
 from rapc.world import NOT_KNOWN, Time, World
 
@@ -125,6 +126,9 @@ class Loop:
                 if task.wait is None or not task.wait.awaits_signal:
                     release_at_start_time(machine, task)
         monitors.test_changed()
+        while machine.things.resumable:
+            resume_skills(machine)
+            monitors.test_changed()
 
     def _spend(self, cost: Time) -> None:
         """Let a cycle take its time."""

@@ -139,12 +139,11 @@ def _primitives(node: nodes.Primitives, scene: Evidence) -> Happened | None:
         return None
     if same == len(wanted):
         return ("these were too many:", *_listed(done[same:]))
-    missing = format_list(flat(wanted[same]))
+    missing = _written(flat(wanted[same]))
     if same == len(done):
         return (f"{missing} did not follow; all requests:", *_listed(done))
     return (
-        f"request {same + 1} was {format_list(done[same])}, not {missing}; "
-        "all requests:",
+        f"request {same + 1} was {_written(done[same])}, not {missing}; all requests:",
         *_listed(done),
     )
 
@@ -152,7 +151,13 @@ def _primitives(node: nodes.Primitives, scene: Evidence) -> Happened | None:
 def _listed(requests: Sequence[Fact]) -> Happened:
     if not requests:
         return ("no primitive was requested",)
-    return _some([format_list(request) for request in requests])
+    return _some([_written(request) for request in requests])
+
+
+def _written(asked: Fact) -> str:
+    """Return a request, or a skill that is enabled, as tests write it."""
+    text = format_list(asked)
+    return f"(enable {text})" if str(asked[0]).startswith(":") else text
 
 
 def _include(node: nodes.PrimitivesInclude, scene: Evidence) -> Happened | None:
@@ -162,7 +167,7 @@ def _include(node: nodes.PrimitivesInclude, scene: Evidence) -> Happened | None:
         if not any(match(wanted, request) is not None for request in rest):
             after = " after those before it" if at else ""
             return (
-                f"{format_list(wanted)} did not come{after}; all requests:",
+                f"{_written(wanted)} did not come{after}; all requests:",
                 *_listed(_requests(scene)),
             )
     return None
@@ -172,8 +177,9 @@ def _never(node: nodes.Never, scene: Evidence) -> Happened | None:
     for request, event in scene.record.requests:
         if match(flat(node.request), request) is not None:
             task = scene.record.tasks[event.task]
+            how = "enabled" if isinstance(event, events.SkillEnabled) else "requested"
             return (
-                f"{format_list(event.request)} was requested at time "
+                f"{format_list(request)} was {how} at time "
                 f"{format_atom(event.time)} by {task.text} [{task.number}]",
             )
     return None

@@ -19,6 +19,9 @@ _LAST_CYCLES = 5
 _LAST_LINES = 40
 
 
+Asked = events.PrimitiveRequested | events.SkillEnabled
+
+
 class TaskRecord:
     """What is known of a task: its goal as last told, and what has become of it.
 
@@ -65,7 +68,8 @@ class Record:
     def __init__(self) -> None:
         self.events: list[events.Event] = []
         self.tasks: dict[int, TaskRecord] = {}
-        self.requests: list[tuple[Fact, events.PrimitiveRequested]] = []
+        #: All that was asked of the world: requests, and skills that came on.
+        self.requests: list[tuple[Fact, Asked]] = []
         self.facts: dict[Fact, None] = {}
 
     def __call__(self, event: events.Event) -> None:
@@ -106,6 +110,8 @@ class Record:
                 task.end("removed", event, event.cause)
             case events.PrimitiveRequested():
                 self.requests.append((event.request, event))
+            case events.SkillEnabled():
+                self.requests.append((event.what, event))
             case _:
                 pass
 

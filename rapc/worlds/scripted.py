@@ -322,7 +322,7 @@ class ScriptedWorld(World):
                 state.ends.append(due.row)
                 reply = Reply(due.row.result, due.row.data)
                 state.sent.append(_Sent(finished=Finished(due.ticket, reply)))
-            self._send(signals)
+            self._send(signals, (due.ticket,) if due.row is not None else ())
         state.now = max(state.now, to)
 
     def messages(self) -> Sequence[Message]:

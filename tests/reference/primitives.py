@@ -50,6 +50,7 @@ def request(run: Run, running: Running, body: nodes.Primitive) -> None:
     run.tell(events.PrimitiveRequested, task=number, request=text, sent=text)
     ticket = len(run.tickets) + 1
     run.tickets[ticket] = (fact, running.task)
+    run.owners[ticket] = running.task
     reply = run.world.perform(ticket, fact)
     run.look_at_clock()
     if reply is not None and not run.late:
@@ -112,4 +113,4 @@ def take_in(run: Run) -> None:
             run.handlers.data[str(message.content[0])](access, message.content)
             run.tell(events.DataReceived, data=format_list(message.content))
         elif not isinstance(message, Finished):
-            hear(run, message.content)
+            hear(run, message.content, message.tickets)

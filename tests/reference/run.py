@@ -69,6 +69,7 @@ class Run:
         self.tasks: list[Task] = []
         self.given: list[Task] = []
         self.tickets: dict[int, tuple[Fact, Task | None]] = {}
+        self.owners: dict[int, Task] = {}
         self.stack: list[tuple[int, int]] = []
         self.last_family: int | None = None
         self.idle = 0

@@ -2,24 +2,47 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rapc.base.resources import Value
 from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from tests.reference.endings import bindings_repeat, clear, fail, succeed
 from tests.reference.run import Run
-from tests.reference.tasks import Task
+from tests.reference.tasks import Running, Task
 from tests.reference.terms import Fault
 from tests.reference.waking import may_run
 
 
-def hear(run: Run, content: Fact) -> None:
-    """A signal has come; what waits for it hears it, by task number."""
-    run.tell(events.Signal, task=None, what=format_list(content))
+def hear(run: Run, content: Fact, tickets: Sequence[int] = ()) -> None:
+    """A signal has come; what waits for it hears it, by task number.
+
+    With `tickets` it arose under these requests: then what waits beside their tasks or
+    above.
+    """
+    owners = [nearest(run.owners[ticket]) for ticket in sorted(set(tickets))]
+    alive = [task for task in owners if task is not None]
+    number = alive[0].number if alive else None
+    run.tell(events.Signal, task=number, what=format_list(content))
     listening = [t for t in run.live() if t.place is not None and t.place.listens]
+    if tickets:
+        around = [above for task in alive for above in methods_around(task)]
+        listening = [task for task in listening if task.parent in around]
     for task in listening:
         if task.live:
             one_hears(run, task, content)
+
+
+def nearest(task: Task) -> Task | None:
+    """A task or, if it has ended, the nearest ancestor that has not."""
+    return next((each for each in task.line() if each.live), None)
+
+
+def methods_around(task: Task) -> list[Running]:
+    """The method of a task, the one that it is a step of, and those above."""
+    own = [task.running] if task.running is not None else []
+    return own + [each.parent for each in task.line() if each.parent is not None]
 
 
 def one_hears(run: Run, task: Task, content: Fact) -> None:

@@ -135,6 +135,12 @@ def request(ctx: Context, datum: Datum) -> nodes.Request | None:
     return plain(ctx, pattern(ctx, datum, nodes.Request))
 
 
+def enabled(ctx: Context, datum: Datum) -> nodes.Skill | None:
+    """`(enable (:skill argument...))`, one skill of constants and variables."""
+    kind, asked = _request(ctx, datum)
+    return asked if kind == "enable" and isinstance(asked, nodes.Skill) else None
+
+
 def asked_goal(
     ctx: Context, datum: Datum, *, ground: bool = False
 ) -> nodes.Goal | None:

@@ -107,6 +107,7 @@ SPECIAL: Mapping[str, Read] = {
     "event_pattern": expectations.event_pattern,
     "asked": script.asked_goal,
     "required": script.request,
+    "enabled": script.enabled,
     "fact": script.fact,
     "arriving": script.arriving,
 }

@@ -5,8 +5,11 @@ What a signal of one does to the run is for `rapc.runtime.tasks.signals`.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 from rapc.base.values import Fact
 from rapc.compiler.activation import ActivationPlan
+from rapc.compiler.compiler import RequestPlan
 from rapc.runtime.acts.primitives import cancel, filled_in, ground, sensed
 from rapc.runtime.authors import is_refusal, wrong
 from rapc.runtime.events.events import RequestRefused, SkillDisabled, SkillEnabled
@@ -27,12 +30,11 @@ def activate(
     """
     skills, sent = [], []
     for one in plan.skills:
-        skill = ground(machine, run, one)
-        named = None if skill is None else sensed(machine.memory.items, skill)
-        if skill is None or named is None:
+        filled = _filled(machine, run, one)
+        if filled is None:
             return INTERFERENCE
-        skills.append(skill)
-        sent.append(named)
+        skills.append(filled[0])
+        sent.append(filled[1])
     if spoilt:
         return INTERFERENCE
     world = machine.world
@@ -46,9 +48,7 @@ def activate(
     run.ticket = ticket
     activation = Activation(ticket, run.task, run, tuple(skills))
     machine.state.activations.begin(activation)
-    if machine.recorder.on:
-        for skill in skills:
-            machine.recorder.emit(SkillEnabled, task=run.task.number, what=skill)
+    _tell(machine, run.task, SkillEnabled, skills)
     return None
 
 
@@ -67,6 +67,63 @@ def _refused(
     return answer
 
 
+def reactivate(machine: Machine, run: MethodRun, wanted: Sequence[int]) -> bool:
+    """Have just the `wanted` skills of a method on, by position; the others go off.
+
+    Those that stay on are not interrupted. Whether it could be done: not if one of
+    them cannot be filled in now, or if the world refuses.
+    """
+    plan, before = run.plan.activation, run.ticket
+    assert plan is not None
+    filled = [_filled(machine, run, plan.skills[at]) for at in wanted]
+    skills = [one[0] for one in filled if one is not None]
+    sent = [one[1] for one in filled if one is not None]
+    world, tables = machine.world, machine.state.activations
+    assert isinstance(world, Skilled)
+    if len(skills) < len(filled):
+        return False
+    run.ticket = None
+    if skills:
+        machine.state.tickets += 1
+        ticket = machine.state.tickets
+        answer = world.activate(ticket, tuple(sent), plan.events)
+        if answer is not None:
+            _refused(machine, run.task, skills, sent, answer)
+            run.ticket = before
+            return False
+        run.ticket = ticket
+    were = tables.on[before].skills if before is not None else ()
+    if skills and run.ticket is not None:
+        tables.begin(Activation(run.ticket, run.task, run, tuple(skills)))
+    if before is not None:
+        tables.end(before)
+        world.deactivate(before)
+    were = tuple(map(machine.memory.canonical, were))
+    _tell(machine, run.task, SkillDisabled, [s for s in were if s not in skills])
+    _tell(machine, run.task, SkillEnabled, [s for s in skills if s not in were])
+    return True
+
+
+def _filled(
+    machine: Machine, run: MethodRun, plan: RequestPlan
+) -> tuple[Fact, Fact] | None:
+    """Return a skill in memory names and in sensor names; what it lacks is traced."""
+    skill = ground(machine, run, plan)
+    named = None if skill is None else sensed(machine.memory.items, skill)
+    return None if skill is None or named is None else (skill, named)
+
+
+def _tell(
+    machine: Machine,
+    task: Task,
+    kind: type[SkillEnabled | SkillDisabled],
+    skills: Iterable[Fact],
+) -> None:
+    if machine.recorder.on:
+        for skill in skills:
+            machine.recorder.emit(kind, task=task.number, what=skill)
+
+
 def activatable(machine: Machine, task: Task, plan: ActivationPlan, env: Env) -> bool:
     """Whether all skills could be switched on now; nothing is traced."""
     for one in plan.skills:
@@ -81,13 +138,9 @@ def deactivate(machine: Machine, ticket: int) -> None:
     if ticket not in machine.state.activations.on:
         return
     activation = machine.state.activations.end(ticket)
-    if machine.recorder.on and activation.task is not None:
-        for skill in activation.skills:
-            machine.recorder.emit(
-                SkillDisabled,
-                task=activation.task.number,
-                what=machine.memory.canonical(skill),
-            )
+    if activation.task is not None:
+        skills = map(machine.memory.canonical, activation.skills)
+        _tell(machine, activation.task, SkillDisabled, skills)
     assert isinstance(machine.world, Skilled)
     machine.world.deactivate(ticket)
 

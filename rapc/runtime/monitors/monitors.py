@@ -276,6 +276,10 @@ class Monitors:
         if wait is None:
             return False
         obstacle = self._things.obstacle_of(wait)
+        if wait.skills:
+            if obstacle is None:
+                self._things.resumable[task.number] = task
+            return False
         if wait.woken:
             if obstacle is not None:
                 self._agenda.discard(task)

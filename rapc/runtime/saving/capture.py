@@ -118,10 +118,10 @@ def _activations(machine: Machine) -> tuple[ActivationRecord, ...]:
     found = []
     for activation in (*tables.on.values(), *tables.off.values()):
         hearer = activation.hearer()
-        number = None if hearer is None else hearer.number
-        on = activation.run is not None
-        skills = activation.skills
-        found.append(ActivationRecord(activation.ticket, number, skills, on))
+        if hearer is not None:
+            on, skills = activation.run is not None, activation.skills
+            ticket = activation.ticket
+            found.append(ActivationRecord(ticket, hearer.number, skills, on))
     return tuple(found)
 
 
@@ -236,7 +236,9 @@ class _Capture:
         if wait is None:
             return None
         ways = [tuple([_ask(ask) for ask in asks]) for asks in wait.alternatives]
-        return ThingWaitRecord(tuple(ways), wait.on, wait.holder, wait.woken)
+        return ThingWaitRecord(
+            tuple(ways), wait.on, wait.holder, wait.woken, wait.skills
+        )
 
     def _history(self, history: History) -> HistoryRecord:
         success, before = history.success, history.before

@@ -225,7 +225,7 @@ class Rebuilt:
                 said = record.things
                 ways = [tuple(map(_ask, asks)) for asks in said.alternatives]
                 wait = ThingWait(task, tuple(ways), said.on, said.holder)
-                wait.woken = said.woken
+                wait.woken, wait.skills = said.woken, said.skills
                 found.append(wait)
         return found
 
@@ -265,8 +265,6 @@ class Rebuilt:
     def _switch_on(self) -> None:
         """Have the activations on that were, and those that may still be heard of."""
         for record in self._record.activations:
-            if record.task is None:
-                continue
             task = self._live[record.task]
             run = task.run
             if not record.on:

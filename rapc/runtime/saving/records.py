@@ -94,6 +94,8 @@ class ThingWaitRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     on: str
     holder: int
     woken: bool = False
+    #: Which of the skills of its method are off.
+    skills: tuple[int, ...] = ()
 
 
 class HistoryRecord(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -166,10 +168,11 @@ class TopRecord(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class ActivationRecord(msgspec.Struct, frozen=True, omit_defaults=True):
-    """An `Activation`; `task` hears its signals, None if nobody does any more."""
+    """An `Activation` whose signals a task can still hear."""
 
     ticket: int
-    task: int | None
+    #: Its owner or, if that has ended, the nearest ancestor that has not.
+    task: int
     skills: tuple[Fact, ...]
     #: Whether it is on, for the method that the task is at work on.
     on: bool = True

@@ -1,4 +1,8 @@
-"""Activations: sets of skills that are on for methods of tasks [S 3]. Tables only."""
+"""Activations: sets of skills that are on for methods of tasks [S 3]. Tables only.
+
+A request that has ended stands here too, as one without skills, while what was sent
+under it may still come.
+"""
 
 from __future__ import annotations
 

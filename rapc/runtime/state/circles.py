@@ -41,7 +41,8 @@ class _Stuck:
 
     def __init__(self, things: Things) -> None:
         self._things = things
-        self.waits = {n: wait for n, wait in things.waits.items() if not wait.woken}
+        waits = things.waits.items()
+        self.waits = {n: w for n, w in waits if not (w.woken or w.skills)}
         #: The numbers of those that are below a task, by its number.
         self.below: dict[int, set[int]] = {}
         for number, wait in self.waits.items():

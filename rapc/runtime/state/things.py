@@ -48,9 +48,9 @@ class Hold:
 
 
 class ThingWait:
-    """What a task waits for that a thing has blocked."""
+    """What a task waits for that a thing has blocked, or some of its `skills`."""
 
-    __slots__ = ("alternatives", "holder", "on", "task", "woken")
+    __slots__ = ("alternatives", "holder", "on", "skills", "task", "woken")
 
     def __init__(
         self,
@@ -68,12 +68,22 @@ class ThingWait:
         self.holder = holder
         #: Whether the task has been woken and not yet been selected.
         self.woken = False
+        #: Which of the skills of its method are off till then; the task is at work.
+        self.skills: tuple[int, ...] = ()
 
 
 class Things:
     """All holding of things and waiting for them in a run."""
 
-    __slots__ = ("_holders", "_waiters", "changed", "conflicts", "held", "waits")
+    __slots__ = (
+        "_holders",
+        "_waiters",
+        "changed",
+        "conflicts",
+        "held",
+        "resumable",
+        "waits",
+    )
 
     def __init__(self) -> None:
         # These three stay the same objects for life: others hold them.
@@ -83,6 +93,8 @@ class Things:
         self.waits: dict[int, ThingWait] = {}
         #: The tasks whose way may have become another since they were last tested.
         self.changed: dict[int, Task] = {}
+        #: The tasks at work whose skills may come on again, by number.
+        self.resumable: dict[int, Task] = {}
         #: How often a world has refused a request as in conflict with others.
         self.conflicts = 0
         self._holders: dict[Thing, dict[int, Hold]] = {}
@@ -122,7 +134,11 @@ class Things:
 
     def obstacle_of(self, wait: ThingWait) -> Hold | None:
         """Return what is in the way of a waiting task; None if one way is clear."""
-        obstacles = [self.obstacle(wait.task, asks) for asks in wait.alternatives]
+        task = wait.task
+        obstacles = [
+            self.obstacle(task, [self.ask(task, a.thing, a.used) for a in asks])
+            for asks in wait.alternatives
+        ]
         return obstacles[0] if None not in obstacles else None
 
     def _outer(self, task: Task, thing: Thing) -> Hold | None:
@@ -171,10 +187,31 @@ class Things:
 
     def release(self, task: Task) -> None:
         """Free all that the method of `task` holds."""
-        for hold in self.held.pop(task.number, ()):
-            thing = hold.ask.thing
+        holds = self.held.pop(task.number, ())
+        self._drop([hold.ask.thing for hold in holds], task.number)
+
+    def hold_just(self, run: MethodRun, asks: Iterable[Ask]) -> None:
+        """Let a method that goes on hold this, and nothing else any more."""
+        before = {h.ask.thing: h.said for h in self.held.get(run.task.number, ())}
+        self.release(run.task)
+        held = {ask.thing: ask for ask in asks}
+        for thing, ask in held.items():
+            self.take(run, (ask,), before.get(thing, ""))
+        for thing in {**before, **held}:
+            self._place_again(thing)
+
+    def _place_again(self, thing: Thing) -> None:
+        """See anew who holds a thing below whom; those above have lower numbers."""
+        for _, hold in sorted(self._holders.get(thing, {}).items()):
+            task = hold.run.task
+            hold.ask = self.ask(task, thing, hold.ask.used)
+            hold.outer = self._outer(task, thing)
+            hold.depth = 0 if hold.outer is None else hold.outer.depth + 1
+
+    def _drop(self, things: Iterable[Thing], number: int) -> None:
+        for thing in things:
             holders = self._holders[thing]
-            del holders[task.number]
+            del holders[number]
             if not holders:
                 del self._holders[thing]
             self._changed(thing)
@@ -196,6 +233,7 @@ class Things:
         """A task waits for things no longer; it need not have done so."""
         wait = self.waits.pop(task.number, None)
         self.changed.pop(task.number, None)
+        self.resumable.pop(task.number, None)
         if wait is None:
             return
         for ask in (ask for asks in wait.alternatives for ask in asks):
@@ -216,6 +254,7 @@ class Things:
         self.held.clear()
         self.waits.clear()
         self.changed.clear()
+        self.resumable.clear()
         for run, holds in held:
             for ask, said in holds:
                 self.take(run, (ask,), said)

@@ -318,8 +318,8 @@ def end_method(
                 remove(machine, step, cause)
     run.steps = ()
     if run.plan.gives_back or machine.held:
-        if run.ticket is not None and run.plan.activation is not None:
-            deactivate(machine, run.ticket)
+        if run.plan.activation is not None:
+            _switch_off(machine, run)
         _free(machine, run)
     if recorder.on:
         recorder.emit(
@@ -340,6 +340,14 @@ def end_method(
         task.wait.after_method = True
         machine.monitors.arm(task, recorder.time)
     machine.agenda.add(task)
+
+
+def _switch_off(machine: Machine, run: MethodRun) -> None:
+    """Switch off the skills of a method that has ended, and those to come on again."""
+    if run.ticket is not None:
+        deactivate(machine, run.ticket)
+    if machine.waits:
+        machine.things.stop_waiting(run.task)
 
 
 def remove(machine: Machine, task: Task, cause: str) -> None:

@@ -7,12 +7,17 @@ whose requests use one of the things are suspended.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from rapc.base.values import format_list
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.runtime.acts.activations import activatable, activate, call_off
+from rapc.runtime.acts.activations import (
+    activatable,
+    activate,
+    call_off,
+    reactivate,
+)
 from rapc.runtime.acts.primitives import filled_in, ground, request, sendable
 from rapc.runtime.events.events import MethodSuspended, TaskBlocked
 from rapc.runtime.machine import Machine
@@ -97,8 +102,10 @@ def can_claim(machine: Machine, run: MethodRun) -> bool:
     return all(ground(machine, run, plan) is not None for plan in claims)
 
 
-def give_way(machine: Machine, task: Task, asks: Iterable[Ask], said: str = "") -> None:
+def give_way(machine: Machine, task: Task, asks: Asks, said: str = "") -> None:
     """Suspend the lower methods whose requests use what `task` takes, by number.
+
+    Of the `skills` of a method those go off that use it, and the method goes on.
 
     `said` is said of a thing that has no name.
     """
@@ -109,7 +116,10 @@ def give_way(machine: Machine, task: Task, asks: Iterable[Ask], said: str = "") 
             lower.setdefault(hold.run.task.number, (hold.run, on))
     for number in sorted(lower):
         run, on = lower[number]
-        _suspend(machine, run, on, task.number)
+        if run.plan.activation is not None and run.plan.activation.background:
+            _interrupt_skills(machine, run, asks, on, task.number)
+        else:
+            _suspend(machine, run, on, task.number)
 
 
 def _suspend(machine: Machine, run: MethodRun, on: str, by: int) -> None:
@@ -151,6 +161,92 @@ def _wait(machine: Machine, wait: ThingWait) -> None:
     if wait.task.wait is not None:
         wait.task.wait.timer = None
     machine.things.wait(wait)
+
+
+# --- skills of a method that goes on ----------------------------------------------
+
+
+def _interrupt_skills(
+    machine: Machine, run: MethodRun, taken: Asks, on: str, by: int
+) -> None:
+    """Switch off those `skills` of a method that use what is taken, until they can on.
+
+    Of what the world alone says is in conflict all of them have a part.
+    """
+    task, things = run.task, machine.things
+    held = [hold.ask for hold in things.held[task.number]]
+    gone = {ask.thing for ask in taken} & {ask.thing for ask in held}
+    uses = _used_by_skills(machine, run)
+    nameless = gone - set().union(*uses)
+    before = things.waits.get(task.number)
+    off = set(before.skills if before is not None else ())
+    off |= {at for at, used in enumerate(uses) if used & gone or nameless}
+    if not reactivate(machine, run, [at for at in range(len(uses)) if at not in off]):
+        off = set(range(len(uses)))
+        reactivate(machine, run, ())
+    needed = {*gone, *set().union(*[uses[at] for at in off])}
+    asks = [ask for ask in held if ask.used and ask.thing in needed]
+    if before is not None:
+        asks += before.alternatives[0]
+        things.stop_waiting(task)
+    things.hold_just(run, _without(machine, run, held, needed))
+    wait = ThingWait(task, (tuple(asks),), on, by)
+    wait.skills = tuple(sorted(off))
+    things.wait(wait)
+
+
+def _without(
+    machine: Machine, run: MethodRun, held: Iterable[Ask], freed: set[Thing]
+) -> Iterator[Ask]:
+    """Yield what a method goes on holding: of what is `freed` only what it claims."""
+    claimed = [
+        filled_in(machine, run.task, one.plan, run.env)
+        for one in run.plan.things
+        if not one.used
+    ]
+    names = {machine.memory.canonical(one) for one in claimed if one is not None}
+    for ask in held:
+        if not ask.used or ask.thing not in freed:
+            yield ask
+        elif ask.thing in names:
+            yield ask._replace(used=False)
+
+
+def _used_by_skills(machine: Machine, run: MethodRun) -> list[set[Thing]]:
+    """Return what each skill of a method uses."""
+    plan = run.plan.activation
+    assert plan is not None
+    return [
+        {
+            machine.memory.canonical(thing)
+            for one in uses
+            if (thing := filled_in(machine, run.task, one, run.env)) is not None
+        }
+        for uses in plan.uses
+    ]
+
+
+def resume_skills(machine: Machine) -> None:
+    """Switch on again what can come on again of the `skills` of methods, by number."""
+    things = machine.things
+    for number in sorted(things.resumable):
+        task = things.resumable.pop(number, None)
+        wait = things.waits.get(number)
+        run = None if task is None else task.run
+        if task is None or run is None or wait is None:
+            continue
+        asks = wait.alternatives[0]
+        if things.obstacle(task, asks) is not None:
+            continue
+        plan = run.plan.activation
+        assert plan is not None
+        give_way(machine, task, asks)
+        if reactivate(machine, run, range(len(plan.skills))):
+            things.stop_waiting(task)
+            again = {ask.thing for ask in asks}
+            held = [hold.ask for hold in things.held.get(number, ())]
+            kept = [ask for ask in held if ask.thing not in again]
+            things.hold_just(run, (*asks, *kept))
 
 
 # --- what a world refuses ---------------------------------------------------------
