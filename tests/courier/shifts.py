@@ -41,6 +41,9 @@ LONG = 20_000
 """A shift that has not ended by then never will."""
 
 
+STRICT = rapc.Settings(strict=True)
+
+
 class Shift(msgspec.Struct):
     """What came of one shift."""
 
@@ -121,11 +124,13 @@ class Watch:
 def work_a_shift(
     seed: int, claims: bool = True, options: Mapping[str, int] | None = None
 ) -> Shift:
-    """Run the agenda `shift` under a seed."""
+    """Run the agenda `shift` under a seed, the handlers held to what is declared."""
     world = build_world(CourierWorld, seed, options or {})
     watch = Watch()
     blocked: list[set[int]] = []
-    run = library(claims).start(world, agenda="shift", seed=seed, listeners=[watch])
+    run = library(claims).start(
+        world, agenda="shift", seed=seed, settings=STRICT, listeners=[watch]
+    )
     run.call_at_end(lambda: blocked.append(set(watch.suspended)))
     reason = run.run(until=LONG)
     assert isinstance(world, CourierWorld)

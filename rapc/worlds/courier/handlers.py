@@ -5,6 +5,12 @@ from __future__ import annotations
 from rapc.base.values import Atom, Fact
 from rapc.world import HandlerMemory, Handlers
 from rapc.worlds.courier import building
+from rapc.worlds.courier.building import CORRIDOR
+
+
+def _driven(memory: HandlerMemory, request: Fact, result: str) -> None:
+    memory.assert_fact("robot-at", request[1] if result == "okay" else CORRIDOR)
+    memory.erase("docked")
 
 
 def _taken_on(memory: HandlerMemory, request: Fact, result: str) -> None:
@@ -56,7 +62,7 @@ def way(memory: HandlerMemory, from_: Atom, to: Atom) -> int | None:
         return None
     if from_ == to:
         return 0
-    if from_ == building.CORRIDOR:
+    if from_ == CORRIDOR:
         along = memory.value("robot-along")
         return building.way(along, 0, str(to)) if isinstance(along, int) else None
     if from_ not in building.ROOMS:
@@ -66,6 +72,7 @@ def way(memory: HandlerMemory, from_: Atom, to: Atom) -> int | None:
 
 HANDLERS = Handlers(
     results={
+        "drive": _driven,
         "take-on": _taken_on,
         "hand-over": _handed_over,
         "dock": _docked,
