@@ -6,11 +6,11 @@ with the result it belongs to. What a row may say is in `rapc.worlds.script`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import msgspec
 
-from rapc.base.values import Fact, format_list, match, number
+from rapc.base.values import Atom, Fact, format_list, match, number
 from rapc.errors import Error
 from rapc.world import (
     Datum,
@@ -40,6 +40,8 @@ AT = "at"
 
 
 _NO_KIT = Kit()
+
+_AS_THEY_ARE: Mapping[Atom, Atom] = {}
 
 
 class UnansweredRequest(Error):
@@ -359,7 +361,8 @@ class ScriptedWorld(World):
             raise UnansweredRequest(request)
         self._state.used[index] += 1
         row = self._rows[index]
-        return fill(row, match(row.pattern, request) or {})
+        filled = fill(row, match(row.pattern, request) or {})
+        return msgspec.structs.replace(filled, pattern=request)
 
     def _answering(self, kind: str, asked: Fact) -> int | None:
         """Return the first row of a kind that matches and is not used up."""
@@ -370,10 +373,12 @@ class ScriptedWorld(World):
                 return index
         return None
 
-    def _handle_result(self, memory: HandlerMemory, _: Fact, __: str) -> None:
+    def _handle_result(self, memory: HandlerMemory, request: Fact, _: str) -> None:
         """Handle the answer just given and what came before it, else the next end told.
 
-        A result that this world has not given changes nothing.
+        What the row says of items by the sensor names in the request that it answered
+        is done to them by the names in `request`, which are memory's. A result that
+        this world has not given changes nothing.
         """
         state = self._state
         for entry in state.before:
@@ -383,17 +388,20 @@ class ScriptedWorld(World):
         if row is None and state.told:
             row = state.told.pop(0)
         if row is not None:
-            _change(memory, row)
+            names = dict(zip(row.pattern[1:], request[1:], strict=True))
+            _change(memory, row, names)
 
     def _handle_at(self, memory: HandlerMemory, _: Fact) -> None:
         _change(memory, self._state.entries.pop(0))
 
 
-def _change(memory: HandlerMemory, effects: Row | At) -> None:
-    for prefix in effects.erases:
-        memory.erase(*prefix)
-    for fact in effects.asserts:
-        memory.assert_fact(*fact)
+def _change(
+    memory: HandlerMemory, effects: Row | At, names: Mapping[Atom, Atom] = _AS_THEY_ARE
+) -> None:
+    for name, *parts in effects.erases:
+        memory.erase(name, *(names.get(part, part) for part in parts))
+    for name, *parts in effects.asserts:
+        memory.assert_fact(name, *(names.get(part, part) for part in parts))
 
 
 def _time(due: _Due) -> Time:

@@ -246,3 +246,22 @@ def test_a_script_does_not_put_off_what_is_declared_atomic() -> None:
     said = r"row \(grasp .*`grasp` is declared atomic, so it does not end `:after`"
     with pytest.raises(ValueError, match=said):
         ScriptedWorld([Row(("grasp", "?arm", "?x"), after=3)], declared=WORDS)
+
+
+def test_effects_speak_of_an_item_by_the_name_that_memory_has_for_it() -> None:
+    """The request is matched as it was sent; its handler gets it as it was made."""
+    world = ScriptedWorld(
+        [
+            Row(
+                ("grasp", "?arm", "?item"),
+                asserts=(("holding", "?arm", "?item"), ("size", "s1", 3)),
+            )
+        ],
+        declared=WORDS,
+    )
+    robot = Robot(world, WORDS)
+    reply = world.perform(1, ("grasp", "arm1", "s1"))
+    assert isinstance(reply, Reply)
+    robot.digest(("grasp", "arm1", "item-7"), reply.result)
+    assert robot.knows("holding arm1 item-7")
+    assert robot.knows("size item-7 3")
