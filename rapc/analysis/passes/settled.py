@@ -68,8 +68,9 @@ NEVER = Rule(
     severity=Severity.WARNING,
     summary="a RAP can never succeed, and no monitor lets it wait",
     why="""`(succeed nil)` makes a standing task: it acts whenever its monitor wakes it
-and is never done (T 4.7.1). Without a monitor its methods follow each other without a
-pause, until nothing changes any more and the task fails.""",
+and is never done (T 4.7.1). Without a monitor, and without a step that waits for a
+signal or a time, its methods follow each other without a pause, until nothing changes
+any more and the task fails.""",
     example="""\
 (declare-primitive look () (okay))
 (define-rap (keep-looking)
@@ -162,7 +163,7 @@ def _settled(
     rap: nodes.DefineRap, always: Always, given: set[str]
 ) -> Iterator[Diagnostic]:
     succeed, monitor = rap.succeed, rap.monitor_state
-    waits = monitor is not None or rap.monitor_time is not None
+    waits = monitor is not None or rap.monitor_time is not None or _pauses(rap)
     if succeed is not None and always.holds(succeed, given):
         yield Diagnostic(
             rule=AT_ONCE.name,
@@ -194,6 +195,17 @@ def is_never(formula: nodes.Formula) -> bool:
     if isinstance(formula, nodes.Not):
         return isinstance(formula.part, nodes.Truth) and formula.part.value
     return isinstance(formula, nodes.Truth) and not formula.value
+
+
+def _pauses(rap: nodes.DefineRap) -> bool:
+    """Whether a method has a step that waits for a signal or for a time."""
+    return any(
+        isinstance(annotation, nodes.WaitFor | nodes.Window)
+        for method in rap.methods
+        if isinstance(method.body, nodes.TaskNet)
+        for step in method.body.steps
+        for annotation in step.annotations
+    )
 
 
 class Always:
