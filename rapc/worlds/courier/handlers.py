@@ -16,7 +16,7 @@ def _driven(memory: HandlerMemory, request: Fact, result: str) -> None:
 def _taken_on(memory: HandlerMemory, request: Fact, result: str) -> None:
     _, goods, ward = request
     if result == "okay":
-        memory.assert_fact("aboard", goods, ward)
+        memory.assert_fact("on-tray", goods, ward)
     elif result == "sold-out" and memory.value("robot-at") is not None:
         memory.assert_fact("sold-out", memory.value("robot-at") or "", goods)
 
@@ -24,7 +24,7 @@ def _taken_on(memory: HandlerMemory, request: Fact, result: str) -> None:
 def _handed_over(memory: HandlerMemory, request: Fact, result: str) -> None:
     _, goods, ward = request
     if result == "okay":
-        memory.erase("aboard", goods, ward)
+        memory.erase("on-tray", goods, ward)
         memory.assert_fact("delivered", goods, ward)
 
 
