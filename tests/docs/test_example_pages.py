@@ -18,7 +18,7 @@ from rapc.testing.run import Case, Status, run_case
 
 CHECKOUT = Path(__file__).parents[2]
 EXAMPLES = CHECKOUT / "examples"
-FOLDERS = ("cookbook",)
+FOLDERS = ("cookbook", "idioms")
 SEEDS = range(5)
 
 _BLOCK = re.compile(r"^```rap (\S+)\n(.*?)^```$", re.M | re.S)
