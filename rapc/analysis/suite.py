@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rapc.analysis import index, named, suppressions
+from rapc.analysis import index, inferred_kinds, named, places, suppressions
 from rapc.analysis.analyzer import Analyzer
 from rapc.analysis.passes import (
     age_in_monitor,
     anonymous_variable,
     bindings,
+    constants,
     data,
     fact_arity,
     functions,
@@ -31,6 +32,7 @@ from rapc.analysis.passes import (
     resources,
     settled,
     signals,
+    swapped_arguments,
     task_nets,
     times,
     unbindable_output,
@@ -51,6 +53,8 @@ from rapc.parser.rules import table as parser
 ANALYZERS: tuple[Analyzer[Any], ...] = (
     index.INDEX,
     named.MISUSES,
+    places.PLACES,
+    inferred_kinds.INFERRED,
     task_nets.TASK_NETS,
     bindings.BINDINGS,
     unbound_variable.ANALYZER,
@@ -82,6 +86,8 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     settled.ANALYZER,
     times.ANALYZER,
     needs_itself.ANALYZER,
+    swapped_arguments.ANALYZER,
+    constants.ANALYZER,
 )
 """Every pass."""
 

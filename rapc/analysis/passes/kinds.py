@@ -1,16 +1,18 @@
 """RAP081 to RAP083: kinds that nobody declares, and values that are not of theirs.
 
-What is declared is looked at, and nothing is guessed: constants are held against the
-kinds of the arguments they are given for, and variables that were declared with a kind
-against those that they are used as. Numbers are the business of `not-a-number`.
+Constants are held against the kinds of the arguments they are given for, variables
+against the kinds that they are declared with or used as elsewhere in their method. Of
+inputs for which no kind is declared their use tells. Numbers are the business of
+`not-a-number`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Index, NameUse
+from rapc.analysis.inferred_kinds import INFERRED, Clash, Learned
 from rapc.analysis.named import UnknownNames, declared_at
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
@@ -84,8 +86,10 @@ most likely two variables were mixed up.""",
 )
 
 
-def _run(run: Pass) -> None:
+def _run(run: Pass) -> Container[int]:
+    """Report, and return the ids of the forms in which kinds do not go together."""
     index = run.result(INDEX)
+    told: set[int] = set()
     _unknown(run, index)
     _circles(run)
     declared = _of_forms(index)
@@ -94,15 +98,17 @@ def _run(run: Pass) -> None:
         if signature is not None and signature.args:
             _constants(run, used, signature)
             own = declared.get(id(used.owner))
-            if own:
-                _variables(run, used, signature, own)
+            if own and _variables(run, used, signature, own):
+                told.add(id(used.owner))
+    _inferred(run, index)
+    return told.union(id(clash.form) for clash in run.result(INFERRED).clashes)
 
 
 ANALYZER = Analyzer(
     name="kinds",
     doc="Holds constants and variables against the kinds that were declared.",
     run=_run,
-    needs=(INDEX,),
+    needs=(INDEX, INFERRED),
     rules=(UNKNOWN, WRONG, APART),
 )
 
@@ -203,7 +209,8 @@ def _of_forms(index: Index) -> Mapping[int, _Own]:
     return found
 
 
-def _variables(run: Pass, used: NameUse, signature: Signature, own: _Own) -> None:
+def _variables(run: Pass, used: NameUse, signature: Signature, own: _Own) -> bool:
+    """Report the first variable of another kind; return whether there is one."""
     args: Sequence[nodes.Argument] = signature.args or ()
     for term, arg in zip(used.node.args, args, strict=False):
         if arg.kind is None or not isinstance(term, nodes.Var):
@@ -217,8 +224,60 @@ def _variables(run: Pass, used: NameUse, signature: Signature, own: _Own) -> Non
             run.report(
                 Diagnostic(
                     rule=APART.name,
-                    message=f"`{term.name}` is a {kind}, and a {arg.kind} is wanted",
+                    message=_mixed_up(term, kind, arg.kind),
                     span=term.span,
                     labels=labels,
                 )
             )
+            return True
+    return False
+
+
+def _mixed_up(variable: nodes.Var, kind: str, wanted: str) -> str:
+    return f"`{variable.name}` is {_a(kind)}, and {_a(wanted)} is wanted"
+
+
+def _a(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+
+
+# --- kinds that nobody declared -------------------------------------------------------
+
+
+def _inferred(run: Pass, index: Index) -> None:
+    inferred = run.result(INFERRED)
+    told: set[int] = set()
+    for clash in inferred.clashes:
+        if id(clash.use) not in told:
+            told.add(id(clash.use))
+            run.report(_clash(clash))
+    for goal in index.of(nodes.Goal):
+        learned = inferred.inputs.get(goal.node.name, ())
+        for term, known in zip(goal.node.args, learned, strict=False):
+            if known is None or not isinstance(term, nodes.Const):
+                continue
+            if not run.signatures.kinds.holds(known.kind, term.value):
+                run.report(_no_such_value(run, term, known))
+
+
+def _clash(clash: Clash) -> Diagnostic:
+    known = clash.known
+    return Diagnostic(
+        rule=APART.name,
+        message=_mixed_up(clash.variable, known.kind, clash.wanted),
+        span=clash.variable.span,
+        labels=(Label(known.span, f"{_a(known.kind)} here"),),
+    )
+
+
+def _no_such_value(run: Pass, term: nodes.Const, known: Learned) -> Diagnostic:
+    listed = run.signatures.kinds.values(known.kind) or ()
+    words = {format_atom(value): None for value in listed}
+    return Diagnostic(
+        rule=WRONG.name,
+        message=f"`{format_atom(term.value)}` is no {known.kind}, as which it is used",
+        span=term.span,
+        labels=(Label(known.span, f"used as {_a(known.kind)} here"),),
+        help=Suggestions(words).did_you_mean(format_atom(term.value))
+        or _listing(words),
+    )

@@ -6,10 +6,10 @@ tell: a variable used once is a wildcard. Numbered and lettered names are left a
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.close_names import Close
 from rapc.analysis.index import INDEX, Form, Occurrence
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -46,12 +46,6 @@ bare `?`, or a name of its own.""",
 _LEAST = 5
 """How long a name must be, its mark included, to be close to another."""
 
-_MOST = 60
-"""How long a name may be; nobody compares longer ones by eye."""
-
-_TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
-"""What tells names apart that come in rows: `?arm1`, `?arm-b`."""
-
 
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
@@ -62,7 +56,7 @@ def _run(run: Pass) -> None:
         unbound = {m.variable.name for m in missing.get(id(owner), ())}
         once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
         suspects = _suspects(once, names)
-        close = _Close(names) if suspects else None
+        close = Close(names, _LEAST) if suspects else None
         for name in suspects:
             other = close.to(name) if close else None
             if other is not None and _is_slip(names[name][0], names[other]):
@@ -99,39 +93,6 @@ def _by_form(
         yield owner, names
 
 
-class _Close:
-    """Finds names one slip away, by what is left of names that lose a letter."""
-
-    def __init__(self, names: Iterable[str]) -> None:
-        self._names: dict[str, list[str]] = {}
-        for name in names:
-            for short in _shortened(name):
-                self._names.setdefault(short, []).append(name)
-
-    def to(self, name: str) -> str | None:
-        """The first name close to another, if any."""
-        stem = _TELLS_APART.sub("", name)
-        for short in _shortened(name):
-            for other in self._names.get(short, ()):
-                in_row = stem == _TELLS_APART.sub("", other)
-                if other != name and not in_row and is_one_slip(name, other):
-                    return other
-        return None
-
-
-def _shortened(name: str) -> Iterator[str]:
-    """Yield `name`; if it is long enough, also `name` without each of its letters."""
-    yield name
-    if _is_long(name):
-        for at in range(1, len(name)):
-            yield name[:at] + name[at + 1 :]
-
-
-def _is_long(name: str) -> bool:
-    """Whether a name is long enough for a slip to show, and not absurdly long."""
-    return _LEAST <= len(name) <= _MOST
-
-
 def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
     """The names used once that may be a slip for another: one about as long."""
     lengths: dict[int, int] = {}
@@ -140,7 +101,7 @@ def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
     return [
         name
         for name in once
-        if _is_long(name)
+        if len(name) >= _LEAST
         and (
             lengths[len(name)] > 1
             or len(name) - 1 in lengths
@@ -152,19 +113,6 @@ def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
 def _is_slip(one: nodes.Var, others: list[nodes.Var]) -> bool:
     """Of two variables used once each, only the later one is taken for the slip."""
     return len(others) > 1 or others[0].span.start < one.span.start
-
-
-def is_one_slip(one: str, other: str) -> bool:
-    """Whether one letter left out, put in, changed or swapped makes them equal."""
-    start = 0
-    while start < min(len(one), len(other)) and one[start] == other[start]:
-        start += 1
-    left, right = one[start:], other[start:]
-    if len(left) == len(right):
-        swapped = left[1::-1] == right[:2] and left[2:] == right[2:]
-        return left[1:] == right[1:] or swapped
-    longer, shorter = (left, right) if len(left) > len(right) else (right, left)
-    return longer[1:] == shorter
 
 
 def _finding(variable: nodes.Var, close: nodes.Var) -> Diagnostic:

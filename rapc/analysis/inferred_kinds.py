@@ -1,0 +1,254 @@
+"""The kinds of variables and of the inputs of RAPs that nobody declared.
+
+A variable that stands where an argument was declared with a kind has a value of that
+kind. What is so learned of the inputs of a RAP holds for the steps that ask for it, and
+from there for the variables of other RAPs; three rounds lead far enough.
+
+Only what holds together is put together: the conjuncts of one clause, or those of
+`repeat-while` and a context with the steps or the request of the method. A branch of an
+`or` is another case, in which an input may be of another kind, and is left out; so is
+what one method takes an input for where another takes it for something else.
+
+`item` is any name. Values that a closed kind lists may be items, too; where all of a
+library but one place holds the two apart, that place is taken for a slip.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal
+
+import msgspec
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.literals import literals
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.ir.walk import steps
+from rapc.library.kinds import Kinds
+from rapc.library.signatures import Signatures
+
+_ROUNDS = 3
+"""How often what was learned of inputs is handed on to the callers of RAPs."""
+
+
+class Learned(msgspec.Struct, frozen=True, gc=False):
+    """A kind, and the place that tells it."""
+
+    kind: str
+    span: Span
+
+
+class Clash(msgspec.Struct, frozen=True):
+    """A variable of one kind that stands where another is wanted."""
+
+    variable: nodes.Var
+    #: The kind that is wanted where it stands.
+    wanted: str
+    #: Its kind, with another place that tells it.
+    known: Learned
+    #: The list in which it stands.
+    use: nodes.Pattern | nodes.Goal
+    #: The top-level form.
+    form: nodes.TopForm
+    #: The closed kind whose values seem to be no items; None if the kinds are apart.
+    no_items: str | None = None
+
+
+class InferredKinds(msgspec.Struct, frozen=True):
+    """What is learned of a library."""
+
+    #: By RAP: for each input the kind that its use tells, or None.
+    inputs: Mapping[str, Sequence[Learned | None]]
+    clashes: Sequence[Clash]
+
+
+_Use = nodes.Pattern | nodes.Goal
+_Scope = list[_Use]
+
+
+def _run(run: Pass) -> InferredKinds:
+    if not run.library.kinds:
+        return InferredKinds({}, ())
+    learning = _Learning(run.signatures)
+    raps = [form for form in run.library.forms if isinstance(form, nodes.DefineRap)]
+    scopes = [(rap, list(_scopes(rap))) for rap in raps]
+    for _ in range(_ROUNDS):
+        if not learning.learn(scopes):
+            break
+    clashes = [one for rap, there in scopes for one in learning.clashes(rap, there)]
+    often = Counter(one.no_items for one in clashes)
+    return InferredKinds(
+        learning.inputs,
+        tuple([c for c in clashes if c.no_items is None or often[c.no_items] == 1]),
+    )
+
+
+INFERRED = Analyzer(
+    name="inferred-kinds",
+    doc="Works out of which kinds variables and inputs are that nobody declared.",
+    run=_run,
+    needs_whole="form",
+)
+
+
+# --- what holds together -----------------------------------------------------------
+
+
+def _scopes(rap: nodes.DefineRap) -> Iterator[_Scope]:
+    for formula in (
+        rap.monitor_state,
+        rap.succeed,
+        rap.preconditions,
+        rap.constraints,
+    ):
+        if formula is not None:
+            yield list(_facts(formula))
+    looped = [] if rap.repeat_while is None else list(_facts(rap.repeat_while))
+    for method in rap.methods:
+        scope: _Scope = [*looped, *method.notations, *method.claims, *method.skills]
+        if method.context is not None:
+            scope += _facts(method.context)
+        if isinstance(method.body, nodes.Primitive):
+            scope.append(method.body.request)
+        for step in steps(method):
+            scope.append(step.goal)
+            for note in step.annotations:
+                if isinstance(note, nodes.For) and note.formula is not None:
+                    scope += _facts(note.formula)
+        yield scope
+
+
+def _facts(formula: nodes.Formula) -> Iterator[nodes.Proposition]:
+    """The facts of a formula that are not in a branch of an `or`."""
+    waiting = [formula]
+    while waiting:
+        for literal in literals(waiting.pop()):
+            here = literal.formula
+            if isinstance(here, nodes.Believe):
+                yield here.pattern
+            elif isinstance(here, nodes.Proposition):
+                yield here
+            elif isinstance(here, nodes.And | nodes.Not):
+                waiting.append(here)
+
+
+# --- what is learned ------------------------------------------------------------------
+
+
+class _Learning:
+    """What is known of the inputs of RAPs so far."""
+
+    def __init__(self, signatures: Signatures) -> None:
+        self.inputs: dict[str, Sequence[Learned | None]] = {}
+        self._signatures = signatures
+        self._kinds: Kinds = signatures.kinds
+
+    def learn(self, scopes: Sequence[tuple[nodes.DefineRap, Sequence[_Scope]]]) -> bool:
+        """Learn the kinds of inputs by their uses; return whether any is new."""
+        new = False
+        for rap, there in scopes:
+            told: dict[str, list[Learned]] = {}
+            for scope in there:
+                for use in scope:
+                    for variable, learned in self._told(use):
+                        told.setdefault(variable.name, []).append(learned)
+            declared = {one.variable for one in rap.kinds}
+            found = [
+                None if v.name in declared else self._most_general(told.get(v.name, ()))
+                for v in rap.inputs
+            ]
+            if found != self.inputs.get(rap.name):
+                self.inputs[rap.name] = found
+                new = True
+        return new
+
+    def clashes(
+        self, rap: nodes.DefineRap, scopes: Sequence[_Scope]
+    ) -> Iterator[Clash]:
+        """Yield the variables that are of two kinds, one for each scope.
+
+        What the clauses of the RAP tell of its inputs holds in its methods too.
+        """
+        inputs = {v.name for v in rap.inputs}
+        declared = {one.variable: Learned(one.kind, one.span) for one in rap.kinds}
+        base: dict[str, list[Learned]] = {}
+        for at, scope in enumerate(scopes):
+            known = {name: list(told) for name, told in base.items()}
+            clash = self._clash(rap, scope, known, declared)
+            if clash is not None:
+                yield clash
+            elif at < len(scopes) - len(rap.methods):
+                base = {name: told for name, told in known.items() if name in inputs}
+
+    def _clash(
+        self,
+        rap: nodes.DefineRap,
+        scope: _Scope,
+        known: dict[str, list[Learned]],
+        declared: Mapping[str, Learned],
+    ) -> Clash | None:
+        for use in scope:
+            for variable, learned in self._told(use):
+                own = declared.get(variable.name)
+                earlier = [own] if own else known.setdefault(variable.name, [])
+                for other in earlier:
+                    no_items = self._no_items(other.kind, learned.kind)
+                    apart = self._kinds.apart(other.kind, learned.kind)
+                    told = own is not None and self._is_declared(use)
+                    if no_items or (apart and not told):
+                        return Clash(variable, learned.kind, other, use, rap, no_items)
+                earlier.append(learned)
+        return None
+
+    def _no_items(self, one: str, other: str) -> str | None:
+        """Return which of two kinds lists what are no items, if the other is `item`."""
+        if one == other or "item" not in (one, other):
+            return None
+        kind = other if one == "item" else one
+        closed = self._kinds.values(kind) is not None
+        return kind if closed and "item" not in self._kinds.above(kind) else None
+
+    def _is_declared(self, use: _Use) -> bool:
+        """Whether the pass `kinds` holds a declared variable against this use."""
+        return not isinstance(use, nodes.Goal) or use.name not in self.inputs
+
+    def _told(self, use: _Use) -> Iterator[tuple[nodes.Var, Learned]]:
+        """Yield the variables of a use with the kinds that are wanted of them."""
+        kinds = self.wanted(use)
+        for term, kind in zip(use.args, kinds, strict=False):
+            if kind is not None and isinstance(term, nodes.Var) and not term.anonymous:
+                yield term, Learned(kind, term.span)
+
+    def wanted(self, use: _Use) -> Sequence[str | None]:
+        """Return the kinds of the arguments that a use wants, None where not known."""
+        table = self._signatures.table(_TABLES.get(type(use), "test"))
+        declared = table.get(use.name)
+        if declared is None or declared.args is None:
+            return ()
+        own = [arg.kind for arg in declared.args]
+        if isinstance(use, nodes.Goal):
+            learned = self.inputs.get(use.name, ())
+            for at, one in enumerate(learned):
+                if own[at] is None and one is not None:
+                    own[at] = one.kind
+        return own
+
+    def _most_general(self, told: Sequence[Learned]) -> Learned | None:
+        """The kind of which all others are, or None if there is none among them."""
+        for one in told:
+            if all(
+                one.kind in (other.kind, *self._kinds.above(other.kind))
+                for other in told
+            ):
+                return one
+        return None
+
+
+_TABLES: Mapping[type, Literal["goal", "primitive", "skill"]] = {
+    nodes.Goal: "goal",
+    nodes.Request: "primitive",
+    nodes.Skill: "skill",
+}
+"""The uses whose names are no predicates."""

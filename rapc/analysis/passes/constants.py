@@ -1,0 +1,357 @@
+"""RAP100, RAP102 and RAP103: constants that do not belong where they stand.
+
+A constant is held against what stands at the same place elsewhere, and at places of the
+same kind: the values that a closed kind lists, and the constants that the library uses.
+A comparison belongs to the places of the variable that is compared.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+
+import msgspec
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.close_names import Close, is_row
+from rapc.analysis.index import INDEX, Form, Index
+from rapc.analysis.inferred_kinds import INFERRED, InferredKinds
+from rapc.analysis.passes.kinds import ANALYZER as KINDS
+from rapc.analysis.places import PLACES, Place, Places
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+)
+from rapc.base.source import Span
+from rapc.base.values import Atom, Text, format_atom, is_number
+from rapc.ir import nodes
+from rapc.library.signatures import Signatures
+
+MISSPELT = Rule(
+    code="RAP100",
+    name="misspelt-constant",
+    severity=Severity.WARNING,
+    summary="a constant is used only once, and another one there is spelled almost so",
+    why="""A constant that nobody else uses is a value that never comes up: a fact with
+it is never found, a test of it never passes. Where a constant that differs by one slip
+of the pen stands at the same place, or is a value of the same kind, that one was meant.
+A closed kind (`declare-kind`) makes sure.""",
+    example="""\
+(declare-memory-property door-state (?door ?state) unknown)
+(declare-primitive push (?door) (okay))
+(declare-primitive free (?door) (okay))
+(define-rap (open ?door)
+  (preconditions (not (door-state ?door locked)))
+  (method (context (not (door-state ?door jammed))) (primitive (push ?door)))
+  (method (context (door-state ?door jamed)) (primitive (free ?door)))
+  (method (context (door-state ?door jammed)) (primitive (free ?door))))
+""",
+    better="""\
+(declare-memory-property door-state (?door ?state) unknown)
+(declare-primitive push (?door) (okay))
+(declare-primitive free (?door) (okay))
+(define-rap (open ?door)
+  (preconditions (not (door-state ?door locked)))
+  (method (context (not (door-state ?door jammed))) (primitive (push ?door)))
+  (method (context (door-state ?door jammed)) (primitive (free ?door))))
+""",
+)
+
+FOREIGN = Rule(
+    code="RAP102",
+    name="foreign-constant",
+    severity=Severity.WARNING,
+    summary="a constant of one kind stands where values of another are wanted",
+    why="""A symbol that a closed kind lists, or that the library uses as a value of one
+kind, is hardly one of another kind: an arm is no class of things. Mostly an argument
+was left out, or stands in another's place. If the symbol is meant to be of both kinds,
+say so with `:is`.""",
+    example="""\
+(declare-kind arm (left-arm right-arm))
+(declare-kind class)
+(declare-memory-property class-of (?thing (?class class)) unknown)
+(declare-memory-proposition holding ((?arm arm) ?thing))
+(define-rap (show ?thing)
+  (preconditions (and (holding ? ?thing) (class-of ?thing left-arm))))
+""",
+    better="""\
+(declare-kind arm (left-arm right-arm))
+(declare-kind class)
+(declare-memory-property class-of (?thing (?class class)) unknown)
+(declare-memory-proposition holding ((?arm arm) ?thing))
+(define-rap (show ?thing)
+  (preconditions (and (holding left-arm ?thing) (class-of ?thing cup))))
+""",
+)
+
+MIXED = Rule(
+    code="RAP103",
+    name="mixed-values",
+    severity=Severity.WARNING,
+    summary="a number, word or truth value stands where all others are of another sort",
+    why="""No number equals a word. Where words stand everywhere else in the library, a
+fact with a number, or with `true`, is never found; and the other way round. `unknown`
+goes with all.""",
+    example="""\
+(declare-memory-property door-state (?door ?state) unknown)
+(define-rap (pass ?door)
+  (preconditions (not (door-state ?door locked)))
+  (constraints (not (door-state ?door shut)))
+  (succeed (door-state ?door 1)))
+""",
+    better="""\
+(declare-memory-property door-state (?door ?state) unknown)
+(define-rap (pass ?door)
+  (preconditions (not (door-state ?door locked)))
+  (constraints (not (door-state ?door shut)))
+  (succeed (door-state ?door open)))
+""",
+)
+
+PLAIN = ("unknown", "true", "false", "nil", "t", "okay")
+"""Constants that stand anywhere."""
+
+_LEAST = 5
+"""How long a word must be to be close to another."""
+
+
+class _Standing(msgspec.Struct, frozen=True):
+    """A constant where it stands."""
+
+    const: nodes.Const
+    form: Form
+    #: The place that it is at, or those of the variable that it is held against.
+    places: tuple[Place, ...]
+    #: The kinds of these places.
+    kinds: tuple[str, ...]
+
+
+def _run(run: Pass) -> None:
+    places = run.result(PLACES)
+    standing = list(_standing(run, run.result(INDEX), places))
+    known = _Known(run, standing)
+    told = run.result(KINDS)
+    for one in standing:
+        if isinstance(one.form, nodes.DefineTest):
+            continue
+        if id(one.form) in told or not known.fits(one):
+            continue
+        found = _misspelt(run, known, one) or _mixed(known, one) or _foreign(known, one)
+        if found is not None:
+            run.report(found)
+
+
+ANALYZER = Analyzer(
+    name="constants",
+    doc="Holds constants against those that stand at the same places elsewhere.",
+    run=_run,
+    needs=(INDEX, INFERRED, KINDS, PLACES),
+    rules=(MISSPELT, FOREIGN, MIXED),
+)
+
+
+# --- what stands where ----------------------------------------------------------------
+
+
+def _standing(run: Pass, index: Index, places: Places) -> Iterator[_Standing]:
+    kinds = _Kinds(run.signatures, run.result(INFERRED))
+    for one in places.filled:
+        if isinstance(one.term, nodes.Const):
+            yield _Standing(one.term, one.form, (one.place,), kinds.of((one.place,)))
+    for test in index.of(nodes.Compare):
+        left, right = test.node.left, test.node.right
+        for const, other in ((left, right), (right, left)):
+            if isinstance(const, nodes.Const) and isinstance(other, nodes.Var):
+                there = tuple(dict.fromkeys(places.of(test.owner, other.name)))
+                yield _Standing(const, test.owner, there, kinds.of(there))
+
+
+class _Kinds:
+    """The kinds of places, declared or learned."""
+
+    def __init__(self, signatures: Signatures, inferred: InferredKinds) -> None:
+        self._tables = {
+            "RAP": signatures.raps,
+            "predicate": signatures.predicates,
+            "primitive": signatures.primitives,
+            "datum": signatures.data,
+            "skill": signatures.skills,
+            "event": signatures.events,
+        }
+        self._inputs = inferred.inputs
+        self._known: dict[Place, str | None] = {}
+
+    def of(self, places: Sequence[Place]) -> tuple[str, ...]:
+        """Return the kinds of places of which one is known, each once."""
+        found = [self._one(place) for place in places]
+        return tuple(dict.fromkeys(kind for kind in found if kind is not None))
+
+    def _one(self, place: Place) -> str | None:
+        if place not in self._known:
+            self._known[place] = self._look_up(place)
+        return self._known[place]
+
+    def _look_up(self, place: Place) -> str | None:
+        declared = self._tables[place.space].get(place.name)
+        args = declared.args if declared is not None else None
+        if args is None or place.position >= len(args):
+            return None
+        kind = args[place.position].kind
+        if kind is None and place.space == "RAP":
+            learned = self._inputs.get(place.name, ())
+            one = learned[place.position] if place.position < len(learned) else None
+            kind = one.kind if one is not None else None
+        return kind
+
+
+class _Known:
+    """What the library tells of its constants."""
+
+    def __init__(self, run: Pass, standing: Iterable[_Standing]) -> None:
+        self.kinds = run.signatures.kinds
+        self.counts: Counter[object] = Counter()
+        #: How many constants of each sort stand at a place.
+        self.sorts: dict[Place, Counter[str]] = {}
+        #: The places and kinds of each constant, with how often it stands there.
+        self.at: dict[object, Counter[Place | str]] = {}
+        self.first: dict[object, Span] = {}
+        for one in standing:
+            value = one.const.value
+            self.counts[value] += 1
+            self.first.setdefault(value, one.const.span)
+            keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
+            for key in keys:
+                self.at.setdefault(value, Counter())[key] += 1
+            for place in one.places:
+                self.sorts.setdefault(place, Counter())[_sort(value)] += 1
+        #: The closed kinds that list a symbol.
+        self.listed: dict[object, list[str]] = {}
+        for name in self.kinds:
+            for value in self._own_values(run, name):
+                self.listed.setdefault(value, []).append(name)
+                self.counts[value] += 2
+                self.at.setdefault(value, Counter())[name] += 2
+        for value in _results(run):
+            self.counts[value] += 2
+        symbols = [v for v in self.counts if _is_word(v)]
+        self.close = Close([str(v) for v in symbols], _LEAST)
+
+    def fits(self, one: _Standing) -> bool:
+        """Whether a constant is of the kinds of its places."""
+        return all(self.kinds.holds(kind, one.const.value) for kind in one.kinds)
+
+    def _own_values(self, run: Pass, name: str) -> Sequence[Atom]:
+        form = run.library.kinds.get(name)
+        return (form.values or ()) if form is not None else ()
+
+
+def _results(run: Pass) -> Iterator[str]:
+    for primitive in run.library.primitives.values():
+        yield from primitive.results
+
+
+def _is_word(value: object) -> bool:
+    return isinstance(value, str) and not isinstance(value, Text) and value not in PLAIN
+
+
+# --- what is wrong -------------------------------------------------------------------
+
+
+def _misspelt(run: Pass, known: _Known, one: _Standing) -> Diagnostic | None:
+    value = one.const.value
+    if known.counts[value] != 1 or not _is_word(value):
+        return None
+    for other in known.close.all_to(str(value)):
+        keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
+        together = any(key in known.at[other] for key in keys if other in known.at)
+        alike = other[0] == str(value)[0] and not is_row(str(value), other)
+        if together and alike and known.counts[other] > 1:
+            labels = [Label(known.first[other], "a constant with a close name")]
+            return Diagnostic(
+                rule=MISSPELT.name,
+                message=f"`{value}` is used only here",
+                span=one.const.span,
+                labels=tuple(labels) if other in known.first else (),
+                help=f"did you mean `{other}`?",
+                fix=Fix(
+                    Applicability.UNSAFE,
+                    f"write `{other}`",
+                    (Edit(one.const.span, other),),
+                ),
+            )
+    return None
+
+
+_ENOUGH = 2
+"""So many others at a place make it one of their sort."""
+
+_TRUTH = ("true", "false", "t", "nil")
+
+
+def _sort(value: object) -> str:
+    if is_number(value):
+        return "number"
+    if value in _TRUTH:
+        return "truth value"
+    return "word" if _is_word(value) else ""
+
+
+def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
+    """A number among words, or a word among numbers; likewise with truth values.
+
+    `false` among words is none: it says that there is no such thing.
+    """
+    own = _sort(one.const.value)
+    if not own or len(one.places) != 1 or one.const.value == "false":
+        return None
+    there = known.sorts[one.places[0]]
+    others = {sort: n for sort, n in there.items() if sort and sort != own}
+    if there[own] != 1 or len(others) != 1:
+        return None
+    ((sort, count),) = others.items()
+    if count < (_ENOUGH if "number" in (own, sort) else _SURE):
+        return None
+    return Diagnostic(
+        rule=MIXED.name,
+        message=f"`{format_atom(one.const.value)}` stands where all others are {sort}s",
+        span=one.const.span,
+        help=f"there are {count} of them at this place of `{one.places[0].name}`",
+    )
+
+
+_SURE = 4
+"""The same where a property may have a word or none."""
+
+
+def _foreign(known: _Known, one: _Standing) -> Diagnostic | None:
+    value = one.const.value
+    if not _is_word(value) or len(one.kinds) != 1 or len(one.places) != 1:
+        return None
+    (wanted,) = one.kinds
+    if known.at[value][wanted] > 1 or known.kinds.values(wanted) is not None:
+        return None
+    homes = [k for k, n in known.at[value].items() if isinstance(k, str) and n > 1]
+    homes = [kind for kind in homes if kind != wanted]
+    if not homes or not all(_strange(known, kind, wanted) for kind in homes):
+        return None
+    return Diagnostic(
+        rule=FOREIGN.name,
+        message=f"`{value}` is a {homes[0]}, and a {wanted} is wanted",
+        span=one.const.span,
+        help="is it the argument that was meant here?",
+    )
+
+
+def _strange(known: _Known, kind: str, wanted: str) -> bool:
+    """Whether values of a kind are hardly of another; kinds named alike are related."""
+    if set(kind.split("-")) & set(wanted.split("-")):
+        return False
+    if wanted in ("item", "symbol"):
+        above = known.kinds.above(kind)
+        return known.kinds.values(kind) is not None and "item" not in above
+    return known.kinds.apart(kind, wanted)
