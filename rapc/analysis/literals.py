@@ -123,6 +123,8 @@ class Conjunction:
         self.held: list[Literal] = []
         self._relations = relations
         self._given = given
+        self._denials = 0
+        self._names: dict[int, set[str]] = {}
         self._values: dict[tuple[object, ...], Literal] = {}
         self._numbers: dict[nodes.Term, list[tuple[nodes.Compare, Literal]]] = {}
 
@@ -132,6 +134,7 @@ class Conjunction:
             return None
         found = self._against(literal)
         self.held.append(literal)
+        self._denials += not literal.holds
         return Clash(found, literal) if found is not None else None
 
     def _against(self, literal: Literal) -> Literal | None:
@@ -148,7 +151,7 @@ class Conjunction:
             found = self._other_bound(formula, literal)
             if found is not None:
                 return found
-        return self._denied(literal)
+        return self._denied(literal) if self._denials else None
 
     def _ruled_out(self, literal: Literal) -> Literal | None:
         """A literal from which a formula that has no solution would follow."""
@@ -170,10 +173,18 @@ class Conjunction:
 
     def _own(self, literal: Literal, others: Iterable[Literal]) -> set[str]:
         """The variables that occur nowhere else: whatever they stand for will do."""
-        own = {name for name in names(literal.formula) if name not in self._given}
-        for other in others:
-            own -= names(other.formula) if other is not literal else set()
+        own = {name for name in self._known(literal) if name not in self._given}
+        for other in others if own else ():
+            if other is not literal:
+                own -= self._known(other)
         return own
+
+    def _known(self, literal: Literal) -> set[str]:
+        """The names of the variables of a literal, gathered once."""
+        found = self._names.get(id(literal))
+        if found is None:
+            found = self._names[id(literal)] = names(literal.formula)
+        return found
 
     def _other_value(self, fact: nodes.Proposition, literal: Literal) -> Literal | None:
         declared = self._relations.get(fact.name)

@@ -61,18 +61,21 @@ class Places:
         #: Every term at a place, in the order of uses.
         self.filled: Sequence[Filled] = tuple(_filled(index))
         self._of: dict[int, dict[str, list[Place]]] = {}
+        self._forms: dict[int, Form] = {}
         for one in self.filled:
             if isinstance(one.term, nodes.Var) and not one.term.anonymous:
                 names = self._of.setdefault(id(one.form), {})
+                self._forms[id(one.form)] = one.form
                 names.setdefault(one.term.name, []).append(one.place)
 
     def of(self, form: Form, name: str) -> Sequence[Place]:
         """Return the places at which a variable stands in a form."""
         return self._of.get(id(form), {}).get(name, ())
 
-    def variables(self, form: Form) -> Mapping[str, Sequence[Place]]:
-        """Return the variables of a form, each with its places."""
-        return self._of.get(id(form), {})
+    def forms(self) -> Iterator[tuple[Form, Mapping[str, Sequence[Place]]]]:
+        """Yield the forms with their variables, and the places of each."""
+        for key, names in self._of.items():
+            yield self._forms[key], names
 
 
 def _filled(index: Index) -> Iterator[Filled]:

@@ -67,7 +67,7 @@ def test_the_index_knows_the_children_of_every_node() -> None:
     }
     assert {nodes.Node, nodes.Pattern, *CHILDREN} == kinds
     scalars = ("str", "int", "bool", "Atom", "Span", "Literal", "tuple[str", "float")
-    others = ("Number", "RowKind", "tuple[tuple[str", "tuple[Atom")
+    others = ("Number", "RowKind", "tuple[tuple[str", "tuple[Atom", "tuple[Number")
     for kind, children in CHILDREN.items():
         above = nodes.Pattern if issubclass(kind, nodes.Pattern) else kind
         holding = {

@@ -93,6 +93,21 @@ class _Asked(msgspec.Struct, frozen=True):
     clause: str
 
 
+class _Goal(msgspec.Struct, frozen=True):
+    """A way to succeed, in variables of its own."""
+
+    span: Span
+    literals: Sequence[Literal]
+    #: Its variables that are no inputs or resources.
+    free: Container[str]
+
+
+def _goal(formula: nodes.Formula, given: Container[str]) -> _Goal:
+    renamed = apart(formula, given, "@goal")
+    free = {name for name in names(renamed) if name not in given}
+    return _Goal(formula.span, tuple(literals(renamed)), free)
+
+
 class _Reports:
     """Where the findings of one form go: each place is told of once."""
 
@@ -154,6 +169,8 @@ def _queries(form: nodes.MemoryRule | nodes.EventRule) -> Iterator[nodes.Formula
 
 def _contradictions(reports: _Reports, formula: nodes.Formula) -> bool:
     """Report what never holds in a formula; return whether anything was found."""
+    if not isinstance(formula, nodes.And | nodes.Or | nodes.Not):
+        return False
     found = False
     waiting: list[tuple[nodes.Formula, list[Literal]]] = [(formula, [])]
     while waiting:
@@ -214,7 +231,7 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
         for one in formulas(rap)
     }
     held = list(_held(rap, given))
-    goals = list(_ways_to_succeed(rap))
+    goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
     looped = rap.repeat_while
     if looped is not None and sound[id(looped)]:
         if _never(reports, looped, held, goals, "repeat-while"):
@@ -266,7 +283,7 @@ def _never(
     reports: _Reports,
     formula: nodes.Formula,
     held: Sequence[_Asked],
-    goals: Sequence[nodes.Formula],
+    goals: Sequence[_Goal],
     what: str,
 ) -> bool:
     """Report a formula, or branches of it, that never holds with what is held."""
@@ -287,7 +304,7 @@ def _refuted(
     own: Sequence[Literal],
     span: Span,
     held: Sequence[_Asked],
-    goals: Sequence[nodes.Formula],
+    goals: Sequence[_Goal],
     what: str,
 ) -> bool:
     clash = _first_clash(reports.conjunction(held), own)
@@ -304,9 +321,7 @@ def _refuted(
         return True
     everything = [*(a.literal for a in held if a.clause != "succeed"), *own]
     for goal in goals:
-        renamed = apart(goal, reports.given, "@goal")
-        free = {name for name in names(renamed) if name not in reports.given}
-        if follows(list(literals(renamed)), everything, free):
+        if follows(goal.literals, everything, goal.free):
             reports.report(
                 UNREACHABLE,
                 f"{what} is never chosen: where this holds, `succeed` does",

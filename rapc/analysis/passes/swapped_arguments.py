@@ -11,8 +11,8 @@ forms that hand a variable to `enter` have it from the second place of `at`.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import permutations
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Form, NameUse
@@ -85,49 +85,82 @@ _PLAIN = ("unknown", "true", "false", "nil", "t")
 class _Links:
     """In how many forms two places, or a constant and a place, go together.
 
-    A declaration counts as two RAPs do.
+    A declaration counts as two RAPs do. Places and constants are told by numbers, and
+    what goes together by a pair of these.
     """
 
     def __init__(self, places: Places) -> None:
-        self._places = places
-        self._forms: Counter[tuple[_Point, _Point]] = Counter()
-        self._in: dict[int, set[tuple[_Point, _Point]]] = {}
-        for one in places.filled:
-            if isinstance(one.term, nodes.Const):
-                self._add(one.form, ("constant", one.term.value), one.place)
-            elif isinstance(one.term, nodes.Var):
-                for other in places.of(one.form, one.term.name)[:_MOST_PLACES]:
-                    self._add(one.form, other, one.place)
+        self._numbers: dict[_Point, int] = {}
+        self._forms: dict[tuple[int, int], int] = {}
+        self._rows: dict[int, dict[str, tuple[int, ...]]] = {}
+        self._own: dict[int, list[set[int]]] = {}
+        for form, variables in places.forms():
+            rows = self._rows[id(form)] = {
+                name: tuple(dict.fromkeys(map(self._number, found)))[:_MOST_PLACES]
+                for name, found in variables.items()
+            }
+            self._own[id(form)] = [set(row) for row in rows.values()]
+            weight = 1 if isinstance(form, nodes.DefineRap | nodes.DefineTest) else 2
+            pairs = {pair for row in rows.values() for pair in permutations(row, 2)}
+            self._add(pairs, weight)
+        for form, constants in _constants(places):
+            pairs = set()
+            for value, found in constants.items():
+                own = self._number(("constant", value))
+                there = {self._number(place) for place in found}
+                pairs.update((own, place) for place in there)
+                self._own.setdefault(id(form), []).append({own, *there})
+            self._add(pairs, 1)
 
-    def _add(self, form: Form, one: _Point, other: Place) -> None:
-        pairs = self._in.setdefault(id(form), set())
-        if one != other and (one, other) not in pairs:
-            pairs.add((one, other))
-            told = not isinstance(form, nodes.DefineRap | nodes.DefineTest)
-            self._forms[one, other] += 2 if told else 1
+    def _number(self, point: _Point) -> int:
+        return self._numbers.setdefault(point, len(self._numbers))
 
-    def points(self, form: Form, term: nodes.Term, here: Place) -> list[_Point]:
+    def _add(self, pairs: Iterable[tuple[int, int]], weight: int) -> None:
+        for pair in pairs:
+            self._forms[pair] = self._forms.get(pair, 0) + weight
+
+    def places(self, named: Iterable[Place]) -> list[int]:
+        """Return the numbers of places."""
+        return [self._number(place) for place in named]
+
+    def points(self, form: Form, term: nodes.Term, places: Sequence[int]) -> list[int]:
         """Return what speaks for a term of a form: its other places, or itself."""
         if isinstance(term, nodes.Const):
             plain = term.value in _PLAIN or not isinstance(term.value, str)
-            return [] if plain else [("constant", term.value)]
+            return [] if plain else [self._number(("constant", term.value))]
         if not isinstance(term, nodes.Var):
             return []
-        found = self._places.of(form, term.name)[:_MOST_PLACES]
-        others = dict.fromkeys(place for place in found if place != here)
-        return list(others)
+        row = self._rows.get(id(form), {}).get(term.name, ())
+        return [place for place in row if place not in places]
 
-    def alike(self, places: tuple[Place, Place]) -> bool:
+    def alike(self, one: int, other: int) -> bool:
         """Whether one variable stands at both places: what fits one fits the other."""
-        return self._forms[places] > 0
+        return (one, other) in self._forms
 
-    def elsewhere(self, form: Form, points: Sequence[_Point], place: Place) -> int:
+    def elsewhere(self, form: Form, points: Sequence[int], place: int) -> int:
         """Return in how many other forms one of the points goes with a place."""
-        own = self._in.get(id(form), set())
-        return max(
-            (self._forms[point, place] - ((point, place) in own) for point in points),
-            default=0,
-        )
+        most = 0
+        for point in points:
+            count = self._forms.get((point, place), 0)
+            if count > most:
+                own = any(
+                    point in there and place in there
+                    for there in self._own.get(id(form), ())
+                )
+                most = max(most, count - own)
+        return most
+
+
+def _constants(
+    places: Places,
+) -> Iterator[tuple[Form, Mapping[object, Sequence[Place]]]]:
+    """Yield the forms that have constants, with the places of each."""
+    found: dict[int, tuple[Form, dict[object, list[Place]]]] = {}
+    for one in places.filled:
+        if isinstance(one.term, nodes.Const):
+            _, there = found.setdefault(id(one.form), (one.form, {}))
+            there.setdefault(one.term.value, []).append(one.place)
+    return iter(found.values())
 
 
 def _run(run: Pass) -> None:
@@ -158,7 +191,7 @@ def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
     """Yield two arguments that were swapped, with how much speaks for that."""
     terms = used.node.args[:_MOST_ARGUMENTS]
     space = SPACES[used.use]
-    places = [Place(space, used.name, at) for at in range(len(terms))]
+    places = links.places(Place(space, used.name, at) for at in range(len(terms)))
     for one in range(len(terms)):
         for other in range(one + 1, len(terms)):
             pair = (terms[one], terms[other])
@@ -172,16 +205,13 @@ def _support(
     links: _Links,
     used: NameUse,
     terms: tuple[nodes.Term, nodes.Term],
-    places: tuple[Place, Place],
+    places: tuple[int, int],
 ) -> int:
     """Return how many other places say that two arguments were swapped."""
     form = used.owner
-    if links.alike(places):
+    if links.alike(*places):
         return 0
-    points = [
-        [point for point in links.points(form, term, place) if point not in places]
-        for term, place in zip(terms, places, strict=True)
-    ]
+    points = [links.points(form, term, places) for term in terms]
     if any(map(links.elsewhere, (form, form), points, places)):
         return 0
     turned = [
