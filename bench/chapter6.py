@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import msgspec
 
 from bench.common import Figure
-from rapc.experiments import definition
+from rapc.experiments import reading
 from rapc.experiments.config import Config
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import measure
@@ -38,10 +38,9 @@ def run(config: Config, seed: int) -> Run:
 
 def session() -> Batch:
     """The experiment that comes with rapc, ready to be run."""
-    file = definition.find("chapter6")
-    made = definition.read(file)
-    path = file.parent / made.library
-    return Batch(made, file.parent, load(path).program, path)
+    file = reading.find("chapter6")
+    made = reading.read(file)
+    return Batch(made, file.parent, lambda path: load(path).program)
 
 
 def figures(quick: bool = False) -> Iterator[Figure]:

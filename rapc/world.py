@@ -441,6 +441,20 @@ class Drawable(Protocol):
 
 
 @runtime_checkable
+class Truthful(Protocol):
+    """A world that can say what was true, for experiments and tests.
+
+    The robot never hears of it.
+    """
+
+    def figures(self) -> Mapping[str, Atom] | msgspec.Struct:
+        """Return what was true so far; of what is numbers experiments tell.
+
+        Which figures there are never changes. Nothing changes by asking.
+        """
+
+
+@runtime_checkable
 class Savable(Protocol):
     """A simulator whose state can be saved."""
 

@@ -24,6 +24,7 @@ _WORDS = {
     "array": "a list",
     "object": "a table",
     "int | float": "a number",
+    "object | array": "a list or a table",
     "bool | int | float | str": "text, a number or true or false",
 }
 

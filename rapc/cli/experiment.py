@@ -15,10 +15,11 @@ from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.options import Count, say
+from rapc.compiler.program import Program
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
 from rapc.console.progress import bar
-from rapc.experiments import definition
+from rapc.experiments import definition, reading
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.definition import ExperimentError
 from rapc.experiments.local import LocalWorkers, cores
@@ -39,7 +40,6 @@ INTERRUPTED = 130
 _STYLES: Mapping[str, Mapping[str, Any]] = {
     "title": {"bold": True},
     "head": {"underline": True},
-    "theirs": {"dim": True},
 }
 
 _MOST_PROCESSES = 1000
@@ -117,12 +117,15 @@ def experiment(
 
 def _session(name: str, parts: Sequence[str], seeds: int | None) -> Batch:
     try:
-        file = definition.find(name)
-        made = definition.read(file)
-        path = file.parent / made.library
-        return Batch(made, file.parent, load_checked(str(path)), path, parts, seeds)
+        file = reading.find(name)
+        made = reading.read(file)
+        return Batch(made, file.parent, _library, parts, seeds)
     except ExperimentError as error:
         fail(error.message, error.help)
+
+
+def _library(path: Path) -> Program:
+    return load_checked(str(path))
 
 
 def _folder(name: str) -> Path:
@@ -239,6 +242,7 @@ def _write(session: Batch, summaries: Sequence[Summary], folder: Path) -> None:
         drawn = _draw(summaries, folder)
         heading = session.made.title or session.made.name
         output.write_tables(heading, summaries, drawn, folder / output.TABLES)
+        output.write_tasks(heading, summaries, folder / output.TASKS)
         output.write_commands(session, folder / output.COMMANDS)
     except OSError as error:
         fail(f"cannot write in `{folder}`: {(error.strerror or str(error)).lower()}")

@@ -14,8 +14,16 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.base.names import nearest
 from rapc.base.values import Atom, Text
+from rapc.errors import WorldError
+from rapc.experiments.draws import Draws, filled
+from rapc.runtime.settings import read_settings
 from rapc.world import World
+from rapc.worlds import registry
+
+OWN = "rapc"
+"""The owner of the interpreter's settings, beside that of a world's options."""
 
 Plain = bool | int | float | str
 """The value of an option; that of one of kind `text` is the text itself."""
@@ -26,24 +34,28 @@ _CODE = (".py", ".lark")
 
 
 class Config(msgspec.Struct, frozen=True):
-    """What is run, and what is counted of it.
-
-    `sources` are the files of the library, name and text, in the order in which they
-    were linked; `options` are all that the world has, `settings` all that the
-    interpreter has; `code` is a digest of rapc and of the package of the world.
-    """
+    """What is run, and what is counted of it."""
 
     rapc: str
+    #: A digest of rapc and of the package of the world.
     code: str
     library: str
+    #: The files of the library, name and text, in the order in which they were linked.
     sources: tuple[tuple[str, str], ...]
     world: str
+    #: All options of the world, and all settings of the interpreter.
     options: Mapping[str, Plain]
     settings: Mapping[str, int | float]
     tasks: tuple[str, ...]
     until: int | float
     counted: tuple[str, ...]
     count: Mapping[str, str]
+    #: Which figures of the world about the truth are told.
+    figures: tuple[str, ...] = ()
+    #: What each seed draws; it stands in tasks and in `texts` by its name in braces.
+    draws: Draws = {}
+    #: Options and settings with something drawn, by `owner.name`.
+    texts: Mapping[str, str] = {}
 
     def as_json(self) -> bytes:
         """The configuration for a person, with a digest for the library's text.
@@ -79,7 +91,59 @@ def plain_options(
 ) -> dict[str, Plain]:
     """The values of all options of a world: those given, and the defaults."""
     values = {option.name: option.default for option in world.kit.options} | dict(given)
+    return plain(values)
+
+
+def plain(values: Mapping[str, Atom | bool]) -> dict[str, Plain]:
+    """Return values of options as a configuration has them."""
     return {n: v.value if isinstance(v, Text) else v for n, v in values.items()}
+
+
+def by_owner(
+    world: type[World], texts: Mapping[str, str]
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Part settings by `owner.name` into the interpreter's and the world's, by name.
+
+    Raises:
+        WorldError: for an owner that is neither.
+    """
+    own: dict[str, str] = {}
+    theirs: dict[str, str] = {}
+    for key, text in texts.items():
+        owner, _, name = key.partition(".")
+        if owner not in (OWN, world.name):
+            near = nearest(owner, [OWN, world.name])
+            raise WorldError(
+                f"`{key}`: `{owner}` is neither `{OWN}` nor `{world.name}`",
+                f"did you mean `{near}`?" if near else "",
+            )
+        (own if owner == OWN else theirs)[name] = text
+    return own, theirs
+
+
+def resolved(config: Config, values: Mapping[str, str]) -> Config:
+    """Return `config` with the values drawn in their places, so that nothing is drawn.
+
+    Raises:
+        WorldError, SettingError: for an option or setting that cannot be so.
+    """
+    if not config.draws:
+        return config
+    world = registry.find_world(config.world)
+    own, theirs = by_owner(world, config.texts)
+    theirs = {name: filled(text, values) for name, text in theirs.items()}
+    own = {name: filled(text, values) for name, text in own.items()}
+    options = registry.read_options(world, theirs)
+    settings = msgspec.structs.asdict(read_settings(own))
+    drawn = {name.replace("-", "_") for name in own}
+    return msgspec.structs.replace(
+        config,
+        tasks=tuple([filled(task, values) for task in config.tasks]),
+        options={**config.options, **plain(options)},
+        settings={**config.settings, **{name: settings[name] for name in drawn}},
+        draws={},
+        texts={},
+    )
 
 
 def code_of(world: type[World]) -> str:

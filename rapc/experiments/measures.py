@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping
 
 import msgspec
 
+from rapc.base.values import is_number
 from rapc.runtime.events import events
-from rapc.world import OKAY, Offer, Time
+from rapc.world import OKAY, Offer, Time, Truthful, World
 
 LABELS: Mapping[str, str] = {
     "completed": "completed",
@@ -16,39 +17,59 @@ LABELS: Mapping[str, str] = {
     "pending": "pending",
     "time": "time",
     "time-each": "time each",
+    "task-time": "task time",
     "effector": "effector",
     "sensor": "sensor",
     "failed": "failed",
     "percent-sensor": "% sensor",
     "percent-failed": "% failed",
+    "missed-deadlines": "missed deadlines",
+    "query-faults": "query faults",
 }
 """The measures by the names that files of experiments have for them, as printed.
 
 `time-each` is the whole time divided by the tasks completed, as T 6.3.1 has it;
+`task-time` goes from when a task came to when it succeeded, on average;
 `percent-failed` are the primitives that failed, of all.
 """
 
 
+class TaskTold(msgspec.Struct, frozen=True):
+    """What became of one of the tasks that are counted."""
+
+    goal: str
+    came: Time
+    #: When it succeeded or failed; None if it did neither.
+    ended: Time | None
+    outcome: str
+    #: Why it failed, in a line; empty if it has not.
+    reason: str = ""
+
+
 class Measures(msgspec.Struct, frozen=True):
-    """What came of a run.
+    """What came of a run."""
 
-    `reason` is why it was over, `disaster` what the world says if it ended the run;
-    `time` the time units it took; `completed`, `given_up` and `pending` count the
-    tasks that are counted; `effector`, `sensor` and `failed` the primitives that
-    ended, those that only look apart; `counts` successes of the RAPs and
-    primitives named for it.
-    """
-
+    #: Why it was over, and what the world says if it ended the run.
     reason: str
     disaster: str | None
+    #: The time units it took.
     time: Time
+    #: What became of the tasks that are counted.
     completed: int
     given_up: int
     pending: int
+    #: Primitives that ended, those that only look apart, and all that failed.
     effector: int
     sensor: int
     failed: int
+    #: Successes of the RAPs and primitives named for it.
     counts: Mapping[str, int]
+    missed_deadlines: int = 0
+    query_faults: int = 0
+    #: What the world tells of the truth, of what was asked for.
+    figures: Mapping[str, float] = {}
+    #: The tasks that are counted and have come, in the order in which they came.
+    tasks: tuple[TaskTold, ...] = ()
 
 
 class Tally:
@@ -61,13 +82,20 @@ class Tally:
         count: RAPs and primitives whose successes are counted, by what they are called.
     """
 
-    kinds = (events.PrimitiveEnded, events.TaskSucceeded)
+    kinds = (
+        events.PrimitiveEnded,
+        events.TaskSucceeded,
+        events.DeadlineMissed,
+        events.QueryFaulted,
+        events.TaskFailed,
+    )
 
     def __init__(self, offer: Offer, count: Mapping[str, str]) -> None:
         self._sensors = frozenset(offer.sensors)
         self._count = count
         self._successes = Counter(dict.fromkeys(count.values(), 0))
         self.sensor = self.effector = self.failed = 0
+        self.missed_deadlines = self.query_faults = 0
 
     def __call__(self, event: events.Event) -> None:
         """Take one event into account."""
@@ -85,28 +113,66 @@ class Tally:
             name = event.goal.name
             if name in self._successes:
                 self._successes[name] += 1
+        elif isinstance(event, events.DeadlineMissed):
+            self.missed_deadlines += 1
+        elif isinstance(event, events.QueryFaulted):
+            self.query_faults += 1
 
     def counts(self) -> dict[str, int]:
         """How often each RAP or primitive that is counted has succeeded."""
         return {name: self._successes[what] for name, what in self._count.items()}
 
 
-def outcomes(
-    given: Sequence[str], results: Iterable[events.TaskResult]
-) -> tuple[int, int, int]:
-    """How many of the tasks given were completed, given up, and are pending.
+def tasks_told(
+    raps: Container[str], results: Iterable[events.TaskResult]
+) -> tuple[TaskTold, ...]:
+    """Return what became of the tasks in the foreground that are of `raps`.
 
     Args:
-        given: the RAP of each task that is counted, whether it has begun or not.
-        results: what became of all tasks that have begun.
+        raps: the names of the RAPs whose tasks are counted.
+        results: what became of all tasks that have come, in that order.
     """
-    counted = [
-        result.outcome
-        for result in results
-        if result.goal.name in given and not result.background
-    ]
-    completed, given_up = counted.count("succeeded"), counted.count("failed")
-    return completed, given_up, len(given) - completed - given_up
+    return tuple(
+        [
+            TaskTold(
+                str(result.goal),
+                result.came,
+                result.ended,
+                result.outcome,
+                _reason(result) if result.outcome == "failed" else "",
+            )
+            for result in results
+            if result.goal.name in raps and not result.background
+        ]
+    )
+
+
+def _reason(result: events.TaskResult) -> str:
+    """Why a task has failed: the clause that it all came from.
+
+    What was bound is left out, so that failures of one kind read alike.
+    """
+    first = result.because
+    if first is None:
+        return str(result.result)
+    while first.because is not None:
+        first = first.because
+    return f"{result.result}: {_clause(first)}"
+
+
+def _clause(cause: events.Cause) -> str:
+    said = cause.clause
+    if cause.note and not cause.part:
+        return f"{said}, {cause.note}"
+    return f"{said}, {cause.part}" if cause.part else said
+
+
+def figures_of(world: World) -> dict[str, float]:
+    """Return the numbers that a world tells of the truth; none if it tells none."""
+    if not isinstance(world, Truthful):
+        return {}
+    told = msgspec.to_builtins(world.figures())
+    return {n.replace("_", "-"): v for n, v in told.items() if is_number(v)}
 
 
 def numbers_of(measures: Measures) -> dict[str, float]:
@@ -120,8 +186,18 @@ def numbers_of(measures: Measures) -> dict[str, float]:
         "effector": measures.effector,
         "sensor": measures.sensor,
         "failed": measures.failed,
+        "missed-deadlines": measures.missed_deadlines,
+        "query-faults": measures.query_faults,
         **measures.counts,
+        **measures.figures,
     }
+    took = [
+        task.ended - task.came
+        for task in measures.tasks
+        if task.outcome == "succeeded" and task.ended is not None
+    ]
+    if took:
+        numbers["task-time"] = sum(took) / len(took)
     if primitives:
         numbers["percent-sensor"] = 100 * measures.sensor / primitives
         numbers["percent-failed"] = 100 * measures.failed / primitives

@@ -7,7 +7,7 @@ before the first run.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -16,71 +16,110 @@ from rapc.base.values import format_atom
 from rapc.base.version import VERSION
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError, SettingError, TextError, WorldError
-from rapc.experiments.config import Config, code_of, plain_options, world_options
-from rapc.experiments.definition import Experiment, ExperimentError, Part, Value, meant
-from rapc.experiments.measures import LABELS
+from rapc.experiments.config import (
+    Config,
+    by_owner,
+    code_of,
+    plain_options,
+    resolved,
+    world_options,
+)
+from rapc.experiments.definition import Experiment, ExperimentError, Part, meant
+from rapc.experiments.draws import (
+    Value,
+    drawn,
+    extremes,
+    filled,
+    names_in,
+    value_text,
+)
+from rapc.experiments.measures import LABELS, figures_of
 from rapc.experiments.run import counted
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
-from rapc.runtime.task_request import TaskRequest, read_task_request
+from rapc.runtime.task_request import (
+    TaskRequest,
+    as_text,
+    of_agenda,
+    read_task_request,
+)
 from rapc.world import World
 from rapc.worlds import registry
 
-OWN = "rapc"
-"""The owner of the interpreter's settings, beside that of a world's options."""
-
 
 class Point(msgspec.Struct, frozen=True):
-    """One value of a part, and what is run for it.
-
-    `digest` is the configuration's hash; `texts` are the settings as the command line
-    takes them, `owner.name` and value.
-    """
+    """One value of a part, and what is run for it."""
 
     part: str
     value: Value | None
     config: Config
+    #: The hash of the configuration.
     digest: str
+    #: The settings as the command line takes them, `owner.name` and value.
     texts: Mapping[str, str]
+    #: The file or folder of the library.
+    library: Path
+    #: The agenda and the tasks given besides.
+    agenda: str | None
+    tasks: tuple[str, ...]
 
 
 def points(
-    experiment: Experiment,
-    library: Program,
-    folder: Path,
-    parts: Iterable[Part],
+    experiment: Experiment, folder: Path, load: Callable[[Path], Program]
 ) -> tuple[Point, ...]:
-    """The points of some parts, in order.
+    """Return the points of all parts, in order.
 
-    `library` has been checked; `folder` is where the experiment's file lies.
+    Args:
+        experiment: what is run.
+        folder: where its file lies.
+        load: returns the checked library of a file or folder.
 
     Raises:
-        ExperimentError: if the experiment names a world, an option, a setting, a RAP
-            or a task that is not there.
+        ExperimentError: if the experiment names a world, an option, a setting, an
+            agenda, a RAP or a task that is not there.
     """
     world = _world(experiment)
-    tasks = _tasks(experiment)
-    for problem in _unknown(experiment, library, tasks):
-        raise problem
     found = []
-    for part in parts:
+    for part in experiment.part:
+        path = folder / (part.library or experiment.library)
+        library = load(path)
+        agenda, more = experiment.given(part)
+        given = (*_of_agenda(library, agenda), *more)
+        for problem in _unknown(experiment, part, library):
+            raise problem
         for value in part.values or (None,):
             texts = _texts(experiment, part, value, folder)
-            config = _config(experiment, library, world, texts)
-            _try(library, world, config, tasks)
-            found.append(Point(part.name, value, config, config.digest(), texts))
+            config = _config(experiment, library, world, texts, given)
+            _try(library, world, config)
+            digest = config.digest()
+            found.append(
+                Point(part.name, value, config, digest, texts, path, agenda, more)
+            )
     return tuple(found)
 
 
-def command(experiment: Experiment, point: Point, library: Path, seed: int) -> str:
-    """The command line that repeats one run of a point."""
-    words = ["rapc", "run", str(library), "--world", experiment.world]
+def command(experiment: Experiment, point: Point, seed: int) -> str:
+    """Return the command line that repeats one run of a point."""
+    values = drawn(experiment.draw, seed)
+    words = ["rapc", "run", str(point.library), "--world", experiment.world]
     words += ["--seed", str(seed), "--until", format_atom(experiment.until)]
     for name, text in point.texts.items():
-        words += ["--set", f"{name}={text}"]
-    for task in experiment.tasks:
-        words += ["--task", task]
+        words += ["--set", f"{name}={filled(text, values)}"]
+    if point.agenda is not None:
+        words += ["--agenda", point.agenda]
+    for task in point.tasks:
+        words += ["--task", filled(task, values)]
     return shlex.join(words)
+
+
+def _of_agenda(library: Program, name: str | None) -> tuple[str, ...]:
+    """The tasks of an agenda of a library, as text."""
+    if name is None:
+        return ()
+    try:
+        return tuple([as_text(task) for task in of_agenda(library.library, name)])
+    except RefusedError as refused:
+        raise ExperimentError(*refused.reasons) from refused
 
 
 def _world(experiment: Experiment) -> type[World]:
@@ -90,9 +129,9 @@ def _world(experiment: Experiment) -> type[World]:
         raise ExperimentError(error.message, error.help) from error
 
 
-def _tasks(experiment: Experiment) -> list[TaskRequest]:
+def _tasks(texts: Iterable[str]) -> list[TaskRequest]:
     tasks = []
-    for number, text in enumerate(experiment.tasks, 1):
+    for number, text in enumerate(texts, 1):
         try:
             tasks.append(read_task_request(text))
         except TextError as error:
@@ -100,18 +139,22 @@ def _tasks(experiment: Experiment) -> list[TaskRequest]:
     return tasks
 
 
+def _uncounted(config: Config, tasks: Sequence[TaskRequest]) -> None:
+    """See that there are tasks to be counted."""
+    given = [str(task.goal[0]) for task in tasks if not task.background]
+    if not given:
+        message = "all tasks are in the background: there is none to count"
+        raise ExperimentError(message)
+    if not counted(tasks, config.counted):
+        said = " and ".join(f"`{name}`" for name in config.counted)
+        message = f"`counted`: no task in the foreground is one of {said}"
+        raise ExperimentError(message, meant(config.counted[0], given))
+
+
 def _unknown(
-    experiment: Experiment, library: Program, tasks: Sequence[TaskRequest]
+    experiment: Experiment, part: Part, library: Program
 ) -> Iterator[ExperimentError]:
     """What is to be counted, or has figures, and is not there."""
-    given = [str(task.goal[0]) for task in tasks if not task.background]
-    for name in experiment.counted:
-        if name not in given:
-            message = f"`counted`: no task in the foreground is one of `{name}`"
-            yield ExperimentError(message, meant(name, given))
-    if not counted(tasks, experiment.counted):
-        message = "all tasks are in the background: there is none to count"
-        yield ExperimentError(message)
     known = [*library.library.raps, *library.library.primitives]
     for name, what in experiment.count.items():
         if name in LABELS:
@@ -119,12 +162,11 @@ def _unknown(
         if what not in known:
             message = f"`count`, {name}: no RAP or primitive is named `{what}`"
             yield ExperimentError(message, meant(what, known))
-    measures = [*LABELS, *experiment.count]
-    for part in experiment.part:
-        for name in part.reference.figures if part.reference else ():
-            if name not in measures:
-                message = f"part `{part.name}`: there is no measure `{name}`"
-                yield ExperimentError(message, meant(name, measures))
+    measures = [*LABELS, *experiment.count, *experiment.figures]
+    for name in part.reference.figures if part.reference else ():
+        if name not in measures:
+            message = f"part `{part.name}`: there is no measure `{name}`"
+            yield ExperimentError(message, meant(name, measures))
 
 
 def _texts(
@@ -141,11 +183,9 @@ def _texts(
 
 
 def _text(value: Value, folder: Path) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f"@{folder / value[1:]}" if value.startswith("@") else value
-    return format_atom(value)
+    if isinstance(value, str) and value.startswith("@"):
+        return f"@{folder / value[1:]}"
+    return value_text(value)
 
 
 def _config(
@@ -153,9 +193,17 @@ def _config(
     library: Program,
     world: type[World],
     texts: Mapping[str, str],
+    tasks: tuple[str, ...],
 ) -> Config:
-    own, theirs = _by_owner(world, texts)
+    names = experiment.draw
+    open_ = {
+        key: text
+        for key, text in texts.items()
+        if any(name in names for name in names_in(text))
+    }
+    settled = {key: text for key, text in texts.items() if key not in open_}
     try:
+        own, theirs = by_owner(world, settled)
         options = registry.read_options(world, theirs)
         settings = read_settings(own)
     except WorldError as error:
@@ -170,45 +218,57 @@ def _config(
         world=experiment.world,
         options=plain_options(world, options),
         settings=msgspec.structs.asdict(settings),
-        tasks=experiment.tasks,
+        tasks=tasks,
         until=experiment.until,
         counted=experiment.counted,
         count=experiment.count,
+        figures=experiment.figures,
+        draws=experiment.draw,
+        texts=open_,
     )
 
 
-def _by_owner(
-    world: type[World], texts: Mapping[str, str]
-) -> tuple[dict[str, str], dict[str, str]]:
-    own: dict[str, str] = {}
-    theirs: dict[str, str] = {}
-    for key, text in texts.items():
-        owner, _, name = key.partition(".")
-        if owner not in (OWN, world.name):
-            raise ExperimentError(
-                f"`{key}`: `{owner}` is neither `{OWN}` nor `{world.name}`",
-                meant(owner, [OWN, world.name]),
-            )
-        (own if owner == OWN else theirs)[name] = text
-    return own, theirs
+def _try(library: Program, world: type[World], config: Config) -> None:
+    """See that a world can be made so, and that the tasks can be run in it.
+
+    What is drawn is tried with each of its values, of a range with both ends.
+    """
+    for values in extremes(config.draws):
+        _try_drawn(library, world, config, values)
 
 
-def _try(
+def _try_drawn(
     library: Program,
     world: type[World],
     config: Config,
-    tasks: Sequence[TaskRequest],
+    values: Mapping[str, str],
 ) -> None:
-    """See that a world can be made so, and that the tasks can be run in it."""
-    options = world_options(world, config.options)
     try:
-        made = registry.build_world(world, 0, options)
+        settled = resolved(config, values)
+        tasks = _tasks(settled.tasks)
+        _uncounted(settled, tasks)
+        made = registry.build_world(world, 0, world_options(world, settled.options))
         Interpreter(library, made).check(tasks)
+        _figures(made, config.figures)
     except WorldError as error:
         raise ExperimentError(error.message, error.help) from error
+    except SettingError as error:
+        raise ExperimentError(str(error)) from error
     except RefusedError as refused:
         first, *more = refused.reasons
         raise ExperimentError(first, "; ".join(more)) from refused
+
+
+def _figures(world: World, wanted: Sequence[str]) -> None:
+    """See that a world tells the figures that are wanted."""
+    told = figures_of(world)
+    for name in wanted:
+        if name in LABELS:
+            raise ExperimentError(f"`figures`: a measure is called `{name}` already")
+        if name not in told:
+            listed = f"it tells {', '.join(told)}" if told else "it tells none"
+            message = f"`figures`: the world `{world.name}` tells no `{name}`"
+            raise ExperimentError(message, meant(name, told) or listed)
 
 
 def unit(world: type[World], vary: str) -> str:

@@ -17,8 +17,9 @@ import msgspec
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.errors import Error
-from rapc.experiments.config import Config, code_of, world_options
-from rapc.experiments.measures import Measures, Tally, outcomes
+from rapc.experiments.config import Config, code_of, resolved, world_options
+from rapc.experiments.draws import drawn
+from rapc.experiments.measures import Measures, Tally, figures_of, tasks_told
 from rapc.library.loader import load_sources
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
@@ -75,6 +76,7 @@ def measure(config: Config, seed: int) -> Measures:
     Raises:
         OtherCode: if the configuration was made by another rapc.
     """
+    config = resolved(config, drawn(config.draws, seed))
     world_class = registry.find_world(config.world)
     if code_of(world_class) != config.code:
         raise OtherCode("the worker has another version of rapc or of the world")
@@ -90,21 +92,26 @@ def measure(config: Config, seed: int) -> Measures:
     for task in tasks:
         interpreter.submit(task)
     reason = interpreter.run(until=config.until)
-    done, given_up, pending = outcomes(
-        [str(task.goal[0]) for task in counted(tasks, config.counted)],
-        interpreter.results(),
-    )
+    given = [str(task.goal[0]) for task in counted(tasks, config.counted)]
+    told = tasks_told(given, interpreter.results())
+    ends = [task.outcome for task in told]
+    completed, given_up = ends.count("succeeded"), ends.count("failed")
+    figures = figures_of(world) if config.figures else {}
     return Measures(
         reason=reason,
         disaster=world.ended(),
         time=interpreter.now,
-        completed=done,
+        completed=completed,
         given_up=given_up,
-        pending=pending,
+        pending=len(given) - completed - given_up,
         effector=tally.effector,
         sensor=tally.sensor,
         failed=tally.failed,
         counts=tally.counts(),
+        missed_deadlines=tally.missed_deadlines,
+        query_faults=tally.query_faults,
+        figures={name: figures[name] for name in config.figures},
+        tasks=told,
     )
 
 

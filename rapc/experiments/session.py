@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 from rapc.compiler.program import Program
@@ -20,8 +21,7 @@ class Batch:
     Args:
         made: the experiment.
         folder: where its file lies.
-        library: its library, checked.
-        library_path: where that lies.
+        load: returns the checked library of a file or folder; asked once for each.
         parts: the names of the parts; all if there are none.
         seeds: how many runs each point gets; None: as the experiment says.
 
@@ -34,18 +34,16 @@ class Batch:
         self,
         made: Experiment,
         folder: Path,
-        library: Program,
-        library_path: Path,
+        load: Callable[[Path], Program],
         parts: Iterable[str] = (),
         seeds: int | None = None,
     ) -> None:
         chosen = [made.part_named(name) for name in parts] or made.part
         self.made = made
         self.chosen = frozenset(part.name for part in chosen)
-        self.points = points(made, library, folder, made.part)
+        self.points = points(made, folder, cache(load))
         first = made.first_seed
         self.seeds = range(first, first + (seeds or made.seeds))
-        self._library_path = library_path
 
     def missing(self, store: Store) -> list[tuple[Config, list[int]]]:
         """Return the configurations of the chosen points with the seeds they lack.
@@ -81,4 +79,4 @@ class Batch:
 
     def command(self, point: Point, seed: int) -> str:
         """The command line that repeats one run of a point."""
-        return command(self.made, point, self._library_path, seed)
+        return command(self.made, point, seed)

@@ -26,7 +26,7 @@ try:
 except ModuleNotFoundError:  # not a POSIX system
     fcntl = None  # type: ignore[assignment]
 
-FORMAT = 1
+FORMAT = 2
 """The version of the tables; other ones are refused."""
 
 _SCHEMA = """
@@ -36,15 +36,20 @@ create table result (
     reason text not null, disaster text, time numeric not null,
     completed integer not null, given_up integer not null, pending integer not null,
     effector integer not null, sensor integer not null, failed integer not null,
-    counts text not null, seconds real not null,
+    counts text not null, missed_deadlines integer not null,
+    query_faults integer not null, figures text not null, tasks text not null,
+    seconds real not null,
     primary key (config, seed)
 ) without rowid;
 """
 
+_IN_JSON = ("counts", "figures", "tasks")
+"""The measures that stand in one column as JSON."""
+
 _NO_LOCKS = (errno.EBADF, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)
 """What file systems say that cannot lock a folder."""
 
-_KEEP = "insert or ignore into result values (?,?,?,?,?,?,?,?,?,?,?,?,?)"
+_KEEP = "insert or ignore into result values (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
 
 _KEEP_CONFIG = "insert or ignore into config values (?, ?)"
 
@@ -54,7 +59,7 @@ _CONFIGS = "select hash from config order by hash"
 
 _FIND = """
 select seed, reason, disaster, time, completed, given_up, pending, effector, sensor,
-    failed, counts
+    failed, counts, missed_deadlines, query_faults, figures, tasks
 from result where config = ? and seed >= ? and seed < ? order by seed
 """
 
@@ -163,10 +168,9 @@ class Store:
             self._base.execute("commit")
 
     def _keep(self, config: str, result: Result, measures: Measures) -> None:
-        row = {
-            **msgspec.structs.asdict(measures),
-            "counts": msgspec.json.encode(measures.counts).decode(),
-        }
+        row = msgspec.structs.asdict(measures)
+        for name in _IN_JSON:
+            row[name] = msgspec.json.encode(row[name]).decode()
         values = (config, result.seed, *row.values(), round(result.seconds, 4))
         self._base.execute(_KEEP, values)
 
@@ -179,5 +183,6 @@ class Store:
 
 def _measures(values: list[object]) -> Measures:
     row = dict(zip(Measures.__struct_fields__, values, strict=True))
-    row["counts"] = msgspec.json.decode(str(row["counts"]))
+    for name in _IN_JSON:
+        row[name] = msgspec.json.decode(str(row[name]))
     return msgspec.convert(row, Measures)

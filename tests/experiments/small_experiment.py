@@ -10,7 +10,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from rapc.experiments import definition
+from rapc.compiler.program import Program
+from rapc.experiments import reading
 from rapc.experiments.config import Config
 from rapc.experiments.definition import Experiment
 from rapc.experiments.measures import Measures
@@ -69,9 +70,13 @@ def session(
     text: str = TRUCK, parts: Sequence[str] = (), seeds: int | None = None
 ) -> Batch:
     """A session for the text of an experiment that lies in the checkout."""
-    made: Experiment = definition.decode(text, "truck")
-    path = CHECKOUT / made.library
-    return Batch(made, CHECKOUT, load(path).program, path, parts, seeds)
+    made: Experiment = reading.decode(text, "truck")
+    return Batch(made, CHECKOUT, checked, parts, seeds)
+
+
+def checked(path: Path) -> Program:
+    """A library without errors."""
+    return load(path).program
 
 
 def config(text: str = TRUCK) -> Config:

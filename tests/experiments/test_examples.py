@@ -10,10 +10,11 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from rapc.experiments import definition
+from rapc.experiments import reading
 from rapc.experiments.run import measure
 from rapc.experiments.session import Batch
-from rapc.host import load
+
+from .small_experiment import checked
 
 FILES = sorted(
     (Path(__file__).parents[2] / "examples" / "experiments").glob("*.toml"),
@@ -22,9 +23,8 @@ FILES = sorted(
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_an_experiment_among_the_examples_runs(file: Path) -> None:
-    made = msgspec.structs.replace(definition.read(file), until=700)
-    path = file.parent / made.library
-    points = Batch(made, file.parent, load(path).program, path).points
+    made = msgspec.structs.replace(reading.read(file), until=700)
+    points = Batch(made, file.parent, checked).points
     run = measure(points[0].config, 0)
     assert (run.reason, run.disaster) == ("until", None)
     assert run.completed + run.given_up + run.pending == 9

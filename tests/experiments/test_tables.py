@@ -10,9 +10,9 @@ import pytest
 
 from rapc.console.experiments import plots
 from rapc.console.experiments.output import as_text
-from rapc.console.experiments.tables import grid, markdown, remarks
+from rapc.console.experiments.tables import Grid, grid, markdown, remarks, rest, tasks
 from rapc.experiments.definition import Mark, Part, Reference
-from rapc.experiments.measures import Measures
+from rapc.experiments.measures import Measures, TaskTold
 from rapc.experiments.summary import Summary, summarize
 
 from .small_experiment import session
@@ -55,6 +55,7 @@ def summary(*found: Sequence[Measures], part: Part = PART) -> Summary:
 
 
 STILL = [measures(300), measures(500), measures(600, 1), measures(90, 0, "no fuel")]
+DONE = TaskTold("(go a)", 10, 50, "succeeded")
 WILD = [msgspec.structs.replace(measures(100, 0), reason="until")]
 
 
@@ -70,7 +71,9 @@ def test_disasters_are_counted_and_left_out(drops: Summary) -> None:
     assert still.figures["time"].mean == pytest.approx(1400 / 3)
     each = still.figures["time-each"]
     assert (each.low, each.high) == (150, 600)
-    assert each.mean == pytest.approx(1000 / 3)
+    assert each.mean == 1400 / 5
+    assert (each.tenth, each.ninetieth) == pytest.approx((170, 530))
+    assert each.deviation == pytest.approx(236.29, abs=0.01)
     assert still.figures["given-up"].mean == pytest.approx(1 / 3)
     assert still.figures["percent-sensor"].mean == 25
     assert still.figures["percent-failed"].mean == 5
@@ -81,40 +84,79 @@ def test_disasters_are_counted_and_left_out(drops: Summary) -> None:
     assert summary(STILL).complete
 
 
-def test_figures_from_elsewhere_stand_below_ours(drops: Summary) -> None:
-    head, *rows = grid(drops).head, *grid(drops).rows
-    told = [dict(zip(head, cells, strict=True)) for _, cells in rows]
-    assert [kind for kind, _ in rows] == ["ours", "theirs", "ours"]
-    ours, theirs, wild = told
-    assert (ours["arm1-drops"], theirs["arm1-drops"]) == ("0", "T")
-    assert (ours["time each"], theirs["time each"]) == ("333", "441")
-    assert (ours["from-to"], theirs["from-to"]) == ("150-600", "")
-    assert (wild["runs"], wild["time each"], wild["from-to"]) == ("1/4", "-", "-")
+def told(made: Grid) -> list[dict[str, str]]:
+    """The rows of a table by the heads of its columns."""
+    return [dict(zip(made.head, cells, strict=True)) for cells in made.rows]
+
+
+def test_figures_from_elsewhere_stand_behind_ours(drops: Summary) -> None:
+    still, wild = told(grid(drops))
+    assert (still["arm1-drops"], still["runs"], still["disasters"]) == ("0", "4", "1")
+    assert still["time each"] == "280 ± 236 / 441"
+    assert still["completed"] == "1.7 ± 0.6 / 9 !"
+    assert still["moves"] == "3.0"
+    assert (wild["runs"], wild["time each"], wild["effector"]) == ("1/4", "-", "30")
+    more, none = told(rest(drops))
+    assert (more["from-to"], none["from-to"]) == ("150-600", "-")
+    assert (more["time"], none["time"]) == ("467 / 3966", "100")
+    assert "missed deadlines" not in more
     assert list(remarks(drops)) == [
+        "Ours with the standard deviation, T behind the stroke; ! where that lies more "
+        "than two deviations from our mean.",
         "Not ended well at 0: no fuel (seed 3).",
         "Not ended well at 40: stopped at the time `until` (seed 0).",
         "A note.",
     ]
 
 
+def test_what_went_wrong_is_counted_and_told() -> None:
+    failed = TaskTold("(go b)", 5, 90, "failed", "interference: preconditions of `go`")
+    one = msgspec.structs.replace(
+        measures(300), missed_deadlines=2, query_faults=1, tasks=(DONE, failed)
+    )
+    two = msgspec.structs.replace(measures(300), tasks=(DONE, failed))
+    made = summary([one, two])
+    [row] = told(rest(made))
+    assert (row["missed deadlines"], row["query faults"]) == ("1.0", "0.5")
+    assert row["task time"] == "40"
+    why = "Given up at 0: 2 by interference: preconditions of `go`."
+    assert why in list(remarks(made))
+    first, second = told(tasks(made.rows[0]))
+    assert (first["task"], first["completed"], first["at"]) == ("(go a)", "2", "50 ± 0")
+    assert (second["came"], second["at"], second["given up"]) == ("5", "-", "2")
+
+
+def test_only_the_most_frequent_reasons_are_told() -> None:
+    runs = [
+        msgspec.structs.replace(
+            measures(300), tasks=(TaskTold("(go a)", 0, 9, "failed", f"reason {n}"),)
+        )
+        for n in (1, 1, 2, 3, 4)
+    ]
+    [said] = [line for line in remarks(summary(runs)) if line.startswith("Given up")]
+    assert said == (
+        "Given up at 0: 2 by reason 1; 1 by reason 2; 1 by reason 3; 1 more."
+    )
+
+
 def test_only_some_of_many_seeds_that_ended_alike_are_named() -> None:
-    told = next(remarks(summary([measures(90, 0, "no fuel")] * 8)))
-    assert told == "Not ended well at 0: no fuel (seeds 0, 1, 2, 3, 4 and 3 more)."
+    _, said, *_ = remarks(summary([measures(90, 0, "no fuel")] * 8))
+    assert said == "Not ended well at 0: no fuel (seeds 0, 1, 2, 3, 4 and 3 more)."
 
 
-@pytest.mark.parametrize("width", [120, 80, 40, 24])
+@pytest.mark.parametrize("width", [120, 80, 40, 32])
 def test_nothing_is_wider_than_the_terminal(drops: Summary, width: int) -> None:
     lines = list(as_text(drops, width))
     assert max(len(line.text) for line in lines) <= width
     words = {word for line in lines for word in line.text.split()}
-    assert {"arm1-drops", "moves", "3966", "150-600"} <= words
+    assert {"arm1-drops", "moves", "280", "441"} <= words
 
 
 def test_a_plot_in_text() -> None:
     made = summary(STILL, [measures(400), measures(800)])
     head, still, wild = [line.text for line in as_text(made, 50)][-3:]
     assert head == "time each: |---| range, o average, x T"
-    assert still == " 0           |-----------o-----x---------|    333"
+    assert still == " 0           |-------o---------x---------|    280"
     assert wild == "40              |-----o------|                300"
 
 
@@ -124,11 +166,12 @@ def test_nothing_to_plot_is_no_plot() -> None:
 
 
 def test_a_table_as_markdown(drops: Summary) -> None:
-    head, rule, ours, theirs, _ = markdown(grid(drops))
-    assert head.startswith("| arm1-drops | runs | disasters | completed |")
+    head, rule, still, _ = markdown(grid(drops))
+    assert head.startswith("| arm1-drops | runs | disasters | time each | completed |")
     assert rule == "| --- |" + " ---: |" * (head.count("|") - 2)
-    assert ours.startswith("| 0 | 4 | 1 | 1.7 | 0.3 | 0.0 | 467 | 333 | 150-600 |")
-    assert theirs.startswith("| *T* |  |  | *9* | *-* | *-* | *3966* | *441* |  |")
+    assert still.startswith(
+        "| 0 | 4 | 1 | 280 ± 236 / 441 | 1.7 ± 0.6 / 9 ! | 30 ± 0 |"
+    )
 
 
 def test_plots_are_the_same_bytes_each_time(drops: Summary, tmp_path: Path) -> None:

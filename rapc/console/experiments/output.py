@@ -15,7 +15,9 @@ from rapc.console.experiments.tables import (
     lines,
     markdown,
     remarks,
+    rest,
     show,
+    tasks,
     title,
 )
 from rapc.console.experiments.textplot import plot
@@ -25,6 +27,7 @@ from rapc.experiments.summary import Summary
 
 RESULTS = "results.sqlite"
 TABLES = "tables.md"
+TASKS = "tasks.md"
 COMMANDS = "commands.txt"
 
 
@@ -49,10 +52,24 @@ def write_tables(
     text = [f"## {heading}"]
     for summary in summaries:
         text += ["", f"### {title(summary.part)}", "", *markdown(grid(summary))]
-        for remark in remarks(summary):
+        text += ["", *markdown(rest(summary))]
+        for remark in remarks(summary, None):
             text += ["", remark]
         if summary.part.name in drawn:
             text += ["", f"![{title(summary.part)}]({summary.part.name}.svg)"]
+    file.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+def write_tasks(heading: str, summaries: Iterable[Summary], file: Path) -> None:
+    """Write as Markdown when the tasks of each point came and were completed."""
+    text = [f"## {heading}"]
+    for summary in summaries:
+        text += ["", f"### {title(summary.part)}"]
+        for row in summary.rows:
+            if row.value is not None:
+                _, _, name = (summary.part.vary or "").partition(".")
+                text += ["", f"{name} {show(row.value)}:"]
+            text += ["", *markdown(tasks(row))]
     file.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 

@@ -1,7 +1,7 @@
 """Tables of what was measured, like those of T 6.3: for a terminal and as Markdown.
 
-A row for each point, ours, and below it the figures from elsewhere, if there are any.
-Where a table is too wide for the terminal, its columns go below one another.
+A row for each point, figures from elsewhere in the same cells as ours. Where a table is
+too wide for the terminal, its columns go below one another.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from typing import Literal
 import msgspec
 
 from rapc.base.values import format_atom
-from rapc.experiments.definition import Part, Value
+from rapc.experiments.definition import Part
+from rapc.experiments.draws import Value
 from rapc.experiments.measures import LABELS
 from rapc.experiments.summary import Row, Spread, Summary
 
-Kind = Literal["title", "head", "ours", "theirs", "text"]
+Kind = Literal["title", "head", "text"]
 
 
 class Line(msgspec.Struct, frozen=True):
@@ -27,10 +28,10 @@ class Line(msgspec.Struct, frozen=True):
 
 
 class Grid(msgspec.Struct, frozen=True):
-    """A table: a head, and rows of as many cells, ours or theirs."""
+    """A table: a head, and rows of as many cells."""
 
     head: tuple[str, ...]
-    rows: tuple[tuple[Kind, tuple[str, ...]], ...]
+    rows: tuple[tuple[str, ...], ...]
 
 
 _GAP = 2
@@ -54,59 +55,124 @@ def show(value: Value | None) -> str:
 
 
 def grid(summary: Summary) -> Grid:
-    """The table of a part."""
-    names = [LABELS.get(name, name) for name in summary.measures]
-    at = summary.measures.index("time-each") + 1
-    names.insert(at, "from-to")
-    first = summary.part.vary or "point"
-    rows: list[tuple[Kind, tuple[str, ...]]] = []
+    """The table of a part that says most: means, deviations, and others' figures.
+
+    `437 ± 36 / 441` is our mean and standard deviation, and theirs; `!` behind it says
+    that theirs lies more than two standard deviations from our mean.
+    """
+    names = [*_MAIN, *summary.told]
+    head = (*_head(summary), *[LABELS.get(name, name) for name in names])
+    return Grid(head, tuple([_main(row, summary, names) for row in summary.rows]))
+
+
+def rest(summary: Summary) -> Grid:
+    """The table of what else was measured of a part, in means.
+
+    Deadlines missed and faults in queries stand in it if there were any.
+    """
+    names = [
+        name
+        for name in LABELS
+        if name not in _MAIN and (name not in _RARE or _occurs(summary, name))
+    ]
+    head = (*_head(summary), "from-to", *[LABELS[name] for name in names])
+    rows = []
     for row in summary.rows:
-        rows.append(("ours", _ours(row, summary.measures)))
-        theirs = summary.reference(row.value)
-        if theirs and summary.part.reference is not None:
-            cells = [_cell(name, theirs.get(name)) for name in summary.measures]
-            cells.insert(at, "")
-            rows.append(("theirs", (summary.part.reference.title, "", "", *cells)))
-    head = (first.partition(".")[2] or first, "runs", "disasters", *names)
+        cells = [_with_theirs(name, row, summary) for name in names]
+        rows.append((*_first(row), _range(row.figures.get("time-each")), *cells))
     return Grid(head, tuple(rows))
 
 
-def _ours(row: Row, measures: Sequence[str]) -> tuple[str, ...]:
+_MAIN = ("time-each", "completed", "effector", "sensor", "failed")
+_RARE = ("missed-deadlines", "query-faults")
+
+
+def _occurs(summary: Summary, name: str) -> bool:
+    rows = (row.figures.get(name) for row in summary.rows)
+    return any(spread is not None and spread.high > 0 for spread in rows)
+
+
+def _head(summary: Summary) -> tuple[str, str, str]:
+    first = summary.part.vary or "point"
+    return (first.partition(".")[2] or first, "runs", "disasters")
+
+
+def _first(row: Row) -> tuple[str, str, str]:
     runs = str(row.runs) if row.runs == row.wanted else f"{row.runs}/{row.wanted}"
-    cells = [show(row.value), runs, str(row.lost)]
-    for name in measures:
+    return (show(row.value), runs, str(row.lost))
+
+
+def _main(row: Row, summary: Summary, names: Sequence[str]) -> tuple[str, ...]:
+    theirs = summary.reference(row.value)
+    cells = []
+    for name in names:
         spread = row.figures.get(name)
-        cells.append(_cell(name, float(spread.mean) if spread else None))
-        if name == "time-each":
-            cells.append(_range(spread))
-    return tuple(cells)
+        cell = _cell(name, spread.mean if spread else None)
+        known = spread is not None and row.runs - row.lost > 1
+        if known and spread is not None and name in _MAIN:
+            cell += f" ± {_cell(name, spread.deviation)}"
+        if name in theirs:
+            cell += f" / {_theirs(name, theirs[name])}"
+            if known and spread is not None and _far(spread, theirs[name]):
+                cell += " !"
+        cells.append(cell)
+    return (*_first(row), *cells)
+
+
+def _far(spread: Spread, theirs: float) -> bool:
+    return abs(theirs - spread.mean) > 2 * spread.deviation + 1e-9
+
+
+def _with_theirs(name: str, row: Row, summary: Summary) -> str:
+    spread = row.figures.get(name)
+    cell = _cell(name, spread.mean if spread else None)
+    theirs = summary.reference(row.value).get(name)
+    return cell if theirs is None else f"{cell} / {_theirs(name, theirs)}"
 
 
 def _range(spread: Spread | None) -> str:
     return f"{spread.low:.0f}-{spread.high:.0f}" if spread else "-"
 
 
+_WHOLE = ("time", "time-each", "task-time", "effector", "sensor")
+"""Measures of which no decimals are told."""
+
+
 def _cell(name: str, value: float | None) -> str:
     if value is None:
         return "-"
-    if name in ("time", "time-each", "effector", "sensor"):
-        return f"{value:.0f}"
-    return f"{value:.1f}" if isinstance(value, float) else str(value)
+    return f"{value:.0f}" if name in _WHOLE else f"{value:.1f}"
+
+
+def _theirs(name: str, value: float) -> str:
+    return f"{value:.0f}" if name in _WHOLE else format_atom(value)
+
+
+def tasks(row: Row) -> Grid:
+    """The table of the tasks of one point, in the order in which they came."""
+    head = ("task", "runs", "came", "completed", "at", "given up")
+    rows = []
+    for number, task in enumerate(row.tasks, 1):
+        at = "-" if task.ended is None else f"{task.ended.mean:.0f}"
+        if task.ended is not None and task.completed > 1:
+            at += f" ± {task.ended.deviation:.0f}"
+        counts = (str(task.completed), at, str(task.given_up))
+        name = task.goal or f"number {number}"
+        rows.append((name, str(task.runs), f"{task.came.mean:.0f}", *counts))
+    return Grid(head, tuple(rows))
 
 
 def lines(made: Grid, width: int) -> Iterator[Line]:
     """The table for a width in columns: the first column comes with all others."""
     widths = [
         max(len(cell) for cell in column)
-        for column in zip(made.head, *(cells for _, cells in made.rows), strict=True)
+        for column in zip(made.head, *made.rows, strict=True)
     ]
     for number, columns in enumerate(_split(widths, width)):
         if number:
             yield Line("text", "")
         yield Line("head", _line(made.head, widths, columns))
-        for kind, cells in made.rows:
-            if kind == "ours" or any(cells[column] for column in columns[1:]):
-                yield Line(kind, _line(cells, widths, columns))
+        yield from (Line("text", _line(cells, widths, columns)) for cells in made.rows)
 
 
 def _split(widths: Sequence[int], width: int) -> Iterator[list[int]]:
@@ -132,9 +198,7 @@ def markdown(made: Grid) -> Iterator[str]:
     """The table as Markdown."""
     yield _row(made.head)
     yield _row(["---", *["---:"] * (len(made.head) - 1)])
-    for kind, cells in made.rows:
-        shown = cells if kind == "ours" else [f"*{c}*" if c else c for c in cells]
-        yield _row(shown)
+    yield from map(_row, made.rows)
 
 
 def _row(cells: Sequence[str]) -> str:
@@ -153,20 +217,41 @@ _NAMED = 5
 """So many seeds of runs that ended alike are listed; the file of results has all."""
 
 
-def remarks(summary: Summary) -> Iterator[str]:
-    """What is to be said below a table: runs to look at, by their seeds, and notes."""
+_REASONS = 3
+"""So many reasons why tasks failed are told of a point on a terminal."""
+
+
+def remarks(summary: Summary, most: int | None = _REASONS) -> Iterator[str]:
+    """Yield what is to be said below a table: how to read it, runs to look at, notes.
+
+    Args:
+        summary: the part.
+        most: how many reasons of failure are told for a point; None: all.
+    """
+    reference = summary.part.reference
+    if reference is not None:
+        yield (
+            f"Ours with the standard deviation, {reference.title} behind the stroke; "
+            "! where that lies more than two deviations from our mean."
+        )
     for row in summary.rows:
+        at = "" if row.value is None else f" at {show(row.value)}"
         told = [*row.disasters.items()]
         told += [(_STOPPED[reason], seeds) for reason, seeds in row.stopped.items()]
         if told:
-            where = (
-                "Not ended well"
-                if row.value is None
-                else f"Not ended well at {show(row.value)}"
-            )
             listed = ", ".join(f"{what} ({_seeds(seeds)})" for what, seeds in told)
-            yield f"{where}: {listed}."
+            yield f"Not ended well{at}: {listed}."
+        yield from _reasons(row, at, most)
     yield from summary.part.notes
+
+
+def _reasons(row: Row, at: str, most: int | None) -> Iterator[str]:
+    """Why tasks failed, the most frequent reason first."""
+    listed = [*row.reasons.items()][:most]
+    if listed:
+        told = "; ".join(f"{number} by {reason}" for reason, number in listed)
+        more = sum(row.reasons.values()) - sum(number for _, number in listed)
+        yield f"Given up{at}: {told}" + (f"; {more} more." if more else ".")
 
 
 def _seeds(seeds: Sequence[int]) -> str:

@@ -36,7 +36,7 @@ def plot(summary: Summary, width: int) -> Iterator[Line]:
     for label, spread, other in zip(labels, spreads, theirs, strict=True):
         bar = _bar(spread, other, room, scale)
         figure = f"{spread.mean:.0f}" if spread else "-"
-        yield Line("ours", f"{label:>{left - 2}}  {bar} {figure:>6}".rstrip())
+        yield Line("text", f"{label:>{left - 2}}  {bar} {figure:>6}".rstrip())
 
 
 def _bar(spread: Spread | None, other: float | None, room: int, scale: float) -> str:

@@ -186,6 +186,20 @@ class TruckWorld(World):
         """The world's own log of meetings with enemies, in order."""
         return tuple(msgspec.structs.replace(e) for e in self._scene.state.encounters)
 
+    def figures(self) -> dict[str, Number]:
+        """Return what was true: rocks that came to a factory, meetings with troops.
+
+        `shot` counts the meetings that ended with no troops left; `fuel` is what is
+        left in the fuel bay.
+        """
+        met = self._scene.state.encounters
+        return {
+            "delivered": len(self._scene.state.deliveries),
+            "encounters": len(met),
+            "shot": sum(encounter.how == "shot" for encounter in met),
+            "fuel": self._scene.state.truck.fuel,
+        }
+
     @property
     def orders(self) -> tuple[Order, ...]:
         """The orders of the option `orders`, with what has come for them."""

@@ -1,0 +1,81 @@
+"""What is drawn by seed: values that stand as `{name}` in tasks and options.
+
+Each seed draws every value once, from a random stream of its own, `SEED:experiment`; so
+points that are set beside each other meet the same tasks under the same seed.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Iterator, Mapping
+
+import msgspec
+
+from rapc.base.values import format_atom
+
+Value = bool | int | float | str
+"""A value of an option or setting as TOML has it."""
+
+_PLACE = re.compile(r"\{([a-z0-9][a-z0-9-]*)\}")
+
+
+class Between(
+    msgspec.Struct,
+    frozen=True,
+    forbid_unknown_fields=True,
+    rename={"low": "from", "high": "to"},
+):
+    """A whole number, each between two as likely as any other, both included."""
+
+    low: int
+    high: int
+
+
+Draw = Between | tuple[Value, ...]
+"""What one value is drawn from: numbers in a row, or a list of values."""
+
+Draws = Mapping[str, Draw]
+
+
+def drawn(draws: Draws, seed: int) -> dict[str, str]:
+    """Return a value for each name of `draws` as text, always the same for `seed`."""
+    chance = random.Random(f"{seed}:experiment")
+    return {
+        name: value_text(
+            chance.randint(draw.low, draw.high)
+            if isinstance(draw, Between)
+            else chance.choice(draw)
+        )
+        for name, draw in draws.items()
+    }
+
+
+def extremes(draws: Draws) -> Iterator[dict[str, str]]:
+    """Yield drawings that have each value that may come; of a range, both ends."""
+    all_ = {
+        name: (draw.low, draw.high) if isinstance(draw, Between) else draw
+        for name, draw in draws.items()
+    }
+    for turn in range(max(map(len, all_.values()), default=1)):
+        yield {
+            name: value_text(values[min(turn, len(values) - 1)])
+            for name, values in all_.items()
+        }
+
+
+def filled(text: str, values: Mapping[str, str]) -> str:
+    """Return `text` with the values drawn put in for their names in braces."""
+    return _PLACE.sub(lambda found: values.get(found[1], found[0]), text)
+
+
+def names_in(text: str) -> list[str]:
+    """Return the names that stand in braces in `text`."""
+    return _PLACE.findall(text)
+
+
+def value_text(value: Value) -> str:
+    """Return a value as the command line takes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value if isinstance(value, str) else format_atom(value)
