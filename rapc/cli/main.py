@@ -23,6 +23,7 @@ from rapc.errors import Error
 
 COMMANDS = {
     "check": "Check RAP libraries.",
+    "fmt": "Bring RAP files into their canonical layout.",
     "compile": "Compile a RAP library to one file.",
     "rule": "Explain a rule of the checker.",
     "run": "Run tasks of a library against a world.",

@@ -8,12 +8,13 @@ stays beside its value. What `_BROKEN` names is never on one line.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
+import msgspec
 from wadler_lindig import AbstractDoc, BreakDoc, NestDoc, TextDoc, join, pformat
 
 from rapc.ir import nodes
-from rapc.ir.printer import Tree, one_line, trees
+from rapc.ir.printer import trees
 from rapc.language.grammar import RULES
 from rapc.language.heads import FORMS, heads, rules_by_head, words
 from rapc.language.shapes import Shape, is_list, is_rule, leaves
@@ -22,84 +23,150 @@ WIDTH = 88
 """How many columns a line has."""
 
 
+class Note(msgspec.Struct, frozen=True):
+    """A comment among the operands of a list; without text, a blank line."""
+
+    text: str
+    #: Whether the comment stands behind an operand, on its line.
+    beside: bool = False
+
+
+Noted = str | Note | tuple["Noted", ...]
+"""A tree with comments in it."""
+
+
 def laid_out(node: nodes.Node, width: int = WIDTH) -> str:
     """Any node as text of lines of a width, as far as its atoms let it."""
     return " ".join(lines(tree, width) for tree in trees(node))
 
 
-def lines(tree: Tree, width: int = WIDTH) -> str:
+def lines(tree: Noted, width: int = WIDTH) -> str:
     """A tree as text of lines of a width; strings keep the lines that they have."""
-    used = set(one_line(tree))
+    used = {letter for text in _texts(tree) for letter in text}
     kept = next(chr(at) for at in _PRIVATE if chr(at) not in used)
     text: str = pformat(document(_without_lines(tree, kept)), width=width)
-    return text.replace(kept, "\n")
+    whole = "\n".join(line.rstrip(" ") for line in text.split("\n"))
+    return whole.replace(kept, "\n")
+
+
+def _texts(tree: Noted) -> Iterator[str]:
+    stack = [tree]
+    while stack:
+        one = stack.pop()
+        if isinstance(one, tuple):
+            stack.extend(one)
+        else:
+            yield one if isinstance(one, str) else one.text
 
 
 _PRIVATE = range(0xE000, 0x10FFFF)
 """Characters one of which stands for the ends of lines within strings."""
 
 
-def _without_lines(tree: Tree, kept: str) -> Tree:
+def _without_lines(tree: Noted, kept: str) -> Noted:
     if isinstance(tree, str):
         return tree.replace("\n", kept)
+    if isinstance(tree, Note):
+        return Note(tree.text.replace("\n", kept), tree.beside)
     return tuple([_without_lines(one, kept) for one in tree])
 
 
-def document(tree: Tree, after: str = "") -> AbstractDoc:
+def document(tree: Noted, after: str = "") -> AbstractDoc:
     """Return the document of a tree: what may be broken, and where it goes on then.
 
     Its atoms have no ends of lines in them. `after` is what stands behind it, such as
-    the parentheses of the lists that end with it, and has to fit on its last line.
+    the parentheses of the lists that end with it, and has to fit on its last line. A
+    list with comments is never on one line.
     """
     if isinstance(tree, str):
         return TextDoc(tree + after)
+    if isinstance(tree, Note):
+        return TextDoc(tree.text, width=False)
     word = tree[0] if tree and isinstance(tree[0], str) else ""
     operands = _together(tree[1:] if word else tree)
-    beside, below = _beside(word, operands), word in _BELOW
+    beside, below = _beside(word, operands), word in _BELOW - _FILLED
+    first = len(word) + (2 if word else 1)
+    broken_at = 2 if below else first
     said: list[AbstractDoc] = [TextDoc(f"({word}")]
-    column = first = len(word) + (2 if word else 1)
-    last = len(operands) - 1
+    column = first
+    noted = False
     for at, row in enumerate(operands):
-        if at < beside or (at == 0 and not below):
-            said.append(TextDoc(" " * bool(word or at)))
+        was, noted = noted, isinstance(row[0], Note)
+        closed = f"){after}" if at == len(operands) - 1 and not noted else ""
+        if isinstance(row[0], Note) and row[0].beside:
+            said.append(TextDoc(f"  {row[0].text}", width=False))
+        elif noted or was or (at >= beside and (at > 0 or below)):
+            operand = _side_by_side(row, broken_at, closed)
+            fresh = NestDoc(BreakDoc(" "), broken_at) + operand
+            filled = not (noted or was) and _is_filled(word, row)
+            said.append(fresh.group() if filled else fresh)
         else:
-            column = 2 if below else first
-            said.append(NestDoc(BreakDoc(" "), column))
-        said.append(_side_by_side(row, column, f"){after}" if at == last else ""))
-        column += sum(len(one_line(one)) + 1 for one in row)
-    if not operands:
+            said.append(TextDoc(" " * bool(word or at)))
+            said.append(_side_by_side(row, column, closed))
+            column += sum(_wide(one) + 1 for one in row)
+    if noted:
+        said.append(NestDoc(BreakDoc(""), broken_at))
+    if noted or not operands:
         said.append(TextDoc(f"){after}"))
     broken = word in _BROKEN and any(map(_holds_list, operands[beside:]))
-    return join(TextDoc(""), said).group(force_vertical=broken)
+    return join(TextDoc(""), said).group(force_vertical=broken or _is_noted(tree))
 
 
-def _together(operands: Sequence[Tree]) -> list[Sequence[Tree]]:
+def _is_filled(word: str, row: Sequence[Noted]) -> bool:
+    """Whether a line takes as many of a list's operands as there is room for."""
+    if word.startswith("declare-"):
+        return len(row) == 1 and not str(row[0]).startswith('"')
+    return not word or word in _FILLED
+
+
+def _wide(tree: Noted) -> int:
+    """How many columns a tree takes on one line, its comments aside."""
+    if isinstance(tree, tuple):
+        inner = [_wide(one) for one in tree if not isinstance(one, Note)]
+        return sum(inner) + max(1, len(inner)) + 1
+    return 0 if isinstance(tree, Note) else len(tree)
+
+
+def _is_noted(tree: Noted) -> bool:
+    """Whether there is a comment in a tree."""
+    stack = [tree]
+    while stack:
+        one = stack.pop()
+        if isinstance(one, Note):
+            return True
+        if isinstance(one, tuple):
+            stack.extend(one)
+    return False
+
+
+def _together(operands: Sequence[Noted]) -> list[Sequence[Noted]]:
     """The operands of a list, each option with the value behind it."""
-    found: list[Sequence[Tree]] = []
+    found: list[Sequence[Noted]] = []
     at = 0
     while at < len(operands):
         here, behind = operands[at], operands[at + 1 : at + 2]
         alone = not _is_option(here) or not behind or _is_option(behind[0])
+        alone = alone or isinstance(behind[0], Note)
         found.append(operands[at : at + 1 if alone else at + 2])
         at += len(found[-1])
     return found
 
 
-def _is_option(tree: Tree) -> bool:
+def _is_option(tree: Noted) -> bool:
     return isinstance(tree, str) and tree.startswith(":") and tree not in _ALONE
 
 
-def _side_by_side(row: Sequence[Tree], column: int, after: str) -> AbstractDoc:
+def _side_by_side(row: Sequence[Noted], column: int, after: str) -> AbstractDoc:
     """An operand that begins at a column of its list, or an option with its value."""
     if len(row) == 1:
         return document(row[0], after).nest(column)
     option, value = row
-    word = f"{one_line(option)} "
+    word = f"{option} "
     inner = document(value, after).nest(column + len(word))
     return TextDoc(word) + inner
 
 
-def _beside(word: str, operands: Sequence[Sequence[Tree]]) -> int:
+def _beside(word: str, operands: Sequence[Sequence[Noted]]) -> int:
     """How many operands stay beside the word, or first list, that heads their list."""
     told = _BESIDE.get(word, 0) if word else 1
     behind = operands if word else operands[1:]
@@ -107,13 +174,13 @@ def _beside(word: str, operands: Sequence[Sequence[Tree]]) -> int:
     return max(told, atoms + (not word))
 
 
-def _is_name(row: Sequence[Tree]) -> bool:
+def _is_name(row: Sequence[Noted]) -> bool:
     """Whether an operand is an atom, and no string or option with its value."""
     return len(row) == 1 and isinstance(row[0], str) and row[0][0] != '"'
 
 
-def _holds_list(row: Sequence[Tree]) -> bool:
-    return not all(isinstance(one, str) for one in row)
+def _holds_list(row: Sequence[Noted]) -> bool:
+    return any(isinstance(one, tuple) for one in row)
 
 
 def _has_rows(rule: str) -> bool:
@@ -163,16 +230,18 @@ _BELOW = frozenset(FORMS) | {
 
 _BROKEN = frozenset(
     (
-        *("define-rap", "method", "task-net", "define-agenda"),
-        *("define-test", "define-test-defaults", "script"),
+        *("define-rap", "method", "task-net", "define-agenda", "define-query"),
+        *("define-test", "define-test-defaults", "script", "expect"),
         *("define-memory-rule", "define-event-rule", "match-result"),
     )
 )
 """The words whose lists are never on one line, if they hold anything."""
 
+_FILLED = frozenset(("facts", "primitives", "primitives-include"))
+"""The words of lists of facts and requests, which stand side by side."""
+
 _BESIDE = {
     **dict.fromkeys(FORMS, 1),
-    **{word: 2 for word in FORMS if word.startswith("declare-")},
     "define-memory-rule": 2,
     "at": 1,
 }
