@@ -87,7 +87,10 @@ class _Pieces:
                 found += self._tree(datum)
             at = datum.end
         found += self._between(at, end, bool(found), last=True)
-        return found
+        return [
+            Note(one.text) if isinstance(one, Note) and _ends_line(before) else one
+            for before, one in zip(["", *found], found, strict=False)
+        ]
 
     def _tree(self, datum: Datum) -> Iterator[Noted]:
         """Yield a datum, and the comments that leave it behind its last operand."""
@@ -135,6 +138,11 @@ def _is_resource(rows: Sequence[Noted]) -> bool:
     """Whether the last row is the name of a resource's kind, as traces print it."""
     last = rows[-1] if rows else ""
     return isinstance(last, str) and last.startswith("#")
+
+
+def _ends_line(row: Noted) -> bool:
+    """Whether nothing can stand behind a row on its line."""
+    return isinstance(row, Note) and row.text.startswith(";")
 
 
 def _is_beside(row: Noted) -> bool:

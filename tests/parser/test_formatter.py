@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
+from random import Random
 
 import pytest
+from hypothesis import given, settings
+from hypothesis.strategies import randoms
 
 from rapc.base.source import SourceFile
 from rapc.ir.layout import WIDTH
@@ -13,6 +17,8 @@ from rapc.ir.printer import one_line, trees
 from rapc.parser.formatter import formatted
 from rapc.parser.parse import parse
 from rapc.parser.unit import SourceUnit
+
+from .programs import programs
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted(
@@ -131,3 +137,30 @@ def test_what_cannot_be_read_is_left_as_it_is(text: str) -> None:
 
 def test_the_deepest_nesting_is_laid_out() -> None:
     hold("(a " * 99 + ")" * 99)
+
+
+@settings(max_examples=60, deadline=None)
+@given(programs())
+def test_generated_programs_hold_what_the_layout_promises(text: str) -> None:
+    hold(text)
+
+
+@settings(max_examples=60, deadline=None)
+@given(programs(), randoms(use_true_random=False))
+def test_comments_anywhere_stay(text: str, chance: Random) -> None:
+    pieces = re.split(r'("(?:[^"\\]|\\.)*"|[\s()])', text)
+    notes = (
+        "; one\n",
+        "#| two |#",
+        "\n\n",
+        "\n;;; three\n",
+        "  ",
+        "#| four\n five |#\n",
+    )
+    hold(
+        "".join(
+            piece + (chance.choice(notes) if chance.random() < 0.1 else "")
+            for piece in pieces
+            if piece
+        )
+    )
