@@ -92,6 +92,13 @@ _MOST_SEEDS = 100_000
     metavar="[FILE.json]",
     help="Say what the tests exercise of the library; write it as JSON, too.",
 )
+@click.option(
+    "--coverage-min",
+    "least",
+    type=click.FloatRange(0, 100),
+    metavar="N",
+    help="Fail if the tests exercise less than N per cent of the library.",
+)
 @common_options
 def test(
     paths: Sequence[str],
@@ -101,6 +108,7 @@ def test(
     modules: Sequence[str],
     junit: str | None,
     coverage: str | None,
+    least: float | None,
 ) -> None:
     """Run the tests in files, and in all *.test.rap files below folders.
 
@@ -110,7 +118,7 @@ def test(
         paths, coverage = (coverage, *paths), ""
     if not paths:
         raise click.UsageError("a file or folder with tests is missing")
-    gathered = None if coverage is None else Coverage()
+    gathered = None if coverage is None and least is None else Coverage()
     running = TestSession(
         range(seed, seed + seeds), _faults(faults), gathered, tuple(modules)
     )
@@ -124,12 +132,15 @@ def test(
         fail("--fault: " + useless[0], *useless[1:])
     outcomes = _run(running, cases)
     _explain(outcomes)
+    status = exit_status(outcomes)
     if gathered is not None:
         _cover(gathered, coverage)
+        if least is not None and _falls_short(gathered, least):
+            status = max(status, 1)
     if junit is not None:
         write_output(junit, as_junit(outcomes))
     click.echo(summary(outcomes, seeds))
-    raise SystemExit(exit_status(outcomes))
+    raise SystemExit(status)
 
 
 def _files(case: Case) -> Iterable[str]:
@@ -144,6 +155,13 @@ def _cover(gathered: Coverage, file: str | None) -> None:
     click.echo()
     if file:
         write_output(file, coverage_table.as_json(files))
+
+
+def _falls_short(gathered: Coverage, least: float) -> bool:
+    """Say how much is covered, and whether that is less than what is asked for."""
+    short, told = coverage_table.verdict(gathered.files(), least)
+    _say("failed" if short else "text", told)
+    return short
 
 
 def _faults(texts: Iterable[str]) -> tuple[InjectedFault, ...]:

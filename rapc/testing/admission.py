@@ -15,6 +15,7 @@ from rapc.base.values import Atom
 from rapc.errors import WorldError
 from rapc.ir import nodes
 from rapc.library.library import Library
+from rapc.testing.asked_queries import name_of
 from rapc.world import Kit, World
 from rapc.worlds import registry
 from rapc.worlds.script import no_later_end
@@ -53,7 +54,7 @@ def problems(
     for expected in (*inner, *test.expectations):
         if isinstance(expected, nodes.MethodChosen) and expected.rap not in solved:
             rap = library.raps.get(expected.rap)
-            if rap is not None and expected.method not in method_names(rap):
+            if rap is not None and expected.method not in map(name_of, rap.methods):
                 message = f"`{rap.name}` has no method called `{expected.method}`"
                 found.append(Problem(expected.span, message))
     return found
@@ -81,14 +82,6 @@ def options_of(
             said = f"{error.message}; {error.help}" if error.help else error.message
             found.append(Problem(option.span, said))
     return values, found
-
-
-def method_names(rap: nodes.DefineRap) -> list[str]:
-    """Return the names of a RAP's methods as a trace writes them."""
-    return [
-        f"#{method.position}" if method.name is None else str(method.name)
-        for method in rap.methods
-    ]
 
 
 def _row(

@@ -1,4 +1,4 @@
-"""What tests have exercised of libraries: methods, contexts, monitors, failures.
+"""What tests have exercised of libraries: methods, monitors, queries, agendas.
 
 A `Coverage` gathers over any number of runs and sets that against what the files of
 the libraries hold. How it is told is in `rapc.console.testing.coverage_table`.
@@ -7,30 +7,34 @@ the libraries hold. How it is told is in `rapc.console.testing.coverage_table`.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from os.path import normpath
+from typing import TypeVar
 
 import msgspec
 
 from rapc.base.files import TEST_SUFFIX
+from rapc.base.values import format_list
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.runtime.events import events
+from rapc.testing.asked_queries import Asker, asked_with, name_of
+from rapc.testing.patterns import flat
 from rapc.world import OKAY
 
 
 class MethodCoverage(msgspec.Struct, frozen=True):
-    """How often a method was chosen, ended badly, and its context held or did not.
-
-    The last two are None for a method without a context.
-    """
+    """What became of one method of a RAP."""
 
     name: str
     row: int
     chosen: int
     ended_badly: int
+    #: How often its context held, and did not; None without a context.
     context_true: int | None
     context_false: int | None
+    #: How often its constraints ended it; None without constraints.
+    constraints_broken: int | None
 
 
 class MonitorCoverage(msgspec.Struct, frozen=True):
@@ -54,11 +58,37 @@ class RapCoverage(msgspec.Struct, frozen=True):
     failed: Mapping[str, int]
 
 
+class QueryCoverage(msgspec.Struct, frozen=True):
+    """A named query, and how often a clause was asked that names it."""
+
+    name: str
+    row: int
+    asked: int
+
+
+class GivenCoverage(msgspec.Struct, frozen=True):
+    """A task of an agenda, and how often it was given."""
+
+    goal: str
+    row: int
+    given: int
+
+
+class AgendaCoverage(msgspec.Struct, frozen=True):
+    """An agenda and its tasks, in the order of the text."""
+
+    name: str
+    row: int
+    tasks: tuple[GivenCoverage, ...]
+
+
 class FileCoverage(msgspec.Struct, frozen=True):
-    """One file of the library and its RAPs, in the order of the text."""
+    """One file of the library, with what it defines in the order of the text."""
 
     file: str
     raps: tuple[RapCoverage, ...]
+    queries: tuple[QueryCoverage, ...] = ()
+    agendas: tuple[AgendaCoverage, ...] = ()
 
 
 class Coverage:
@@ -71,8 +101,13 @@ class Coverage:
     def __init__(self) -> None:
         self._counts: Counter[tuple[str, ...]] = Counter()
         self._tasks: dict[int, str] = {}
+        #: How often each top-level task was given.
+        self._given: Counter[str] = Counter()
         self._library: Library | None = None
         self._raps: dict[tuple[str, str], tuple[nodes.DefineRap, Library]] = {}
+        self._queries: dict[tuple[str, str], tuple[nodes.DefineQuery, Library]] = {}
+        self._agendas: dict[tuple[str, str], tuple[nodes.DefineAgenda, Library]] = {}
+        self._asked_with: Mapping[Asker, frozenset[str]] = {}
 
     def begin(self, library: Library) -> None:
         """A run of this library comes next."""
@@ -80,19 +115,27 @@ class Coverage:
         if library is self._library:
             return
         self._library = library
-        for rap in library.raps.values():
-            if not rap.span.file.endswith(TEST_SUFFIX):
-                self._raps.setdefault((_file(rap), rap.name), (rap, library))
+        self._asked_with = asked_with(library)
+        _gather(self._raps, library.raps, library)
+        _gather(self._queries, library.queries, library)
+        _gather(self._agendas, library.agendas, library)
 
     def __call__(self, event: events.Event) -> None:
         """Take one event into account."""
         match event:
             case events.TaskCreated():
                 self._tasks[event.task] = event.goal.name
+                if event.parent is None:
+                    self._given[format_list((event.goal.name, *event.goal.inputs))] += 1
+            case events.TaskSelected():
+                self._ask((self._tasks[event.task], "", ""))
             case events.MethodChosen():
                 self._count("chosen", event.rap, event.method)
+                self._ask((event.rap, event.method, ""))
             case events.MethodEnded() if event.result != OKAY:
                 self._count("badly", self._tasks[event.task], event.method)
+                if event.because is not None and "constraints" in event.because.clause:
+                    self._count("broken", self._tasks[event.task], event.method)
             case events.TaskBlocked() if _is_monitor(event):
                 self._count("blocked", self._tasks[event.task])
             case events.TaskWoken() if _is_monitor(event):
@@ -107,6 +150,13 @@ class Coverage:
     def context(self, rap: str, method: str, holds: bool) -> None:
         """A method's context was asked."""
         self._count("true" if holds else "false", rap, method)
+        self._ask((rap, method, "context"))
+
+    def _ask(self, asker: Asker) -> None:
+        """A clause was asked, and the queries that it names."""
+        for name in self._asked_with.get(asker, ()):
+            assert self._library is not None
+            self._counts["asked", _file(self._library.queries[name]), name] += 1
 
     def _count(self, what: str, name: str, *more: str) -> None:
         rap = self._library.raps.get(name) if self._library is not None else None
@@ -117,13 +167,37 @@ class Coverage:
 
     def files(self) -> tuple[FileCoverage, ...]:
         """All files of all libraries, by name."""
-        found: dict[str, list[RapCoverage]] = {}
-        for (file, _), (rap, library) in self._raps.items():
-            found.setdefault(file, []).append(self._rap(library, file, rap))
-        return tuple(
-            FileCoverage(file, tuple(sorted(found[file], key=lambda rap: rap.row)))
-            for file in sorted(found)
+        tables = (self._raps, self._queries, self._agendas)
+        names = sorted({file for table in tables for file, _ in table})
+        return tuple([self._of_file(name) for name in names])
+
+    def _of_file(self, file: str) -> FileCoverage:
+        raps = [
+            self._rap(library, file, rap)
+            for (where, _), (rap, library) in self._raps.items()
+            if where == file
+        ]
+        queries = [
+            QueryCoverage(name, _row(library, form), self._counts["asked", file, name])
+            for (where, name), (form, library) in self._queries.items()
+            if where == file
+        ]
+        agendas = [
+            AgendaCoverage(
+                name,
+                _row(library, form),
+                tuple([self._task(library, task) for task in form.tasks]),
+            )
+            for (where, name), (form, library) in self._agendas.items()
+            if where == file
+        ]
+        return FileCoverage(
+            file, _in_order(raps), _in_order(queries), _in_order(agendas)
         )
+
+    def _task(self, library: Library, task: nodes.GivenTask) -> GivenCoverage:
+        goal = format_list(flat(task.goal))
+        return GivenCoverage(goal, _row(library, task), self._given[goal])
 
     def _rap(self, library: Library, file: str, rap: nodes.DefineRap) -> RapCoverage:
         count = self._counts
@@ -148,7 +222,7 @@ class Coverage:
     def _method(
         self, library: Library, file: str, rap: nodes.DefineRap, method: nodes.Method
     ) -> MethodCoverage:
-        name = f"#{method.position}" if method.name is None else str(method.name)
+        name = name_of(method)
         at = (file, rap.name, name)
         asked = method.context is not None
         return MethodCoverage(
@@ -158,6 +232,9 @@ class Coverage:
             ended_badly=self._counts["badly", *at],
             context_true=self._counts["true", *at] if asked else None,
             context_false=self._counts["false", *at] if asked else None,
+            constraints_broken=(
+                None if method.constraints is None else self._counts["broken", *at]
+            ),
         )
 
 
@@ -169,11 +246,40 @@ def _is_monitor(event: events.TaskBlocked | events.TaskWoken) -> bool:
 _MONITOR = ("blocked", "woken")
 
 
-def _file(rap: nodes.DefineRap) -> str:
+_Form = TypeVar("_Form", nodes.DefineRap, nodes.DefineQuery, nodes.DefineAgenda)
+_Known = dict[tuple[str, str], tuple[_Form, Library]]
+"""Forms with their libraries, by file and name."""
+
+
+def _gather(known: _Known[_Form], forms: Mapping[str, _Form], of: Library) -> None:
+    """Note the forms of a library that stand in no file of tests."""
+    for form in forms.values():
+        if not form.span.file.endswith(TEST_SUFFIX):
+            known.setdefault((_file(form), form.name), (form, of))
+
+
+_Rowed = TypeVar("_Rowed", RapCoverage, QueryCoverage, AgendaCoverage)
+
+
+def _in_order(found: Iterable[_Rowed]) -> tuple[_Rowed, ...]:
+    """Return what stands in a file in the order of its rows."""
+    return tuple(sorted(found, key=lambda one: one.row))
+
+
+def _file(form: nodes.DefineRap | nodes.DefineQuery | nodes.DefineAgenda) -> str:
     """A file by one name, however it was reached."""
-    return normpath(rap.span.file)
+    return normpath(form.span.file)
 
 
-def _row(library: Library, node: nodes.DefineRap | nodes.Method) -> int:
+_Placed = (
+    nodes.DefineRap
+    | nodes.Method
+    | nodes.DefineQuery
+    | nodes.DefineAgenda
+    | nodes.GivenTask
+)
+
+
+def _row(library: Library, node: _Placed) -> int:
     source = library.files.get(node.span.file)
     return 0 if source is None else source.position(node.span.start).row

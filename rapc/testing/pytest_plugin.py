@@ -16,8 +16,19 @@ if TYPE_CHECKING:
 SUFFIX = ".test.rap"
 
 
+COVERAGE = "rap_coverage"
+"""The name under which the configuration has what the tests exercise, if asked for."""
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the setting that permits tests to name worlds of some modules."""
+    """Add a setting that permits worlds of some modules, and options for coverage."""
+    group = parser.getgroup("rapc", "tests in RAP")
+    said = "say what the tests in RAP exercise of their libraries; write it as JSON"
+    group.addoption(
+        "--rap-coverage", nargs="?", const="", metavar="FILE.json", help=said
+    )
+    said = "fail if the tests in RAP exercise less than N per cent"
+    group.addoption("--rap-coverage-min", type=float, metavar="N", help=said)
     told = "modules of which tests in RAP may name worlds, as `module:Class`"
     parser.addini("rap_world_modules", told, type="linelist", default=[])
 
@@ -31,3 +42,11 @@ def pytest_collect_file(
     items = import_module("rapc.console.testing.pytest_items")
     collector: pytest.Collector = items.RapFile.from_parent(parent, path=file_path)
     return collector
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Have coverage gathered and told, where one of the options asks for it."""
+    options = (config.option.rap_coverage, config.option.rap_coverage_min)
+    if options != (None, None):
+        told = import_module("rapc.console.testing.pytest_coverage")
+        config.pluginmanager.register(told.PytestCoverage(config), COVERAGE)

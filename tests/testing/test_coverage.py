@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
-from rapc.console.testing.coverage_table import as_json, table
+from rapc.console.testing.coverage_table import (
+    Share,
+    as_json,
+    counted,
+    table,
+    verdict,
+)
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage, FileCoverage
 from rapc.testing.session import TestSession
+from tests.cli.command import rapc as command
 
 ARMS = """\
 (declare-primitive grab (?x) (okay dropped))
@@ -110,3 +119,111 @@ def test_without_a_library_there_is_nothing_to_cover(tmp_path: Path) -> None:
         "coverage: the tests run no library outside of test files"
     ]
     assert json.loads(as_json(()))["files"] == []
+
+
+MORE = """\
+(declare-primitive go (?where) (okay))
+(declare-memory-proposition at (?where))
+(declare-memory-proposition shut (?where))
+(define-query (open ?where) (not (shut ?where)))
+(define-query (free ?where) (open ?where))
+(define-query (unasked ?where) (at ?where))
+
+(define-rap (visit ?where)
+  (succeed (at ?where))
+  (method walk (context (free ?where)) (constraints (free ?where))
+    (task-net (t1 (step ?where))))
+  (method wait (context otherwise) (task-net)))
+
+(define-rap (step ?where)
+  (succeed (at ?where))
+  (method (primitive (go ?where))))
+
+(define-agenda day (task (visit hall)) (task (visit attic) :at 5))
+"""
+MORE_TESTS = """\
+(require "more")
+(define-test one
+  (agenda day) (until 3)
+  (script ((go hall) :asserts ((shut hall))))
+  (expect (never (go attic))))
+"""
+
+
+def _more(folder: Path) -> tuple[FileCoverage, ...]:
+    (folder / "more.rap").write_text(MORE, encoding="utf-8")
+    (folder / "more.test.rap").write_text(MORE_TESTS, encoding="utf-8")
+    gathered = Coverage()
+    (outcome,) = TestSession(coverage=gathered).run(discover.find([folder]).cases)
+    assert outcome.failures == ()
+    return gathered.files()
+
+
+def test_queries_agendas_and_constraints_are_counted(tmp_path: Path) -> None:
+    (file,) = _more(tmp_path)
+    assert [(q.name, q.asked > 0) for q in file.queries] == [
+        ("open", True),
+        ("free", True),
+        ("unasked", False),
+    ]
+    (day,) = file.agendas
+    assert [(task.goal, task.given) for task in day.tasks] == [
+        ("(visit hall)", 1),
+        ("(visit attic)", 0),
+    ]
+    visit = file.raps[0]
+    walk, wait = visit.methods
+    assert walk.constraints_broken == 1
+    assert wait.constraints_broken is None
+    assert wait.context_true
+    assert wait.context_false
+    lines = list(table([file]))
+    counted = [line for line in lines if line.startswith("queries asked")]
+    assert counted == [
+        "queries asked: 2/3; tasks of agendas given: 1/2; "
+        "constraints of methods broken: 1/1"
+    ]
+    assert f"{file.file}:6 unasked: never asked" in lines
+    assert f"{file.file}:18 day: never given (visit attic)" in lines
+    told = json.loads(as_json([file]))
+    assert told["covered"]["queries_asked"] == {"covered": 2, "of": 3}
+    assert told["files"][0]["agendas"][0]["tasks"][1]["given"] == 0
+
+
+def test_how_much_is_covered_in_all(tmp_path: Path) -> None:
+    files = _more(tmp_path)
+    assert counted(files) == Share(10, 12)
+    assert verdict(files, 83) == (False, "coverage: 83.3 % (10 of 12)")
+    assert verdict(files, 84) == (
+        True,
+        "coverage: 83.3 % (10 of 12), less than the 84 % that are asked for",
+    )
+    assert verdict((), 100) == (False, "coverage: 100 % (0 of 0)")
+
+
+def test_less_coverage_than_asked_for_is_told_by_the_exit_status(
+    tmp_path: Path,
+) -> None:
+    _more(tmp_path)
+    done = command("test", ".", "--coverage-min", "83", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "coverage: 83.3 % (10 of 12)\n" in done.stdout
+    done = command("test", ".", "--coverage-min", "90", "-q", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "less than the 90 % that are asked for" in done.stdout
+    done = command("test", ".", "--coverage-min", "101", cwd=tmp_path)
+    assert done.returncode == 2
+
+
+def test_pytest_tells_coverage_too(tmp_path: Path) -> None:
+    _more(tmp_path)
+    (tmp_path / "pytest.ini").write_text("[pytest]\naddopts =\n")
+    ran = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-n0", "."]
+    for least, status in (("80", 0), ("90", 1)):
+        options = ["--rap-coverage", "all.json", "--rap-coverage-min", least]
+        done = subprocess.run(
+            [*ran, *options], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == status, done.stdout
+        assert "coverage: 83.3 % (10 of 12)" in done.stdout
+        assert json.loads((tmp_path / "all.json").read_text())["format"] == 1

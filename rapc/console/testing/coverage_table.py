@@ -22,6 +22,23 @@ COLUMNS = {
 }
 """What is summed up, by its name in JSON, with its name in the table."""
 
+OTHERS = {
+    "queries_asked": "queries asked",
+    "agenda_tasks_given": "tasks of agendas given",
+    "constraints_broken": "constraints of methods broken",
+}
+"""What is summed up besides, by its name in JSON, with its name below the table."""
+
+_COUNTED = (
+    "methods_chosen",
+    "contexts_true",
+    "contexts_false",
+    "monitors_woken",
+    "queries_asked",
+    "agenda_tasks_given",
+)
+"""What a test should show, and `--coverage-min` counts; nothing has to fail."""
+
 _NAME = 24
 
 
@@ -32,38 +49,75 @@ class Share(msgspec.Struct, frozen=True):
     of: int
 
 
-def shares(raps: Iterable[RapCoverage]) -> dict[str, Share]:
-    """What was exercised of some RAPs, by column.
+def shares(files: Iterable[FileCoverage]) -> dict[str, Share]:
+    """What was exercised of some files, by column.
 
     Methods chosen and methods that ended badly; contexts seen true and seen false;
-    RAPs with a monitor that has woken a task; RAPs of which a task has failed.
+    RAPs with a monitor that has woken a task; RAPs of which a task has failed; queries,
+    tasks of agendas, constraints of methods.
     """
     of: Counter[str] = Counter()
     covered: Counter[str] = Counter()
+    for file in files:
+        for column, count in _counts(file):
+            if count is not None:
+                of[column] += 1
+                covered[column] += count > 0
+    return {c: Share(covered[c], of[c]) for c in (*COLUMNS, *OTHERS)}
 
-    def add(column: str, count: int | None) -> None:
-        if count is not None:
-            of[column] += 1
-            covered[column] += count > 0
 
-    for rap in raps:
-        add("raps_failed", sum(rap.failed.values()))
-        add("monitors_woken", rap.monitor.woken if rap.monitor is not None else None)
+def _counts(file: FileCoverage) -> Iterator[tuple[str, int | None]]:
+    """Yield how often each thing in a file was exercised, with its column."""
+    for rap in file.raps:
+        yield "raps_failed", sum(rap.failed.values())
+        yield "monitors_woken", rap.monitor.woken if rap.monitor is not None else None
         for method in rap.methods:
-            add("methods_chosen", method.chosen)
-            add("contexts_true", method.context_true)
-            add("contexts_false", method.context_false)
-            add("methods_ended_badly", method.ended_badly)
-    return {column: Share(covered[column], of[column]) for column in COLUMNS}
+            yield "methods_chosen", method.chosen
+            yield "contexts_true", method.context_true
+            yield "contexts_false", method.context_false
+            yield "methods_ended_badly", method.ended_badly
+            yield "constraints_broken", method.constraints_broken
+    for query in file.queries:
+        yield "queries_asked", query.asked
+    for agenda in file.agendas:
+        for task in agenda.tasks:
+            yield "agenda_tasks_given", task.given
+
+
+def counted(files: Iterable[FileCoverage]) -> Share:
+    """How much was exercised of all that a test should show."""
+    found = shares(files)
+    parts = [found[column] for column in _COUNTED]
+    return Share(sum(p.covered for p in parts), sum(p.of for p in parts))
+
+
+def per_cent(share: Share) -> str:
+    """Return a share in words: `87.5 % (35 of 40)`, rounded down."""
+    tenths = 1000 * share.covered // share.of if share.of else 1000
+    return f"{tenths / 10:g} % ({share.covered} of {share.of})"
+
+
+def verdict(files: Sequence[FileCoverage], least: float) -> tuple[bool, str]:
+    """Return whether less is covered than `least` per cent, and a line that says so."""
+    share = counted(files)
+    short = share.covered * 100 < least * share.of
+    more = f", less than the {least:g} % that are asked for" if short else ""
+    return short, f"coverage: {per_cent(share)}{more}"
 
 
 def as_json(files: Sequence[FileCoverage]) -> bytes:
     """Everything that was counted, with what it comes to for each file and in all."""
     listed = [
-        {"file": one.file, "covered": shares(one.raps), "raps": one.raps}
+        {
+            "file": one.file,
+            "covered": shares([one]),
+            "raps": one.raps,
+            "queries": one.queries,
+            "agendas": one.agendas,
+        }
         for one in files
     ]
-    whole = shares(rap for one in files for rap in one.raps)
+    whole = shares(files)
     told = {"format": FORMAT, "covered": whole, "files": listed}
     return msgspec.json.format(msgspec.json.encode(told), indent=2) + b"\n"
 
@@ -75,22 +129,41 @@ def table(files: Sequence[FileCoverage]) -> Iterator[str]:
         return
     yield _line("coverage", COLUMNS.values())
     for one in files:
-        yield _line(one.file, _told(shares(one.raps)))
+        yield _line(one.file, _told(shares([one])))
+    whole = shares(files)
     if len(files) > 1:
-        whole = shares(rap for one in files for rap in one.raps)
         yield _line("all", _told(whole))
+    others = [
+        f"{words}: {whole[column].covered}/{whole[column].of}"
+        for column, words in OTHERS.items()
+        if whole[column].of
+    ]
+    if others:
+        yield "; ".join(others)
     reasons: Counter[str] = Counter()
-    for one in files:
-        for rap in one.raps:
-            reasons.update(rap.failed)
+    for rap in (rap for one in files for rap in one.raps):
+        reasons.update(rap.failed)
     if reasons:
         listed = ", ".join(f"{reason} {reasons[reason]}" for reason in sorted(reasons))
         yield f"tasks failed: {listed}"
     for one in files:
-        for rap in one.raps:
-            lacking = "; ".join(_lacking(rap))
-            if lacking:
-                yield f"{one.file}:{rap.row} {rap.name}: {lacking}"
+        yield from _lacking_in(one)
+
+
+def _lacking_in(file: FileCoverage) -> Iterator[str]:
+    """Yield what no test has shown of what a file defines."""
+    for rap in file.raps:
+        lacking = "; ".join(_lacking(rap))
+        if lacking:
+            yield f"{file.file}:{rap.row} {rap.name}: {lacking}"
+    for query in file.queries:
+        if not query.asked:
+            yield f"{file.file}:{query.row} {query.name}: never asked"
+    for agenda in file.agendas:
+        for task in agenda.tasks:
+            if not task.given:
+                place = f"{file.file}:{task.row}"
+                yield f"{place} {agenda.name}: never given {task.goal}"
 
 
 def _line(name: str, cells: Iterable[str]) -> str:
@@ -100,7 +173,8 @@ def _line(name: str, cells: Iterable[str]) -> str:
 
 
 def _told(found: Mapping[str, Share]) -> list[str]:
-    return [f"{s.covered}/{s.of}" if s.of else "-" for s in found.values()]
+    told = [found[column] for column in COLUMNS]
+    return [f"{s.covered}/{s.of}" if s.of else "-" for s in told]
 
 
 def _lacking(rap: RapCoverage) -> Iterator[str]:

@@ -12,6 +12,7 @@ import pytest
 from rapc.console.testing import explain
 from rapc.errors import Error
 from rapc.testing import discover
+from rapc.testing.pytest_plugin import COVERAGE
 from rapc.testing.run import Case, Outcome, Status, run_case
 
 
@@ -53,7 +54,9 @@ class RapTest(pytest.Item):
     def runtest(self) -> None:
         """Run it. Raises RapTestFailure if it does not pass."""
         modules: list[str] = self.config.getini("rap_world_modules")
-        outcome = run_case(self.case, modules=modules)
+        told = self.config.pluginmanager.get_plugin(COVERAGE)
+        gathered = None if told is None else told.gathered
+        outcome = run_case(self.case, coverage=gathered, modules=modules)
         if outcome.status is not Status.PASSED:
             raise RapTestFailure(outcome)
 
