@@ -15,8 +15,8 @@ from typing import Any
 import msgspec
 
 from rapc.analysis.driver import CheckReport, check_library
+from rapc.analysis.selection import errors
 from rapc.base import files
-from rapc.base.diagnostics import Severity
 from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
@@ -289,10 +289,9 @@ def checked(loaded: Loaded, name: str) -> CheckedLibrary:
     Raises:
         CheckError: if anything of severity error is found.
     """
-    report = check_library(loaded)
-    errors = tuple(f for f in report.findings if f.severity is Severity.ERROR)
-    if errors:
-        raise CheckError(CheckReport(errors, report.library))
+    report = check_library(loaded, errors())
+    if report.findings:
+        raise CheckError(report)
     return CheckedLibrary(Program(report.library, name))
 
 

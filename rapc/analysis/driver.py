@@ -17,7 +17,7 @@ import msgspec
 from rapc.analysis import suite, suppressions
 from rapc.analysis.analyzer import Analyzer, Pass, never
 from rapc.analysis.damage import Damage
-from rapc.analysis.selection import Selection, by_default
+from rapc.analysis.selection import Selection, by_default, errors
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile, Span
@@ -73,7 +73,7 @@ def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckRe
     chosen = selection or Selection(by_default())
     rules = {n: chosen.graded(rule) for n, rule in suite.rules().items()}
     damage = Damage(loaded)
-    found = [*loaded.diagnostics, *_analyze(loaded, damage)]
+    found = [*loaded.diagnostics, *_analyze(loaded, damage, chosen.enabled)]
     found = _suppress(loaded, rules, found, chosen.enabled, damage)
     order = {name: at for at, name in enumerate(loaded.files)}
     findings = [Finding(rules[d.rule], d) for d in found if chosen.chooses(d)]
@@ -88,7 +88,9 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     """
     alone = msgspec.structs.replace(library, forms=(), tests=tuple(tests))
     rules = suite.rules()
-    found = [Finding(rules[d.rule], d) for _, d in _findings(alone, True, never)]
+    wanted = needed_for(errors().enabled)
+    every = _findings(alone, True, never, wanted)
+    found = [Finding(rules[d.rule], d) for _, d in every]
     return [finding for finding in found if finding.severity is Severity.ERROR]
 
 
@@ -96,6 +98,17 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
 def passes() -> tuple[Analyzer[Any], ...]:
     """The passes of the suite in the order in which they run."""
     return ordered(suite.ANALYZERS)
+
+
+def needed_for(enabled: Collection[str]) -> list[Analyzer[Any]]:
+    """Return the passes that the enabled rules need, in the order in which they run."""
+    chosen: list[Analyzer[Any]] = []
+    needed: set[str] = set()
+    for analyzer in reversed(passes()):
+        if analyzer.name in needed or any(r.name in enabled for r in analyzer.rules):
+            chosen.append(analyzer)
+            needed.update(need.name for need in analyzer.needs)
+    return chosen[::-1]
 
 
 def ordered(analyzers: Sequence[Analyzer[Any]]) -> tuple[Analyzer[Any], ...]:
@@ -142,25 +155,35 @@ def _must_be_documented(analyzer: Analyzer[Any], codes: set[str]) -> None:
         codes.update((rule.code, rule.name))
 
 
-def _analyze(loaded: Loaded, damage: Damage) -> Iterator[Diagnostic]:
-    """Yield what the passes find, without what may be due to a slip of the pen."""
+def _analyze(
+    loaded: Loaded, damage: Damage, enabled: Collection[str]
+) -> Iterator[Diagnostic]:
+    """Yield what the passes find, without what may be due to a slip of the pen.
+
+    A pass none of whose rules is enabled runs only where others need it.
+    """
     complete = all(d.rule != loader.UNRESOLVED.name for d in loaded.diagnostics)
-    for analyzer, diagnostic in _findings(loaded.library, complete, damage.reaches):
+    wanted = needed_for(enabled)
+    found = _findings(loaded.library, complete, damage.reaches, wanted)
+    for analyzer, diagnostic in found:
         if not damage.silences(diagnostic, analyzer.needs_whole):
             yield diagnostic
 
 
 def _findings(
-    library: Library, complete: bool, unsure: Callable[[Span], bool]
+    library: Library,
+    complete: bool,
+    unsure: Callable[[Span], bool],
+    wanted: Iterable[Analyzer[Any]],
 ) -> Iterator[tuple[Analyzer[Any], Diagnostic]]:
-    """Yield what the passes find in forms and tests, each finding with its pass.
+    """Yield what the passes `wanted` find in forms and tests, with the pass.
 
     What a file says of all its tests is part of each, and reported once.
     """
     results: dict[str, object] = {}
     seen: set[tuple[str, Span, str]] = set()
     signatures = Signatures.of(library)
-    for analyzer in passes():
+    for analyzer in wanted:
         run = Pass(analyzer, library, signatures, results, complete, unsure)
         results[analyzer.name] = analyzer.run(run)
         for found in run.found:

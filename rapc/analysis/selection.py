@@ -76,6 +76,13 @@ def by_default() -> frozenset[str]:
     return frozenset(n for n, rule in suite.rules().items() if not rule.opt_in)
 
 
+def errors() -> Selection:
+    """Return what chooses the rules that keep a library from being run."""
+    rules = suite.rules()
+    grave = (n for n in by_default() if rules[n].severity is Severity.ERROR)
+    return Selection(frozenset(grave))
+
+
 def rule_names(words: Iterable[str]) -> frozenset[str]:
     """Return the names of rules that are given by name or code.
 

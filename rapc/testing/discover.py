@@ -13,8 +13,8 @@ from pathlib import Path
 import msgspec
 
 from rapc.analysis.driver import CheckReport, Finding, check_library, check_tests
+from rapc.analysis.selection import errors
 from rapc.base import files
-from rapc.base.diagnostics import Severity
 from rapc.base.source import SourceFile, Span
 from rapc.compiler.program import Program
 from rapc.ir.nodes import DefineTest
@@ -74,11 +74,12 @@ def _find_in(source: SourceFile) -> Found:
     for names, tests in (groups or {(): []}).items():
         loaded = loader.load_for_test(source, tests[0].requires) if names else whole
         library = msgspec.structs.replace(loaded.library, tests=tuple(tests))
-        report = check_library(msgspec.structs.replace(loaded, library=library))
-        errors = [f for f in report.findings if f.severity is Severity.ERROR]
-        faults = _by_test(errors, own)
+        tested = msgspec.structs.replace(loaded, library=library)
+        report = check_library(tested, errors())
+        faults = _by_test(report.findings, own)
         in_tests = {id(finding) for one in faults.values() for finding in one}
-        elsewhere = [finding for finding in errors if id(finding) not in in_tests]
+        found = report.findings
+        elsewhere = [finding for finding in found if id(finding) not in in_tests]
         if elsewhere:
             _tell(report, elsewhere, reports)
             continue

@@ -12,13 +12,14 @@ from rapc.analysis import suite
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.driver import (
     check_library,
+    needed_for,
     ordered,
     passes,
 )
-from rapc.analysis.selection import Selection
+from rapc.analysis.selection import Selection, errors
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.source import NOWHERE
-from rapc.library.loader import load_text
+from rapc.library.loader import load, load_text
 from rapc.library.signatures import Signatures
 
 RULE = Rule("RAP900", "some-fault", Severity.ERROR, "s", "why", "example", "better")
@@ -126,6 +127,25 @@ def test_suppressions_of_rules_that_do_not_run_are_not_called_unused() -> None:
     assert check_library(loaded).findings
     chosen = Selection(frozenset({"unused-suppression"}))
     assert not check_library(loaded, chosen).findings
+
+
+PROGRAMS = sorted(Path(__file__).parent.glob("*.rap"))
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: str(path.stem))
+def test_passes_that_find_no_errors_are_left_out_where_only_errors_count(
+    path: Path,
+) -> None:
+    loaded = load([str(path)])
+    every = check_library(loaded, Selection(frozenset(suite.rules()))).findings
+    grave = [one for one in every if one.severity is Severity.ERROR]
+    assert list(check_library(loaded, errors()).findings) == grave
+
+
+def test_a_pass_runs_if_one_of_its_rules_is_enabled_or_another_needs_it() -> None:
+    chosen = [one.name for one in needed_for({"anonymous-variable"})]
+    assert chosen == ["task-nets", "bindings", "anonymous-variable"]
+    assert needed_for(suite.rules().keys()) == list(passes())
 
 
 def test_report_knows_its_worst_and_its_size() -> None:
