@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rapc.base.source import Span
+from rapc.base.values import Number
 from rapc.ir import nodes
 from rapc.language.grammar import RULES, TERMINALS
 from rapc.language.heads import ARROW, heads, rules_by_head, words
@@ -128,8 +129,9 @@ class Readers(dict[str, Read]):
     def option(self, rule: str) -> Option:
         """Return what reads an option, with the number of its values."""
         shape = RULES[rule]
-        count = 0 if is_word(shape) else len(shape) - 2
-        return Option(count, self[rule])
+        if is_word(shape):
+            return Option(0, lambda ctx, datum: True)
+        return Option(len(shape) - 2, self[rule])
 
     def _option(self, rule: str, shape: Shape) -> Read:
         """The reader of an option with one value."""
@@ -147,17 +149,20 @@ class Readers(dict[str, Read]):
     def _inner(self, rule: str, shape: Shape) -> Read:
         """The reader of a list without a head that holds any number of one kind."""
         inner = shape[1][1]
-        one = _wanted(rule, inner, self.part(inner))
-        nested = isinstance(inner, str) and is_list(RULES.get(inner, ""))
+        part = self.part(inner)
+        one = _wanted(rule, inner, part)
+        nested = is_list(RULES.get(next(leaves(inner)), ""))
         what = "a list of lists" if nested else WANTED.get(rule, "a list")
 
         def read(ctx: Context, datum: Datum) -> tuple[Any, ...]:
             items = datum.items if isinstance(datum, List) else ()
-            flat = nested and items and not any(isinstance(d, List) for d in items)
+            flat = nested and not any(
+                isinstance(d, List) or part.fits(d) for d in items
+            )
+            flat = flat and bool(items)
             if flat or not isinstance(datum, List):
-                message = f"{what} is wanted here, not {kind_of(datum)}"
-                if flat:
-                    message = f"{what} is wanted here, not a list alone"
+                found = "one list" if flat else kind_of(datum)
+                message = f"`{heads(rule)[0]}` wants {what}, not {found}"
                 fix = ctx.wrap(datum, datum, "(", sure=False)
                 ctx.report(_finding(rule), message, datum, fix=fix)
                 return ()
@@ -211,10 +216,12 @@ WANTED: Mapping[str, str] = {
     "expectation": "an expectation",
     "resource": "a resource",
     "TIME": "a time",
+    "PERIOD": "a time above 0",
     "COUNT": "a whole number",
     "POSITIVE": "a whole number above 0",
     "INTEGER": "a whole number",
     "SIGNAL": "a name with a colon",
+    "told_signal": "a signal",
     "KIND": "the name of a kind",
     "reads": "a list of predicates",
     "tells": "a list of data",
@@ -357,7 +364,7 @@ def _wanted(rule: str, shape: Shape, part: Part) -> Read:
     """What reads a datum as a part, and reports what cannot be one."""
     if not part.strict:
         return part.read
-    what = WANTED.get(shape, "a name") if isinstance(shape, str) else "a name"
+    what = WANTED.get(next(leaves(shape)), "a name")
 
     def read(ctx: Context, datum: Datum) -> Any:
         if part.fits(datum):
@@ -431,25 +438,21 @@ _NODES: Mapping[str, Fits] = {
     "NUMBER": _is_numeral,
     "KEYWORD": lambda datum: type(datum) is Keyword,
 }
-_NUMBERS: Mapping[str, tuple[bool, int | None]] = {
-    "INTEGER": (True, None),
-    "COUNT": (True, 0),
-    "POSITIVE": (True, 1),
-    "TIME": (False, 0),
+_NUMBERS: Mapping[str, Callable[[Number], bool]] = {
+    "INTEGER": lambda value: isinstance(value, int),
+    "COUNT": lambda value: isinstance(value, int) and value >= 0,
+    "POSITIVE": lambda value: isinstance(value, int) and value > 0,
+    "TIME": lambda value: value >= 0,
+    "PERIOD": lambda value: value > 0,
 }
-"""For each terminal of numbers whether they are whole, and the least."""
+"""For each terminal of numbers which of them it is."""
 
 
 def _number(name: str) -> Read:
-    whole, least = _NUMBERS[name]
-
-    def read(ctx: Context, datum: Datum) -> Any:
-        value = datum.value if isinstance(datum, Numeral) else None
-        small = value is not None and least is not None and value < least
-        if value is None or small or (whole and not isinstance(value, int)):
-            message = f"{WANTED[name]} is wanted here"
-            ctx.report("malformed-clause", message, datum)
-            return None
-        return value
+    def read(ctx: Context, datum: Datum) -> Number | None:
+        if isinstance(datum, Numeral) and _NUMBERS[name](datum.value):
+            return datum.value
+        ctx.report("malformed-clause", f"{WANTED[name]} is wanted here", datum)
+        return None
 
     return read

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from rapc.console.testing.coverage_table import COLUMNS
-from rapc.language.heads import TEST_CLAUSES
-from rapc.parser.special import script, tests
+from rapc.language.heads import TEST_CLAUSES, rules_by_head
+from rapc.parser.special import tests
 from rapc.parser.special.expectations import EXPECTATIONS
 
 from ..cli.command import rapc
@@ -50,7 +50,7 @@ def _told(heading: str) -> set[str]:
 
 def test_tables_name_everything_and_nothing_else() -> None:
     assert _told("## What is given") == set(TEST_CLAUSES)
-    assert _told("### The script") == set(script.OPTIONS)
+    assert _told("### The script") == set(rules_by_head("_once_row_option"))
     assert _told("### At a time") == set(tests.ACTIONS)
     assert _told("## What is expected") == set(EXPECTATIONS)
 

@@ -54,7 +54,7 @@ def event_pattern(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
     rest = _joined(ctx, datum.items[1:])
     words = {word.name: 1 for word in rest if isinstance(word, Keyword)}
     given = options(ctx, rest, f"`{name}`", words)
-    keys = tuple((key[1:], _value(ctx, value)) for key, value in given.items())
+    keys = tuple((key[1:], _value(ctx, one.items[1])) for key, one in given.items())
     return nodes.EventPattern(name, keys, ctx.span(datum))
 
 

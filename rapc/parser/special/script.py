@@ -3,31 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.language.grammar import RULES
 from rapc.language.heads import rules_by_head
-from rapc.language.shapes import is_word
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.elaborate import made
+from rapc.parser.fields import filled, slots
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import colon, goal, pattern
-
-D = TypeVar("D", nodes.Proposition, nodes.Datum)
-
-
-def option_counts(group: str) -> dict[str, int]:
-    """The options in a group of the grammar, with the number of their values."""
-    return {
-        word: 0 if is_word(RULES[rule]) else len(RULES[rule]) - 2
-        for word, rule in rules_by_head(group).items()
-    }
-
-
-OPTIONS = option_counts("_once_row_option")
-"""The options of a row, with the number of their values."""
 
 
 def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
@@ -42,28 +26,13 @@ def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
     result = None
     if rest and isinstance(rest[0], Symbol):
         result, rest = rest[0].name, rest[1:]
-    given = options(ctx, rest, "a row", OPTIONS)
+    read = read_options(ctx, rest, "a row", "_once_row_option")
     if asked is None:
         return None
-    times, takes, after = (given.get(f":{n}") for n in ("times", "takes", "after"))
-    taken = None if takes is None else number(ctx, takes, "a duration")
-    told_signals, pauses = _with_pauses(ctx, given.get(":signals"))
-    every = given.get(":every")
+    fields = filled(slots("script_row", nodes.ScriptRow), read)
+    fields["signals"], fields["pauses"] = _with_pauses(fields["signals"])
     return nodes.ScriptRow(
-        kind=kind,
-        request=asked,
-        result=result,
-        times=None if times is None else whole(ctx, times, "a number", least=1),
-        takes=taken or 0,
-        after=None if after is None else number(ctx, after, "a duration"),
-        asserts=told(ctx, _listed(ctx, given, ":asserts"), nodes.Proposition),
-        erases=told(ctx, _listed(ctx, given, ":erases"), nodes.Proposition),
-        data=told(ctx, _listed(ctx, given, ":data"), nodes.Datum),
-        signals=told_signals,
-        refused=":refused" in given,
-        pauses=pauses,
-        every=None if every is None else _period(ctx, every),
-        span=ctx.span(datum),
+        kind=kind, request=asked, result=result, span=ctx.span(datum), **fields
     )
 
 
@@ -80,51 +49,21 @@ def _request(
     return "request", request(ctx, datum)
 
 
-def _listed(ctx: Context, given: Mapping[str, Datum], name: str) -> Sequence[Datum]:
-    datum = given.get(name)
-    if datum is None:
-        return ()
-    if isinstance(datum, List) and all(isinstance(i, List) for i in datum.items):
-        return datum.items
-    message = f"`{name}` takes a list of lists"
-    fix = ctx.wrap(datum, datum, "(", sure=False) if isinstance(datum, List) else None
-    ctx.report("malformed-clause", message, datum, fix=fix)
-    return ()
-
-
 def _with_pauses(
-    ctx: Context, datum: Datum | None
+    told: Sequence[nodes.Signal | Number],
 ) -> tuple[tuple[nodes.Signal, ...], tuple[Number, ...]]:
     """Return the signals of a row, and how long each waits for the one before it."""
-    if datum is None:
-        return (), ()
-    if not isinstance(datum, List) or not all(
-        isinstance(item, List | Numeral) for item in datum.items
-    ):
-        _listed(ctx, {":signals": datum}, ":signals")
-        return (), ()
     found: list[nodes.Signal] = []
     pauses: list[Number] = []
     pause: Number = 0
-    for item in datum.items:
-        if not isinstance(item, List):
-            pause += number(ctx, item, "a wait before a signal") or 0
-            continue
-        one = plain(ctx, colon(ctx, item, nodes.Signal))
-        if one is not None:
+    for one in told:
+        if isinstance(one, nodes.Signal):
             found.append(one)
             pauses.append(pause)
-        pause = 0
+            pause = 0
+        else:
+            pause += one
     return tuple(found), tuple(pauses) if any(pauses) else ()
-
-
-def _period(ctx: Context, datum: Datum) -> Number | None:
-    """Return the time between two tellings of a skill, which is more than none."""
-    found = number(ctx, datum, "a duration")
-    if found == 0:
-        ctx.report("malformed-clause", "`:every` takes a time above 0", datum)
-        return None
-    return found
 
 
 # --- shared by the clauses of a test -------------------------------------------------
@@ -153,9 +92,19 @@ def asked_goal(
     return _ground(ctx, found) if ground else plain(ctx, found)
 
 
-def told(ctx: Context, data: Sequence[Datum], kind: type[D]) -> tuple[D, ...]:
-    """What is told in a script: propositions or data of constants and variables."""
-    return made(plain(ctx, pattern(ctx, datum, kind)) for datum in data)
+def told(ctx: Context, datum: Datum) -> nodes.Proposition | None:
+    """A proposition of constants and variables."""
+    return plain(ctx, pattern(ctx, datum, nodes.Proposition))
+
+
+def told_datum(ctx: Context, datum: Datum) -> nodes.Datum | None:
+    """A sensor datum of constants and variables."""
+    return plain(ctx, pattern(ctx, datum, nodes.Datum))
+
+
+def told_signal(ctx: Context, datum: Datum) -> nodes.Signal | None:
+    """A signal of constants and variables."""
+    return plain(ctx, colon(ctx, datum, nodes.Signal))
 
 
 def fact(ctx: Context, datum: Datum) -> nodes.Proposition | None:
@@ -212,29 +161,43 @@ def whole(ctx: Context, datum: Datum, what: str, least: int | None = None) -> in
     return least or 0
 
 
+def read_options(
+    ctx: Context, data: Sequence[Datum], owner: str, group: str
+) -> Mapping[str, list[Any]]:
+    """What was read of each option of a group by its word."""
+    rules = rules_by_head(group)
+    known = {word: ctx.readers.option(rule) for word, rule in rules.items()}
+    counts = {word: option.values for word, option in known.items()}
+    found = options(ctx, data, owner, counts)
+    return {word: [known[word].read(ctx, one)] for word, one in found.items()}
+
+
 def options(
     ctx: Context, data: Sequence[Datum], owner: str, known: Mapping[str, int]
-) -> Mapping[str, Datum]:
-    """Options with their values by name; the word itself for those without one."""
-    found: dict[str, Datum] = {}
-    rest = list(data)
-    while rest:
-        word = rest.pop(0)
+) -> Mapping[str, List]:
+    """Options by their words, each as a list of its word and, if it has one, its value.
+
+    `known` gives the number of values of each, at most one.
+    """
+    found: dict[str, List] = {}
+    at = 0
+    while at < len(data):
+        word = data[at]
+        at += 1
         if not isinstance(word, Keyword):
             message = f"{kind_of(word)} stands where an option of {owner} is wanted"
             ctx.report("malformed-clause", message, word)
             continue
-        value: Datum | None = None
-        if known.get(word.name, 1) == 0:
-            value = word
-        elif rest and not isinstance(rest[0], Keyword):
-            value = rest.pop(0)
+        wanted = known.get(word.name, 1)
+        values = [d for d in data[at : at + wanted] if not isinstance(d, Keyword)]
+        at += len(values)
         if word.name not in known:
             ctx.unknown("unknown-clause", f"option of {owner}", word, known)
-        elif value is None:
+        elif len(values) < wanted:
             ctx.report("malformed-clause", f"`{word.name}` lacks its value", word)
         elif word.name in found:
             ctx.report("duplicate-clause", f"there is a second `{word.name}`", word)
         else:
-            found[word.name] = value
+            end = values[-1].end if values else word.end
+            found[word.name] = List((word, *values), word.start, end)
     return found

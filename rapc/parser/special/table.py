@@ -108,6 +108,9 @@ SPECIAL: Mapping[str, Read] = {
     "asked": script.asked_goal,
     "required": script.request,
     "enabled": script.enabled,
+    "told": script.told,
+    "told_datum": script.told_datum,
+    "told_signal": script.told_signal,
     "fact": script.fact,
     "arriving": script.arriving,
 }
