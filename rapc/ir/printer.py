@@ -290,6 +290,11 @@ def _row_request(node: nodes.ScriptRow) -> Iterable[Any]:
     return (asked, node.result)
 
 
+def _asked(one: nodes.Request | nodes.Skill) -> Any:
+    """A request as it is, a skill as what is asked: that it be enabled."""
+    return ("enable", one) if isinstance(one, nodes.Skill) else one
+
+
 _OPERANDS: Mapping[type, Callable[[Any], Iterable[Any]]] = {
     nodes.SetTest: lambda node: node.args,
     nodes.HistoryTest: lambda node: node.args,
@@ -305,6 +310,11 @@ _OPERANDS: Mapping[type, Callable[[Any], Iterable[Any]]] = {
     nodes.ResultEffects: lambda node: ((node.result, *node.effects),),
     nodes.EventRule: lambda node: (nodes.Signal(node.signal, node.args), node.rules),
     nodes.ScriptRow: _row_request,
+    **dict.fromkeys(
+        (nodes.Primitives, nodes.PrimitivesInclude),
+        lambda node: ([_asked(one) for one in node.requests],),
+    ),
+    nodes.Never: lambda node: (_asked(node.request),),
 }
 """The operands of nodes whose fields are not those of their rules."""
 
