@@ -30,6 +30,7 @@ COMMANDS = {
     "repl": "Step a run, ask it why, go back.",
     "experiment": "Run many seeded runs, and say what they come to.",
     "test": "Run the tests of RAP libraries.",
+    "graph": "Print a graph of a library, to be drawn.",
     "worlds": "List worlds, or say what one offers.",
 }
 """The commands with what the help says of them; `rapc.cli.NAME` holds each."""

@@ -1,0 +1,98 @@
+"""Graphs as text that other programs draw: Graphviz dot, Mermaid, JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+
+import msgspec
+
+from rapc.analysis.graphs import Graph, Vertex
+
+_SHAPES: Mapping[str, tuple[str, str, str]] = {
+    "rap": ("box", "[", "]"),
+    "step": ("box", "[", "]"),
+    "primitive": ("ellipse", "([", "])"),
+    "skill": ("ellipse", "([", "])"),
+    "agenda": ("folder", "[[", "]]"),
+    "fact": ("hexagon", "{{", "}}"),
+    "thing": ("cylinder", "[(", ")]"),
+    "datum": ("parallelogram", "[/", "/]"),
+}
+"""The shape of each kind of vertex: in dot, and the brackets of Mermaid."""
+
+
+def dot(graph: Graph) -> str:
+    """Return a graph in the language of Graphviz."""
+    rows = [f"digraph {_quoted(graph.title)} {{", "  rankdir=LR;"]
+    for group, members in _grouped(graph.vertices).items():
+        indent = "  "
+        if group:
+            rows.append(f"  subgraph {_quoted(f'cluster {group}')} {{")
+            rows.append(f"    label={_quoted(group)};")
+            indent = "    "
+        for one in members:
+            shape = _SHAPES[one.kind][0]
+            said = f"label={_quoted(one.label)}, shape={shape}"
+            rows.append(f"{indent}{_quoted(one.id)} [{said}];")
+        if group:
+            rows.append("  }")
+    for edge in graph.edges:
+        label = f" [label={_quoted(edge.label)}]" if edge.label else ""
+        rows.append(f"  {_quoted(edge.source)} -> {_quoted(edge.target)}{label};")
+    return _lines([*rows, "}"])
+
+
+def mermaid(graph: Graph) -> str:
+    """Return a graph as a Mermaid flowchart."""
+    names = {one.id: f"n{at}" for at, one in enumerate(graph.vertices)}
+    rows = ["flowchart LR"]
+    for at, (group, members) in enumerate(_grouped(graph.vertices).items()):
+        indent = "  "
+        if group:
+            rows.append(f'  subgraph g{at}["{_escaped(group)}"]')
+            indent = "    "
+        for one in members:
+            _, begin, end = _SHAPES[one.kind]
+            label = f'{begin}"{_escaped(one.label)}"{end}'
+            rows.append(f"{indent}{names[one.id]}{label}")
+        if group:
+            rows.append("  end")
+    for edge in graph.edges:
+        label = f'|"{_escaped(edge.label)}"|' if edge.label else ""
+        rows.append(f"  {names[edge.source]} -->{label} {names[edge.target]}")
+    return _lines(rows)
+
+
+def as_json(graph: Graph) -> str:
+    """Return a graph as JSON: its title, vertices and edges."""
+    return json.dumps(msgspec.to_builtins(graph), indent=2, ensure_ascii=False) + "\n"
+
+
+WRITERS: Mapping[str, Callable[[Graph], str]] = {
+    "dot": dot,
+    "mermaid": mermaid,
+    "json": as_json,
+}
+"""What writes graphs in each format."""
+
+
+def _grouped(vertices: Iterable[Vertex]) -> Mapping[str, list[Vertex]]:
+    groups: dict[str, list[Vertex]] = {}
+    for one in vertices:
+        groups.setdefault(one.group, []).append(one)
+    return groups
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+def _escaped(text: str) -> str:
+    codes = {"#": "#35;", '"': "#quot;", "<": "#lt;", ">": "#gt;", "\n": " "}
+    return "".join(codes.get(letter, letter) for letter in text)
+
+
+def _lines(rows: Iterable[str]) -> str:
+    return "".join(f"{row}\n" for row in rows)

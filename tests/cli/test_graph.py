@@ -1,0 +1,153 @@
+"""`rapc graph`: what is drawn of a library, and that every format holds it."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .command import rapc
+
+ROOT = Path(__file__).parents[2]
+
+LIBRARY = """\
+(declare-primitive drive (?to) (okay)
+  :uses (wheels)
+  :on (okay (at ?to) (may (parked))))
+(declare-sensor-datum seen (?thing) :on ((close ?thing)))
+(declare-memory-property at (?place) unknown)
+(declare-memory-proposition parked ())
+(declare-memory-proposition close (?thing))
+(declare-memory-proposition busy ())
+(define-query (arrived ?place) (and (at ?place) (not (busy))))
+
+(define-agenda day (task (watch) :priority 3 :background true) (task (go home)))
+
+(define-rap (watch)
+  (monitor-state (or (arrived home) (close "a \\"wall\\"")))
+  (method rest
+    (notations (busy))
+    (task-net (t1 (go dock)))))
+
+(define-rap (go ?place)
+  (succeed (at ?place))
+  (method
+    (claims wheels)
+    (task-net
+      (t1 (step ?place) ((at ?place) for t2) (wait-for (:clear) :proceed))
+      (t2 (step ?place) (until-end t1)))))
+
+(define-rap (step ?place)
+  (succeed (at ?place))
+  (method
+    (primitive (drive ?place))))
+
+(declare-event :clear ())
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a library."""
+    (tmp_path / "lib.rap").write_text(LIBRARY)
+    return tmp_path
+
+
+def _drawn(folder: Path, *args: str) -> tuple[list[str], list[tuple[str, str, str]]]:
+    done = rapc("graph", "lib.rap", "--format", "json", *args, cwd=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    graph: dict[str, Any] = json.loads(done.stdout)
+    known = [vertex["id"] for vertex in graph["vertices"]]
+    edges = [(e["source"], e["target"], e["label"]) for e in graph["edges"]]
+    assert {end for edge in edges for end in edge[:2]} <= set(known)
+    return known, edges
+
+
+def test_calls(folder: Path) -> None:
+    known, edges = _drawn(folder)
+    assert known == ["agenda day", "rap watch", "rap go", "rap step", "primitive drive"]
+    assert edges == [
+        ("agenda day", "rap watch", "priority 3"),
+        ("agenda day", "rap go", ""),
+        ("rap watch", "rap go", "rest"),
+        ("rap go", "rap step", ""),
+        ("rap step", "primitive drive", ""),
+    ]
+
+
+def test_task_nets(folder: Path) -> None:
+    known, edges = _drawn(folder, "--rap", "GO")
+    assert known == ["step method/t1", "step method/t2"]
+    assert edges == [
+        ("step method/t1", "step method/t2", "(at ?place)"),
+        ("step method/t1", "step method/t1", "wait for :clear"),
+        ("step method/t1", "step method/t2", "end ends"),
+    ]
+
+
+def test_monitors_with_what_brings_their_facts_about(folder: Path) -> None:
+    _, edges = _drawn(folder, "--monitors")
+    assert sorted(edges) == [
+        ("datum seen", "fact close", "asserts"),
+        ("fact at", "rap watch", "wakes"),
+        ("fact busy", "rap watch", "wakes"),
+        ("fact close", "rap watch", "wakes"),
+        ("primitive drive", "fact at", "asserts"),
+        ("rap watch", "fact busy", "notes"),
+    ]
+
+
+def test_claims_and_uses(folder: Path) -> None:
+    _, edges = _drawn(folder, "--claims")
+    assert edges == [
+        ("rap go", "thing wheels", "claims"),
+        ("primitive drive", "thing wheels", "uses"),
+    ]
+
+
+@pytest.mark.parametrize("args", [(), ("--rap", "go"), ("--monitors",), ("--claims",)])
+def test_dot_and_mermaid_hold_the_same_graph(
+    args: tuple[str, ...], folder: Path
+) -> None:
+    known, edges = _drawn(folder, *args)
+    text = rapc("graph", "lib.rap", *args, cwd=folder).stdout
+    assert text.startswith('digraph "')
+    assert text.endswith("}\n")
+    assert text.count("{") == text.count("}")
+    assert len(re.findall(r"shape=", text)) == len(known)
+    assert text.count(" -> ") == len(edges)
+    assert all(f'"{one}" [label=' in text for one in known)
+    text = rapc("graph", "lib.rap", "--format", "mermaid", *args, cwd=folder).stdout
+    assert text.startswith("flowchart LR\n")
+    assert len(re.findall(r"^ +n\d+\W", text, re.MULTILINE)) == len(known) + len(edges)
+    assert text.count(" -->") == len(edges)
+
+
+def test_every_rap_of_the_standard_library_is_drawn() -> None:
+    done = rapc("graph", str(ROOT / "stdlib" / "truck"), "--format", "json")
+    drawn = {v["label"] for v in json.loads(done.stdout)["vertices"]}
+    assert {"fill-order", "handle-enemy-troops", "arm-move", "eye-scan"} <= drawn
+
+
+def test_the_manual_shows_what_is_printed() -> None:
+    page = (ROOT / "docs" / "cli.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^```mermaid\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    library = str(ROOT / "stdlib" / "truck")
+    done = rapc("graph", library, "--rap", "fill-order", "--format", "mermaid")
+    assert shown == [done.stdout]
+
+
+def test_bad_usage(folder: Path) -> None:
+    done = rapc("graph", "lib.rap", "--rap", "setp", cwd=folder)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == ("error: no RAP is called `setp`\n  did you mean `step`?\n")
+    done = rapc("graph", "lib.rap", "--rap", "go", "--claims", cwd=folder)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == ("error: --rap, --monitors and --claims exclude each other\n")
+    (folder / "lib.rap").write_text("(define-rap (a) (succeed (b)))")
+    done = rapc("graph", "lib.rap", cwd=folder)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "RAP015 undeclared-predicate" in done.stderr
