@@ -303,7 +303,25 @@ class Signatures:
             near = Suggestions((*self._meant(use), *_BUILT_IN.get(use, ())))
             self._near[use] = near
         message = _MESSAGES[space].format(name)
-        return Fault("unknown", message, near.did_you_mean(name, _ADVICE[space]))
+        advice = self._meant_elsewhere(use, name)
+        return Fault(
+            "unknown", message, advice or near.did_you_mean(name, _ADVICE[space])
+        )
+
+    def _meant_elsewhere(self, use: Use, name: str) -> str:
+        """Return what to do about a name that is known in another place, or nothing."""
+        if use == "goal" and name in self.primitives:
+            return (
+                f"`{name}` is a primitive, and a step asks for a RAP: define one with "
+                f"the method `(primitive ({name} ...))`"
+            )
+        if use == "primitive" and name in self.raps:
+            return (
+                f"`{name}` is a RAP: what asks for it is a step, "
+                f"`(task-net (t1 ({name} ...)))`"
+            )
+        meant = _OPERATORS.get(name)
+        return f"write `{meant}`" if meant else ""
 
     def _meant(self, use: Use) -> Iterable[str]:
         """The declared names that may be meant by an unknown one."""
@@ -445,6 +463,9 @@ _ADVICE: Mapping[str, str] = {
     "skill": "declare it with `declare-skill`, or `require` the file that does",
     "event": "declare it with `declare-event`, or `require` the file that does",
 }
+
+_OPERATORS: Mapping[str, str] = {"!=": "n=", "<>": "n=", "/=": "n=", "==": "="}
+"""What other languages call a comparison, and what it is called here."""
 
 _NO_FACT: Mapping[Use, str] = {
     "believed": "has no age",

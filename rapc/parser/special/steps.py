@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal, cast
 
 from rapc.base.names import nearest
@@ -11,8 +11,16 @@ from rapc.language.heads import ANNOTATIONS, CALLS, METHOD_CLAUSES
 from rapc.language.slips import GROUPS, SLIPS
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.special.formulas import formula
-from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol, Variable
 from rapc.parser.terms import goal, signal
+
+_ELSEWHERE: Mapping[str, str] = {
+    "priority": "a priority is a number behind the tag: `(t1 2 (rap args...))`",
+    "after": "the step that comes before says so: `(for t1)`",
+    "timeout": "a time to end at is a second step, `(window now 30 30)`, and "
+    "`until-end`",
+}
+"""What is said by other words than those that some expect here."""
 
 _MODES = ("proceed", "succeed", "fail")
 
@@ -66,6 +74,14 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
         priority, items = _priority(ctx, items[0]), items[1:]
     if not items:
         ctx.report("malformed-step", f"the step `{tag}` asks for nothing", datum)
+        return None
+    if type(items[0]) is Variable:
+        ctx.report(
+            "malformed-step",
+            f"`{tag}` stands where the step has its tag",
+            datum,
+            help=f"a step begins with a tag of its own: `(t1 {ctx.text(datum)})`",
+        )
         return None
     asked = goal(ctx, items[0])
     annotations = _annotations(ctx, items[1:]) if len(items) > 1 else ()
@@ -163,7 +179,8 @@ def _parenthesised_for(ctx: Context, datum: List, second: Datum) -> nodes.For | 
 
 def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
     first = datum.items[0]
-    help = "an annotation is `(formula for tag)`, `(for tag)`, `(until-end tag)`, ..."
+    listed = ", ".join(f"`{word}`" for word in sorted(ANNOTATIONS))
+    help = f"an annotation is `(formula for tag)`, or begins with {listed}"
     if not isinstance(first, Symbol):
         ctx.report("malformed-annotation", "this is no annotation", datum, help=help)
         return None
@@ -171,7 +188,9 @@ def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
         meant = ctx.unknown("unknown-annotation", "annotation", first, ANNOTATIONS)
         known = ctx.readers.group("annotation")
         return known[meant](ctx, datum) if meant else None
-    if first.name in METHOD_CLAUSES or isinstance(datum.items[-1], List):
+    if first.name in _ELSEWHERE:
+        help = _ELSEWHERE[first.name]
+    elif first.name in METHOD_CLAUSES or isinstance(datum.items[-1], List):
         help = "each step stands in parentheses of its own; is one missing?"
     ctx.report(
         "unknown-annotation", f"`{first.name}` is no annotation", first, help=help

@@ -1,0 +1,88 @@
+"""What is told to those who reach for the words of other languages."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc.analysis.driver import check_library
+from rapc.library.loader import load_text
+
+WORDS = """
+(declare-primitive drive (?room) (okay))
+(declare-memory-proposition free (?room))
+(define-rap (go-to ?room) (succeed (free ?room)) (method (primitive (drive ?room))))
+"""
+
+
+def told(text: str) -> list[tuple[str, str]]:
+    """The rules and the advice of what is found in a text behind `WORDS`."""
+    return [
+        (finding.rule.name, finding.diagnostic.help)
+        for finding in check_library(load_text(WORDS + text)).findings
+    ]
+
+
+def step(text: str) -> str:
+    """A RAP whose method has this step."""
+    return f"(define-rap (visit ?room) (method (task-net {text})))"
+
+
+def context(text: str) -> str:
+    """A RAP whose method has this context."""
+    return (
+        f"(define-rap (visit ?room) (method (context {text}) (task-net "
+        "(t1 (go-to ?room)))))"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "rule", "advice"),
+    [
+        (
+            step("(t1 (drive ?room))"),
+            "unknown-rap",
+            "`drive` is a primitive, and a step asks for a RAP: define one with the "
+            "method `(primitive (drive ...))`",
+        ),
+        (
+            "(define-rap (visit ?room) (method (primitive (go-to ?room))))",
+            "undeclared-primitive",
+            "`go-to` is a RAP: what asks for it is a step, "
+            "`(task-net (t1 (go-to ...)))`",
+        ),
+        (context("(!= ?room hall)"), "undeclared-predicate", "write `n=`"),
+        (context("(<> ?room hall)"), "undeclared-predicate", "write `n=`"),
+        (context("(== ?room hall)"), "undeclared-predicate", "write `=`"),
+        (
+            step("(go-to ?room)"),
+            "malformed-step",
+            "a step begins with a tag of its own: `(t1 (go-to ?room))`",
+        ),
+        (
+            step("(t1 (go-to ?room) (priority 3))"),
+            "unknown-annotation",
+            "a priority is a number behind the tag: `(t1 2 (rap args...))`",
+        ),
+        (
+            step("(t1 (go-to ?room)) (t2 (go-to hall) (after t1))"),
+            "unknown-annotation",
+            "the step that comes before says so: `(for t1)`",
+        ),
+        (
+            step("(t1 (go-to ?room) (timeout 30))"),
+            "unknown-annotation",
+            "a time to end at is a second step, `(window now 30 30)`, and `until-end`",
+        ),
+    ],
+)
+def test_advice_is_in_the_words_of_the_language(
+    text: str, rule: str, advice: str
+) -> None:
+    assert told(text) == [(rule, advice)]
+
+
+def test_what_is_no_annotation_at_all_is_told_all_there_are() -> None:
+    [(rule, advice)] = told(step("(t1 (go-to ?room) (retry 3))"))
+    assert rule == "unknown-annotation"
+    for word in ("for", "until-start", "until-end", "window", "wait-for", "set-add"):
+        assert f"`{word}`" in advice
