@@ -28,7 +28,6 @@ DATA = ("rapc/ir/nodes.py", "rapc/language/grammar.py")
 LONGEST_FUNCTION = 60
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
-Definition = Function | ast.ClassDef
 
 
 class Module(msgspec.Struct, frozen=True):
@@ -55,29 +54,21 @@ def _functions(tree: ast.AST) -> Iterator[Function]:
     return (node for node in ast.walk(tree) if isinstance(node, Function))
 
 
-def _public(tree: ast.Module | ast.ClassDef) -> Iterator[tuple[str, Definition]]:
-    """Public functions, classes and their public methods, with their full names.
-
-    What sets a property is described where the property is.
-    """
-    for node in tree.body:
-        if isinstance(node, Definition) and not node.name.startswith("_"):
-            if any(ast.unparse(d).endswith(".setter") for d in node.decorator_list):
-                continue
-            yield node.name, node
-            if isinstance(node, ast.ClassDef):
-                yield from ((f"{node.name}.{name}", d) for name, d in _public(node))
+OPENERS = {"as", "how", "it", "such", "so", "what", "where", "when", "who", "why"}
+"""Words that are neither verb nor noun: what a function returns is not in them."""
 
 
-def test_modules_and_public_names_are_documented(modules: Sequence[Module]) -> None:
-    silent = [module.name for module in modules if not ast.get_docstring(module.tree)]
-    bare = [
-        f"{module.name}: {name}"
+def test_docstrings_of_functions_begin_with_a_verb_or_a_noun(
+    modules: Sequence[Module],
+) -> None:
+    """That there are docstrings is seen to by ruff."""
+    vague = [
+        f"{module.name}: {node.name}"
         for module in modules
-        for name, node in _public(module.tree)
-        if not ast.get_docstring(node)
+        for node in _functions(module.tree)
+        if (ast.get_docstring(node) or "Nothing").split()[0].lower() in OPENERS
     ]
-    assert silent + bare == []
+    assert vague == []
 
 
 def test_modules_and_functions_are_short(modules: Sequence[Module]) -> None:

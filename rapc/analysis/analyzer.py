@@ -93,7 +93,7 @@ class Pass:
         self.found.append(diagnostic)
 
     def result(self, analyzer: Analyzer[T]) -> T:
-        """What a needed analyzer returned.
+        """Return what a needed analyzer returned.
 
         Raises:
             ValueError: if this one does not say that it needs it; that is a bug.

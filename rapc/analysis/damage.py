@@ -125,7 +125,7 @@ def _damaged(unit: SourceUnit) -> list[_Damaged]:
 
 
 def _head(source: SourceFile, form: nodes.TopForm | nodes.DefineTest) -> Span:
-    """Where a form declares its arguments: the index of a RAP, all of a declaration."""
+    """Return where the arguments of a form are: a RAP's index, all of a declaration."""
     if isinstance(form, nodes.DefineTest):
         return Span(source.name, 0, 0)
     if not isinstance(form, nodes.DefineRap):

@@ -37,7 +37,7 @@ class Finding(msgspec.Struct, frozen=True):
 
     @property
     def severity(self) -> Severity:
-        """How grave it is."""
+        """Return how grave it is."""
         return self.rule.severity
 
 
@@ -54,7 +54,7 @@ class CheckReport(msgspec.Struct, frozen=True):
 
     @property
     def raps(self) -> int:
-        """How many RAPs were checked."""
+        """Return how many RAPs were checked."""
         return sum(isinstance(f, nodes.DefineRap) for f in self.library.forms)
 
     def worst(self) -> Severity | None:

@@ -43,7 +43,7 @@ class Literal(msgspec.Struct, frozen=True):
 
     @property
     def span(self) -> Span:
-        """Where the formula stands."""
+        """Return where the formula stands."""
         return self.formula.span
 
 

@@ -75,7 +75,7 @@ def files_at(path: Path, tests: bool) -> Iterator[Path]:
 
 
 def identity_of(path: Path) -> Identity:
-    """What tells a file or folder from all others, whatever it is called."""
+    """Return what tells a file or folder from all others, whatever it is called."""
     try:
         status = path.stat()
     except OSError as error:

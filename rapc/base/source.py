@@ -43,11 +43,11 @@ class Position(msgspec.Struct, frozen=True, order=True):
 
 
 class SourceFile:
-    """One file's text with its line table.
+    r"""One file's text with its line table.
 
     Args:
         name: the path as it is to be printed.
-        text: the whole text, line ends already folded to ``\\n``.
+        text: the whole text, line ends already folded to ``\n``.
     """
 
     def __init__(self, name: str, text: str) -> None:

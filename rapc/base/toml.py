@@ -60,7 +60,7 @@ def converted(table: Mapping[str, Any], kind: type[T]) -> T:
 
 
 def _in_words(message: str) -> str:
-    """What msgspec says is wrong, with the place in words and kinds as TOML has them.
+    """Return msgspec's complaint, with the place in words and kinds as TOML has them.
 
     `Expected `str`, got `int` - at `$.part[0].vary`` becomes
     ``part 1, vary`: expected text, got a whole number`.

@@ -119,7 +119,12 @@ def prepare(
     Args:
         library: what is run.
         world_name: the name of a world, or `module:Class`.
-        tasks, agenda, seed, facts, values, faults: as `run_options` have them.
+        tasks: the options `--task`.
+        agenda: the option `--agenda`.
+        seed: the option `--seed`.
+        facts: the options `--fact`.
+        values: the options `--set`.
+        faults: the options `--fault`.
     """
     first = _of_agenda(library, agenda)
     requests = (*first, *map(_submission, tasks))

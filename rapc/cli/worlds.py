@@ -88,7 +88,7 @@ def _test(found: type[World], library: str, width: int) -> int:
 
 
 def _summary(name: str) -> str:
-    """What an installed world is, or why it cannot be had."""
+    """Return what an installed world is, or why it cannot be had."""
     try:
         return summary(registry.find_world(name))
     except WorldError as error:

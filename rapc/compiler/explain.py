@@ -34,7 +34,7 @@ class ClausePlan(msgspec.Struct, frozen=True):
 
 
 def explain(library: Program, name: str) -> tuple[ClausePlan, ...]:
-    """How each clause of a RAP is asked, in the order of a task's way [L 3].
+    """Return how each clause of a RAP is asked, in the order of a task's way [L 3].
 
     A step's `for` formulas are shown as they are asked where the environment holds
     inputs, resources and what choosing the method has bound, and no output yet.
@@ -72,7 +72,7 @@ def _of_method(method: MethodPlan, own: tuple[str, ...]) -> Iterator[ClausePlan]
 
 
 def _choice_plan(method: MethodPlan, own: tuple[str, ...]) -> ClausePlan | None:
-    """How the context of a method is asked, `otherwise` first."""
+    """Return how the context of a method is asked, `otherwise` first."""
     plan = None if method.choice is None else _clause_plan(method.choice, own)
     if not method.otherwise:
         return plan
@@ -100,7 +100,7 @@ Spread = Callable[..., float]
 def describe(
     plans: Sequence[ClausePlan], spread: Spread | None = None
 ) -> Iterator[str]:
-    """What `explain` returns as lines of text: a heading and a line for each step.
+    """Yield what `explain` returns as text: a heading and a line for each step.
 
     With the `spread` of a memory (`MemoryView.spread`) they say how many facts are
     to be expected where facts are run through.

@@ -26,7 +26,7 @@ class Program:
 
     @property
     def signatures(self) -> Signatures:
-        """What the declarations say."""
+        """Return what the declarations say."""
         return self._compiler.signatures
 
     @property

@@ -160,7 +160,7 @@ def _page(finding: Finding, files: Files, width: int) -> Iterator[Text]:
 
 
 def _marks(said: Diagnostic, files: Files) -> dict[str, list[_Mark]]:
-    """What is to be marked, by file: the finding's own file and place first."""
+    """Return what is to be marked, by file: the finding's own file and place first."""
     marks: dict[str, list[_Mark]] = {}
     for at, label in enumerate((Label(said.span, said.label), *said.labels)):
         source = files.get(label.span.file)

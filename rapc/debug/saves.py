@@ -35,7 +35,7 @@ class Saves:
 
     @property
     def size(self) -> int:
-        """How many bytes all of them take."""
+        """Return how many bytes all of them take."""
         return sum(map(len, self._states))
 
     def add(self, moment: Moment, state: bytes) -> None:

@@ -118,7 +118,7 @@ class Session:
 
     @property
     def moment(self) -> Moment:
-        """Where the session stands."""
+        """Return where the session stands."""
         return Moment(self.cycle, self._done)
 
     @property

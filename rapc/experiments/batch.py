@@ -31,11 +31,11 @@ class Workers(Protocol):
 
     @property
     def room(self) -> int:
-        """How many jobs are worth having under way at a time."""
+        """Return how many jobs are worth having under way at a time."""
 
     @property
     def chunk(self) -> int:
-        """How many runs a job should have at most."""
+        """Return how many runs a job should have at most."""
 
     def submit(self, job: Job) -> Future[tuple[Result, ...]]:
         """Start `job`. The future's `TimeoutError` means that it took too long."""

@@ -71,7 +71,7 @@ class ClusterWorkers:
 
     @property
     def threads(self) -> int:
-        """How many threads the workers have now: workers may come and go."""
+        """Return how many threads the workers have now: workers may come and go."""
         try:
             return sum(self._client.nthreads().values())
         except OSError as error:

@@ -119,7 +119,7 @@ class Tally:
             self.query_faults += 1
 
     def counts(self) -> dict[str, int]:
-        """How often each RAP or primitive that is counted has succeeded."""
+        """Return how often each RAP or primitive that is counted has succeeded."""
         return {name: self._successes[what] for name, what in self._count.items()}
 
 
@@ -148,7 +148,7 @@ def tasks_told(
 
 
 def _reason(result: events.TaskResult) -> str:
-    """Why a task has failed: the clause that it all came from.
+    """Return why a task has failed: the clause that it all came from.
 
     What was bound is left out, so that failures of one kind read alike.
     """

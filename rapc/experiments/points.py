@@ -154,7 +154,7 @@ def _uncounted(config: Config, tasks: Sequence[TaskRequest]) -> None:
 def _unknown(
     experiment: Experiment, part: Part, library: Program
 ) -> Iterator[ExperimentError]:
-    """What is to be counted, or has figures, and is not there."""
+    """Yield what is to be counted, or has figures, and is not there."""
     known = [*library.library.raps, *library.library.primitives]
     for name, what in experiment.count.items():
         if name in LABELS:

@@ -175,7 +175,7 @@ class Store:
         self._base.execute(_KEEP, values)
 
     def measures(self, config: str, seeds: range) -> dict[int, Measures]:
-        """What is known of a configuration under some seeds, by seed."""
+        """Return what is known of a configuration under some seeds, by seed."""
         with self._blamed():
             rows = self._base.execute(_FIND, (config, seeds.start, seeds.stop))
             return {seed: _measures(values) for seed, *values in rows}

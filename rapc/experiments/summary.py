@@ -69,7 +69,7 @@ class Row(msgspec.Struct, frozen=True):
 
     @property
     def lost(self) -> int:
-        """How many runs ended in a disaster."""
+        """Return how many runs ended in a disaster."""
         return sum(map(len, self.disasters.values()))
 
 
@@ -103,7 +103,7 @@ def summarize(
     found: Callable[[str], Mapping[int, Measures]],
     wanted: int,
 ) -> Summary:
-    """What the runs of a part come to.
+    """Return what the runs of a part come to.
 
     Args:
         part: the part.
@@ -188,7 +188,7 @@ def _spread(values: Iterable[float]) -> Spread:
 
 
 def _quantile(known: Sequence[float], part: float) -> float:
-    """What a part of sorted numbers lies below, between two of them in proportion."""
+    """Return the quantile of sorted numbers, between two of them in proportion."""
     place = part * (len(known) - 1)
     below = int(place)
     above = min(below + 1, len(known) - 1)

@@ -120,7 +120,7 @@ def _is_filled(word: str, row: Sequence[Noted]) -> bool:
 
 
 def _wide(tree: Noted) -> int:
-    """How many columns a tree takes on one line, its comments aside."""
+    """Return how many columns a tree takes on one line, its comments aside."""
     if isinstance(tree, tuple):
         inner = [_wide(one) for one in tree if not isinstance(one, Note)]
         return sum(inner) + max(1, len(inner)) + 1
@@ -167,7 +167,7 @@ def _side_by_side(row: Sequence[Noted], column: int, after: str) -> AbstractDoc:
 
 
 def _beside(word: str, operands: Sequence[Sequence[Noted]]) -> int:
-    """How many operands stay beside the word, or first list, that heads their list."""
+    """Return how many operands stay beside the word or list that heads their list."""
     told = _BESIDE.get(word, 0) if word else 1
     behind = operands if word else operands[1:]
     atoms = next((at for at, row in enumerate(behind) if not _is_name(row)), 0)

@@ -65,7 +65,7 @@ def _fields(kind: type[nodes.Node]) -> tuple[tuple[str, ...], ...]:
 def _held(
     kind: type[nodes.Node], fields: tuple[str, ...]
 ) -> Callable[[nodes.Node], tuple[Any, ...]]:
-    """What takes the values of some fields from a node of a kind, as one tuple."""
+    """Return what takes the values of some fields from a node, as one tuple."""
     if not fields:
         return lambda node: ()
     takes = [attrgetter(field) for field in fields]

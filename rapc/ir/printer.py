@@ -72,7 +72,7 @@ def trees(node: nodes.Node, bindings: Bindings | None = None) -> Row:
 
 @cache
 def _writer(kind: type[nodes.Node]) -> Write:
-    """What writes nodes of a kind."""
+    """Return what writes nodes of a kind."""
     by_hand = _BY_HAND.get(kind)
     if by_hand is not None:
         return by_hand
@@ -84,7 +84,7 @@ def _writer(kind: type[nodes.Node]) -> Write:
 
 @cache
 def _by_rule(rule: str, kind: type[nodes.Node]) -> Write:
-    """What writes nodes of a kind as their rule has them."""
+    """Return what writes nodes of a kind as their rule has them."""
     known = parts(rule, kind)
     operands = _OPERANDS.get(kind) or _in_order(fields(kind, known))
     writes = [_part(part, kind, known) for part in known]
@@ -92,7 +92,7 @@ def _by_rule(rule: str, kind: type[nodes.Node]) -> Write:
 
 
 def _in_order(names: Sequence[str]) -> Callable[[Any], Iterable[Any]]:
-    """What takes the values of some fields from a node."""
+    """Return what takes the values of some fields from a node."""
     return lambda node: [getattr(node, name) for name in names]
 
 
@@ -105,7 +105,7 @@ def _row(
     writes: Sequence[_WritePart],
     operands: Callable[[Any], Iterable[Any]],
 ) -> Write:
-    """What writes the parts of a rule, in parentheses if it is a list."""
+    """Return what writes the parts of a rule, in parentheses if it is a list."""
     nested = RULES[rule][0] == "list"
 
     def write(node: Any, bindings: Bindings | None) -> Row:
@@ -129,7 +129,7 @@ def _part(part: Part, kind: type[nodes.Node], known: Sequence[Part]) -> _WritePa
 def _clause(
     rule: str, field: str, kind: type[nodes.Node], known: Sequence[Part]
 ) -> _WritePart:
-    """What writes a clause or an option, if there is something to say in it.
+    """Return what writes a clause or an option, if there is something to say in it.
 
     Of clauses that share a field that one stands which its node is.
     """
@@ -155,7 +155,7 @@ def _clause(
 
 @cache
 def _whole(rule: str) -> Write:
-    """What writes a rule of a single operand that is no node of its own."""
+    """Return what writes a rule of a single operand that is no node of its own."""
     shape = RULES[rule]
     if is_word(shape):
         return lambda value, bindings: (_word(shape),)
@@ -168,7 +168,7 @@ def _whole(rule: str) -> Write:
 
 @cache
 def _of_shape(shape: Shape) -> Write:
-    """What writes an operand: a node by its own rule, other values by the shape."""
+    """Return what writes an operand: nodes by their rules, others by the shape."""
     plain = _plain(shape)
 
     def write(value: Any, bindings: Bindings | None) -> Row:
@@ -180,7 +180,7 @@ def _of_shape(shape: Shape) -> Write:
 
 
 def _plain(shape: Shape) -> Write:
-    """What writes values that are no nodes: names, numbers, words, rows of anything."""
+    """Return what writes values that are no nodes: names, numbers, words, rows."""
     if isinstance(shape, str):
         return _plain_leaf(shape)
     kind, *inner = shape
@@ -200,7 +200,7 @@ def _plain_leaf(leaf: str) -> Write:
 
 
 def _plain_choice(choices: Sequence[Shape]) -> Write:
-    """What writes one of several words, or an atom of one of several kinds."""
+    """Return what writes one of several words, or an atom of one of several kinds."""
     if all(map(is_word, choices)):
         colon = ":" * (_word(choices[0])[0] == ":")
         return lambda value, bindings: (f"{colon}{_said(value)}",)
@@ -208,7 +208,7 @@ def _plain_choice(choices: Sequence[Shape]) -> Write:
 
 
 def _if_any(shape: Shape) -> Write:
-    """What writes an operand that may be left out."""
+    """Return what writes an operand that may be left out."""
     inner = shape[1]
     write = _of_shape(inner)
     row = inner[0] == "seq" and inner[-1][0] == "*"
@@ -221,7 +221,7 @@ def _if_any(shape: Shape) -> Write:
 
 
 def _in_row(shape: Shape) -> Write:
-    """What writes one value with the words before it; words behind it are left out."""
+    """Return what writes a value and the words before it; not those behind it."""
     *words, last = [part for part in shape[1:] if part[0] != "?"]
     said, write = [_word(word) for word in words], _of_shape(last)
     return lambda value, bindings: [*said, *write(value, bindings)]
@@ -229,7 +229,7 @@ def _in_row(shape: Shape) -> Write:
 
 @cache
 def _listed(rule: str) -> Write:
-    """What writes a list, behind its word if it has one, of values in a row."""
+    """Return what writes a list, behind its word if it has one, of values in a row."""
     shape = RULES[rule]
     word = [_word(shape[1])] if shape[0] == "list" and is_word(shape[1]) else []
 

@@ -86,7 +86,7 @@ def fits(text: str, *, start: str = START) -> Fits:
 
 
 def _word_start(code: str) -> int:
-    """Where the word begins that some code ends with, its end if there is none."""
+    """Return where the word begins that ends some code; its end if there is none."""
     for word in _NAME.finditer(code, code.rfind("\n") + 1):
         if word.end() == len(code):
             return word.start()

@@ -146,14 +146,14 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
 
 
 def name_span(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Span:
-    """Where a definition states its name, or the whole form where that is unknown."""
+    """Return where a definition states its name; the whole form if that is unknown."""
     if isinstance(form, nodes.DefineRap | nodes.DefineQuery | nodes.DefineAgenda):
         return form.name_span
     return word_span(files, form.span, 1)
 
 
 def word_span(files: Mapping[str, SourceFile], span: Span, position: int) -> Span:
-    """Where a list states one of its first words, its head being word 0."""
+    """Return where a list states one of its first words, its head being word 0."""
     source = files.get(span.file)
     return span if source is None else source.word(span, position)
 

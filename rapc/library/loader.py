@@ -355,7 +355,7 @@ def _unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
 
 
 def _beside(requiring: Path) -> list[str]:
-    """What could be required from beside a file."""
+    """Return what could be required from beside a file."""
     try:
         with os.scandir(requiring.parent) as entries:
             listed = [(entry.name, entry.is_dir()) for entry in entries]

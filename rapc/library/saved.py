@@ -327,7 +327,7 @@ def _parsed(unit: _Unit, places: Iterable[int]) -> SourceUnit:
 
 
 def _payload(data: bytes) -> memoryview:
-    """What follows the first line, if that line is the right one."""
+    """Return what follows the first line, if that line is the right one."""
     if not data.startswith(COMPILED):
         raise _WrongError("is no compiled library")
     head = _HEAD.match(data)
@@ -355,5 +355,5 @@ def _decode(data: memoryview | msgspec.Raw, kind: Any) -> Any:
 
 @cache
 def _decoder(kind: Any) -> msgspec.json.Decoder[Any]:
-    """What decodes values of a type; making one takes as long as many decodings."""
+    """Return the decoder of a type; making one takes as long as many decodings."""
     return msgspec.json.Decoder(kind)

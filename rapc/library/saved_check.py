@@ -69,7 +69,7 @@ class Verifier:
         raise UnsoundError("something is nested too deeply")
 
     def _below(self, level: list[Any]) -> list[Any]:
-        """What nodes hold, after a look at it; `level` grows by what is in tuples."""
+        """Yield what nodes hold, after a check; `level` grows by what is in tuples."""
         below: list[Any] = []
         words, files = self._words, self._files
         for value in level:
@@ -94,7 +94,7 @@ class Verifier:
     def _own(
         self, node: nodes.Var | nodes.Call | nodes.SetTest | nodes.HistoryTest
     ) -> None:
-        """What is to be seen to wherever such a node stands."""
+        """Return what is to be checked of each node of a kind."""
         if isinstance(node, nodes.Var):
             if node.name[:1] != "?":
                 raise UnsoundError(f"`{node.name}` is no name of a variable")

@@ -212,7 +212,7 @@ def _listing(options: tuple[str, ...]) -> str:
 
 
 def kind_of(datum: Datum) -> str:
-    """What a datum is, with its article."""
+    """Return what a datum is, with its article."""
     return _KINDS[type(datum)]
 
 

@@ -245,7 +245,7 @@ FINDINGS: Mapping[str, str] = {
 
 
 def _named_like(rule: str) -> Maker:
-    """What makes the node of the same name, operands in the order of its fields."""
+    """Return what makes the node of the same name, operands in the order of fields."""
     kind = getattr(nodes, "".join(map(str.capitalize, rule.split("_"))))
     return lambda head, values, span: kind(*values, span)
 
@@ -361,7 +361,7 @@ _TRUTHS = ("true", "false")
 
 
 def _wanted(rule: str, shape: Shape, part: Part) -> Read:
-    """What reads a datum as a part, and reports what cannot be one."""
+    """Return what reads a datum as a part, and reports what cannot be one."""
     if not part.strict:
         return part.read
     what = WANTED.get(next(leaves(shape)), "a name")
@@ -404,7 +404,7 @@ def _is_parameter(datum: Datum) -> bool:
 
 
 def _terminal(name: str) -> Part:
-    """What reads a terminal: constants and variables to nodes, names to strings."""
+    """Return what reads a terminal: constants, variables to nodes, names to strings."""
     if name in _NODES:
         return Part(_NODES[name], term, True)
     if name in _NUMBERS:

@@ -122,7 +122,7 @@ def atom_value(kind: str, raw: str) -> Number | str | None:
 
 
 def string_value(raw: str) -> str:
-    """What a string with its quotes says."""
+    """Return what a string with its quotes says."""
     value = raw[1:-1]
     return _ESCAPE.sub(r"\1", value) if "\\" in value else value
 

@@ -44,7 +44,7 @@ def term(ctx: Context, datum: Datum) -> nodes.Term | None:
 
 
 def constant(datum: Datum) -> Atom | None:
-    """What a constant stands for; None for what is none."""
+    """Return what a constant stands for; None for what is none."""
     match datum:
         case Symbol(name) | Keyword(name):
             return None if name == ARROW else name
@@ -139,7 +139,7 @@ def propositions(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Proposition
 
 
 def thing(ctx: Context, datum: Datum) -> nodes.Thing | None:
-    """What is used or claimed: a symbol, or a name with its arguments."""
+    """Return what is used or claimed: a symbol, or a name with its arguments."""
     if type(datum) is Symbol and datum.name != ARROW:
         return nodes.Thing(datum.name, (), ctx.span(datum))
     name = head_of(datum)
@@ -188,7 +188,7 @@ def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
 
 
 def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
-    """What a step or a task asks for: `(rap args... [=> outs...])`."""
+    """Return what a step or a task asks for: `(rap args... [=> outs...])`."""
     name = head_of(datum)
     if name is None or type(datum) is not List or name == ARROW:
         ctx.report(
@@ -209,7 +209,7 @@ def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
 def split_arrow(
     ctx: Context, datum: List
 ) -> tuple[tuple[Datum, ...], tuple[Datum, ...]]:
-    """What stands before and after the `=>` of an index or a goal."""
+    """Return what stands before and after the `=>` of an index or a goal."""
     items = datum.items[1:]
     for item in items:
         if type(item) is Symbol and item.name == ARROW:

@@ -80,7 +80,7 @@ def misfitting(program: Program, world: World, code: Mapping[str, Named]) -> lis
 
 
 def _lacking(library: Library, world: World) -> Iterator[str]:
-    """What the library declares and the world does not offer, or not so."""
+    """Yield what the library declares and the world does not offer, or not so."""
     offered = Signatures.offered(world.kit.offer)
     tables: tuple[tuple[Use, Mapping[str, _Offered]], ...] = (
         ("primitive", library.primitives),

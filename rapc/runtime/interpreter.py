@@ -114,7 +114,7 @@ class Interpreter:
 
     @property
     def memory(self) -> MemoryView:
-        """What the robot believes, to be read."""
+        """Return what the robot believes, to be read."""
         return self._machine.context.view
 
     @property
@@ -134,12 +134,12 @@ class Interpreter:
 
     @property
     def succeeded(self) -> int:
-        """How many tasks of all levels have succeeded so far."""
+        """Return how many tasks of all levels have succeeded so far."""
         return self._machine.state.succeeded
 
     @property
     def reason(self) -> str | None:
-        """Why the run is over, or None while it is not."""
+        """Return why the run is over, or None while it is not."""
         return self._machine.state.reason
 
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
@@ -437,7 +437,7 @@ class Interpreter:
             )
 
     def results(self) -> tuple[TaskResult, ...]:
-        """What has become of each task given so far, in the order in which it came."""
+        """Return what has become of each task given so far, in order of arrival."""
         return snapshot.results(self._machine.state.top_level)
 
     def agenda(self) -> tuple[AgendaEntry, ...]:

@@ -93,7 +93,7 @@ class QueryContext:
         return self._memory.items.is_accessible(item)
 
     def count(self, kind: object, place: Any) -> Number:
-        """How many items of a class memory expects at a place."""
+        """Return how many items of a class memory expects at a place."""
         return self.view.count(str(kind), place)
 
 

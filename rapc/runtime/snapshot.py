@@ -114,7 +114,7 @@ def tell_start(
 
 
 def results(given: Iterable[TopLevelTask]) -> tuple[TaskResult, ...]:
-    """What has become of each top-level task, in the order in which they came."""
+    """Return what has become of each top-level task, in order of arrival."""
     return tuple([_result(one) for one in given])
 
 

@@ -47,7 +47,7 @@ def _some(lines: Sequence[str]) -> Happened:
 
 
 def _tasks(goal: nodes.Goal, scene: Evidence, found: Iterable[TaskRecord]) -> Happened:
-    """What became of the tasks a goal means, or else of those of its RAP."""
+    """Return what became of the tasks a goal means, or else of those of its RAP."""
     lines = [f"{task.text} [{task.number}] {task.state()}" for task in found]
     if lines:
         return _some(lines)

@@ -112,7 +112,7 @@ def _names_outputs(pattern: nodes.TracePattern) -> bool:
 
 
 def _text(event: events.Event, key: str) -> str:
-    """What a trace has under a key."""
+    """Return what a trace has under a key."""
     return str(record(event)[key])
 
 

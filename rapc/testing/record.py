@@ -51,7 +51,7 @@ class TaskRecord:
         self.ended, self.time, self.reason = how, event.time, reason
 
     def state(self) -> str:
-        """What has become of the task, in words."""
+        """Return what has become of the task, in words."""
         at = f" at time {format_atom(self.time)}"
         if self.ended == "failed":
             return f"failed{at} ({self.reason}) - {self.result}"

@@ -295,7 +295,7 @@ class _Run:
     # --- after -------------------------------------------------------------------
 
     def outcome(self) -> Outcome:
-        """What became of the test."""
+        """Return what became of the test."""
         if not self._failures:
             return Outcome(self._case, self._seed, Status.PASSED)
         status = Status.ERROR if self._broken else Status.FAILED

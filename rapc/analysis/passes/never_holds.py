@@ -249,7 +249,7 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
 
 
 def _held(rap: nodes.DefineRap, given: set[str]) -> Iterator[_Asked]:
-    """What holds where a method is chosen, in variables of its own."""
+    """Yield what holds where a method is chosen, in variables of its own."""
     clauses: Mapping[str, nodes.Formula | None] = {
         "monitor-state": rap.monitor_state,
         "preconditions": rap.preconditions,

@@ -202,7 +202,7 @@ def _early(net: nodes.TaskNet, tags: Mapping[str, int], edges: Edges) -> frozens
 
 
 def _ends(step: nodes.Step) -> Iterator[str | None]:
-    """What may end a step: the tag of another, or None for a signal."""
+    """Yield what may end a step: the tag of another, or None for a signal."""
     for annotation in step.annotations:
         if type(annotation) is nodes.UntilStart or type(annotation) is nodes.UntilEnd:
             yield annotation.tag
@@ -243,7 +243,7 @@ def _tag(annotation: nodes.Annotation) -> str | None:
 
 
 def _place(run: Pass, annotation: nodes.Annotation, tag: str) -> Span:
-    """Where an annotation names its tag: behind its word, or at the end."""
+    """Return where an annotation names its tag: behind its word, or at the end."""
     span = annotation.span
     if type(annotation) is not nodes.For or annotation.formula is None:
         return word_span(run.library.files, span, 1)

@@ -105,7 +105,7 @@ class _Places:
 
 
 def _by_cause(missing: Iterable[Missing]) -> Iterator[list[Missing]]:
-    """What is missing, by variable and method: one cause each, first use first."""
+    """Return what is missing, by variable and method: a cause each, first use first."""
     causes: dict[tuple[str, int], list[Missing]] = {}
     for one in sorted(missing, key=lambda m: m.variable.span.start):
         causes.setdefault((one.variable.name, id(one.method)), []).append(one)
@@ -142,7 +142,7 @@ def _close(site: Site) -> str:
 
 
 def _why_not(site: Site, missing: Missing, net: Net | None) -> str:
-    """Why a place that binds the variable does not help where it is missing."""
+    """Return why a place that binds the variable does not help where it is missing."""
     if site.negated:
         return "bound inside `not` only, which hands out nothing"
     if site.method is not None and missing.method is None:
@@ -153,7 +153,7 @@ def _why_not(site: Site, missing: Missing, net: Net | None) -> str:
 
 
 def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
-    """What a step's place in the order has to do with it, if anything."""
+    """Return what a step's place in the order has to do with it, if anything."""
     one, other = site.step, missing.step
     if one is None:
         return None
@@ -165,7 +165,7 @@ def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
 
 
 def _order_in_words(one: int, other: int, net: Net) -> str:
-    """Why a step has not surely done its work when another begins."""
+    """Return why a step has not surely done its work when another begins."""
     if one in net.early:
         return "which may be ended before that"
     if net.is_before(other, one):

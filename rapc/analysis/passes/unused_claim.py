@@ -53,7 +53,7 @@ def _run(run: Pass) -> None:
 
 
 def _offers(run: Pass) -> Iterable[nodes.DeclarePrimitive | nodes.DeclareSkill]:
-    """What may use things."""
+    """Return what may use things."""
     return (*run.library.primitives.values(), *run.library.skills.values())
 
 

@@ -125,7 +125,7 @@ FUNCTIONS: Mapping[str, Callable[[Sequence[object]], Number]] = {
 
 
 def as_value(result: object) -> Value:
-    """What a registered function returned as the value of a term.
+    """Return what a registered function returned as the value of a term.
 
     Raises QueryFault for what is no value of the language, None and `bool` among it.
     """

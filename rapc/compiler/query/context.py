@@ -54,4 +54,4 @@ class Context(Protocol):
         """Whether an item has a sensor name."""
 
     def count(self, kind: object, place: object) -> Number:
-        """How many items of a class memory holds at a place."""
+        """Return how many items of a class memory holds at a place."""

@@ -50,7 +50,7 @@ class PlanStep(msgspec.Struct, frozen=True):
 
     @property
     def most(self) -> int | None:
-        """How many facts are looked at: none, one, or None where memory decides."""
+        """Return how many facts are looked at: 0, 1, or None where memory decides."""
         return _MOST.get(self.way)
 
 

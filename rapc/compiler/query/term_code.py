@@ -34,7 +34,7 @@ def known_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
 
 
 def bound_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
-    """As `known_value`, but a variable that is not bound is a fault that is traced.
+    """Return what `known_value` returns; an unbound variable is traced as a fault.
 
     Returns None when the code to give up has been written: nothing may follow.
     """
@@ -73,7 +73,7 @@ def _computed(fn: FunctionWriter, term: nodes.Call) -> str:
 def registered(
     fn: FunctionWriter, name: str, listed: str, form: str = "as_value({})"
 ) -> str:
-    """As `attempt`, for what a registered function returns, put into a form.
+    """Return what `attempt` returns for a registered function, put into a form.
 
     An exception that it raises is the host's: it goes on, and says which clause it
     was that asked.

@@ -40,7 +40,7 @@ class TermValue:
             return None
 
     def needed(self, ctx: Context, env: Bindings) -> Value | None:
-        """As `value`, but what is unbound or of the wrong kind is traced."""
+        """Return what `value` returns; trace what is unbound or of the wrong kind."""
         if self._known is not None:
             return self._known
         try:

@@ -103,7 +103,7 @@ def _theirs(axes: Axes, summary: Summary, number: int, measure: str) -> None:
 
 
 def _places(summary: Summary) -> list[float]:
-    """Where the values are on the axis: at their number, or side by side."""
+    """Return where the values are on the axis: at their number, or side by side."""
     values = [row.value for row in summary.rows]
     if all(_numeric(value) for value in values):
         return [float(value) for value in values if value is not None]

@@ -38,12 +38,12 @@ _GAP = 2
 
 
 def heading(part: Part) -> str:
-    """What a part is called, in one line."""
+    """Return what a part is called, in one line."""
     return " ".join(part.title.split()) or f"Part {part.name}"
 
 
 def title(part: Part) -> str:
-    """What a part is called, and by which name it is asked for."""
+    """Return what a part is called, and by which name it is asked for."""
     return f"{heading(part)} (part `{part.name}`)" if part.title else heading(part)
 
 
@@ -246,7 +246,7 @@ def remarks(summary: Summary, most: int | None = _REASONS) -> Iterator[str]:
 
 
 def _reasons(row: Row, at: str, most: int | None) -> Iterator[str]:
-    """Why tasks failed, the most frequent reason first."""
+    """Yield why tasks failed, the most frequent reason first."""
     listed = [*row.reasons.items()][:most]
     if listed:
         told = "; ".join(f"{number} by {reason}" for reason, number in listed)

@@ -18,12 +18,12 @@ Contents = Counter[tuple[str, str]]
 
 
 def true_contents(things: Iterable[Thing]) -> Contents:
-    """What things there are."""
+    """Return what things there are."""
     return Counter((thing.kind, _look(thing.look)) for thing in things)
 
 
 def believed_contents(memory: MemoryView, picture: Picture) -> dict[str, Contents]:
-    """What the robot believes is where, by the name of the spot or place.
+    """Return what the robot believes is where, by the name of the spot or place.
 
     An item that is believed to be in another one is where that is.
     """

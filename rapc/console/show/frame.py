@@ -62,7 +62,7 @@ class _SpotView(msgspec.Struct, frozen=True):
         return self.true == self.believed
 
     def belief(self) -> tuple[str, str]:
-        """How what is believed compares with what is true, and the style for it."""
+        """Return how belief compares with truth, and the style for that."""
         if self.right:
             return "=", _RIGHT
         return f"≠ {words(self.believed)}", _WRONG if self.believed else _UNKNOWN
@@ -100,7 +100,7 @@ def _head(picture: Picture, memory: MemoryView, doings: Activity) -> Text:
 
 
 def _otherwise(gauge: Gauge, memory: MemoryView) -> str:
-    """What the robot believes of a gauge, if it is not what is true."""
+    """Return what the robot believes of a gauge, if it is not what is true."""
     values = [fact[-1] for fact in memory.query(*gauge.believed, None)]
     if values == [gauge.value]:
         return ""
@@ -203,7 +203,7 @@ def _aboard(sights: Sequence[_SpotView], width: int) -> Iterator[Text]:
 
 
 def _elsewhere(believed: Mapping[str, Contents]) -> Iterator[Text]:
-    """What is believed to be where nothing of the kind is drawn."""
+    """Yield what is believed to be where nothing of the kind is drawn."""
     found = [f"{words(contents)} at {place}" for place, contents in believed.items()]
     line = Text().append("elsewhere", _PLACE)
     yield line.append(f": {', '.join(found)}") if found else line

@@ -50,7 +50,7 @@ class Share(msgspec.Struct, frozen=True):
 
 
 def shares(files: Iterable[FileCoverage]) -> dict[str, Share]:
-    """What was exercised of some files, by column.
+    """Return what was exercised of some files, by column.
 
     Methods chosen and methods that ended badly; contexts seen true and seen false;
     RAPs with a monitor that has woken a task; RAPs of which a task has failed; queries,
@@ -85,7 +85,7 @@ def _counts(file: FileCoverage) -> Iterator[tuple[str, int | None]]:
 
 
 def counted(files: Iterable[FileCoverage]) -> Share:
-    """How much was exercised of all that a test should show."""
+    """Return how much was exercised of all that a test should show."""
     found = shares(files)
     parts = [found[column] for column in _COUNTED]
     return Share(sum(p.covered for p in parts), sum(p.of for p in parts))
@@ -178,7 +178,7 @@ def _told(found: Mapping[str, Share]) -> list[str]:
 
 
 def _lacking(rap: RapCoverage) -> Iterator[str]:
-    """What no test has shown of a RAP; that nothing failed is no lack to be listed."""
+    """Yield what no test has shown of a RAP; that nothing failed is not among it."""
     lacks = (
         ("never chosen", [m.name for m in rap.methods if not m.chosen]),
         ("context never true", [m.name for m in rap.methods if m.context_true == 0]),

@@ -55,7 +55,7 @@ def lines(outcome: Outcome) -> Iterator[Line]:
 
 
 def findings(report: CheckReport) -> Iterator[str]:
-    """What is wrong with a library, one line each."""
+    """Yield what is wrong with a library, one line each."""
     for finding in report.findings:
         span = finding.diagnostic.span
         source = report.library.files.get(span.file)

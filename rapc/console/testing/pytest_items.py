@@ -63,7 +63,7 @@ class RapTest(pytest.Item):
     def repr_failure(
         self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None
     ) -> Any:
-        """What `rapc test` would say of it."""
+        """Return what `rapc test` would say of it."""
         if not isinstance(excinfo.value, RapTestFailure):
             return super().repr_failure(excinfo, style)
         return "\n".join(line.text for line in explain.lines(excinfo.value.outcome))

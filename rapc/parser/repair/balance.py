@@ -34,7 +34,7 @@ class Repair(msgspec.Struct, frozen=True):
 
     @property
     def edits(self) -> int:
-        """How many parentheses are put in or taken out."""
+        """Return how many parentheses are put in or taken out."""
         return sum(map(len, (self.closes, self.drops, self.opens, self.extra)))
 
 

@@ -79,7 +79,7 @@ def recover(log: ReadLog) -> list[Datum]:
 
 
 def _comment_ends(text: str) -> dict[int, int]:
-    """Where each `#|` that is closed has its end."""
+    """Return where each `#|` that is closed has its end."""
     ends: dict[int, int] = {}
     stack: list[int] = []
     for mark in BLOCK_MARK.finditer(text):
@@ -217,7 +217,7 @@ def _is_harmless(code: Sequence[Token], repair: Repair, forms: Sequence[Datum]) 
 
 
 def _lost_text(source: SourceFile, segment: Segment) -> Diagnostic | None:
-    """What is to be said of nesting, strings and comments: the first cause only."""
+    """Report the first fault in nesting, strings and comments."""
     if segment.deep is not None:
         return Diagnostic(
             "nested-too-deeply",

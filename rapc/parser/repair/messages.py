@@ -13,7 +13,7 @@ from rapc.parser.repair.balance import Repair, plain
 def findings(
     source: SourceFile, tokens: Sequence[Token], repair: Repair, end: int
 ) -> Iterator[Diagnostic]:
-    """What is to be said of a repair; the next form begins at the offset `end`."""
+    """Return the message on a repair; the next form begins at the offset `end`."""
     if repair.closes:
         yield _unclosed(source, tokens, repair, end)
     if repair.drops:

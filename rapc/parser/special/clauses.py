@@ -74,7 +74,7 @@ def single(
 def read_clauses(
     ctx: Context, kept: Mapping[str, Sequence[List]], group: str
 ) -> dict[str, list[Any]]:
-    """What the readers of a group make of clauses, by name; None for what is lost."""
+    """Return what the readers of a group make of clauses, by name; None if lost."""
     readers = ctx.readers.group(group)
     read: dict[str, list[Any]] = {}
     outer = ctx.clause

@@ -52,7 +52,7 @@ class Declaration(NamedTuple):
 
 @cache
 def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
-    """What the grammar says of the declarations of a rule."""
+    """Return what the grammar says of the declarations of a rule."""
     known = productions.parts(rule, kind)
     names = productions.fields(kind, known)[1:]
     wanted = [
@@ -81,7 +81,7 @@ _REPEATED = ("excludes", "result_effects")
 
 
 def declaration(rule: str, kind: type[nodes.Node]) -> Read:
-    """What reads the declarations of a rule to nodes of a kind."""
+    """Return what reads the declarations of a rule to nodes of a kind."""
 
     def read(ctx: Context, form: List) -> nodes.Node | None:
         told = _told(rule, kind)
@@ -122,7 +122,7 @@ def _operands(ctx: Context, found: Parts, told: Declaration) -> dict[str, Any]:
 def _missing(
     ctx: Context, found: Parts, leaf: str, last: Datum, *, silent: bool
 ) -> Any:
-    """What is assumed of an operand that is missing, which is reported."""
+    """Return what is assumed of an operand that is missing, which is reported."""
     what, help, written, assumed = _MISSING[leaf]
     if not silent:
         message = what.format(found.name)
@@ -150,7 +150,7 @@ _MISSING: Mapping[str, tuple[str, str, str, Any]] = {
 def _options(
     ctx: Context, found: Parts, told: Declaration, known: Mapping[str, Option]
 ) -> dict[str, list[Any]]:
-    """What was read of each option; reports those that stand twice and may not."""
+    """Return what was read of each option; report those that wrongly stand twice."""
     read: dict[str, list[Any]] = {}
     for one in found.options:
         word = cast(Keyword, one.items[0]).name

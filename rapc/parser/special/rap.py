@@ -59,7 +59,7 @@ def _is_index(datum: Datum) -> bool:
 
 
 def _index(ctx: Context, clause: List) -> Datum | None:
-    """What an `index` clause holds."""
+    """Return what an `index` clause holds."""
     operands = clause.items[1:]
     if operands and isinstance(operands[0], Symbol):
         ctx.report_fixable(

@@ -28,7 +28,7 @@ class _Side:
         self.args = args
 
     def bound(self, fact: Fact) -> dict[str, Atom] | None:
-        """What the variables stand for in a fact, or None if it is another fact."""
+        """Return what the variables stand for in a fact, or None for another fact."""
         if fact[0] != self.name or len(fact) != len(self.args) + 1:
             return None
         found: dict[str, Atom] = {}

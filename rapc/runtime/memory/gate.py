@@ -83,7 +83,7 @@ class Gate(MemoryView):
         return self.answers(formula, given)
 
     def batch(self) -> Batch:
-        """What belongs together, for a `with`: the data of one result, say.
+        """Return what belongs together, for a `with`: the data of one result, say.
 
         At its end items are recognised, then surplus ones leave the places where all
         accessible ones are known. A batch in a batch is a part of it.

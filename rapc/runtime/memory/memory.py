@@ -58,7 +58,7 @@ class Sized(Protocol):
 
     @property
     def size(self) -> int:
-        """How many items are expected."""
+        """Return how many items are expected."""
 
 
 class Memory:

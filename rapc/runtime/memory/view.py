@@ -39,7 +39,7 @@ class MemoryView:
         return None if fact is None else fact[-1]
 
     def count(self, kind: str, place: Atom) -> int:
-        """How many items of a class memory expects at a place [T 2.3.3].
+        """Return how many items of a class memory expects at a place [T 2.3.3].
 
         Of an indistinct class it is the size of its expectation set.
         """
@@ -60,7 +60,7 @@ class MemoryView:
         return None if found is None else found.kind
 
     def spread(self, name: str, *places: int) -> float:
-        """How many facts of a name share the arguments in some places, on average.
+        """Return how many facts of a name share arguments in some places, on average.
 
         Places count from 1; without any, how many facts of that name there are.
         """

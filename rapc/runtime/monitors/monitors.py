@@ -350,7 +350,7 @@ class Monitors:
             self._recorder.emit(TaskBlocked, task=task.number, on=on)
 
     def reason(self, task: Task) -> str:
-        """What a monitored task waits for: a time, or its formula as it is bound."""
+        """Return what a monitored task waits for: a time, or its formula as bound."""
         plan, wait = task.plan.monitor_state, task.wait
         ready_at = 0 if wait is None else wait.ready_at
         if plan is None or self._recorder.time < ready_at:

@@ -36,7 +36,7 @@ class Activation:
 
     @property
     def waits(self) -> Sequence[WaitPlan]:
-        """What ends its method, while it is on."""
+        """Return what ends its method, while it is on."""
         plan = None if self.run is None else self.run.plan.activation
         return () if plan is None else plan.waits
 

@@ -212,33 +212,33 @@ class Task:
         return self.method is not None and self.method.node.name == name
 
     def result_of(self, name: object) -> str | None:
-        """What the last method of that name has come to, None if there is none."""
+        """Return what the last method of that name came to, None if there is none."""
         if self.history is not None:
             return self.history.results.get(name)
         return self.last_result if self.has_tried(name) else None
 
     def failures_of(self, method: MethodPlan) -> int:
-        """How often a method has ended badly."""
+        """Return how often a method has ended badly."""
         history = self.history
         return 0 if history is None else history.failures.get(method.index, 0)
 
     # --- the futile-loop detector (T 3.2.5) ------------------------------------
 
     def times_chosen(self, key: tuple[object, ...]) -> int:
-        """How often a choice was made since the detector started afresh."""
+        """Return how often a choice was made since the detector started afresh."""
         if self.history is not None and self.history.choices:
             return self.history.choices.get(key, 0)
         return 1 if self.choice == key else 0
 
     @property
     def choices(self) -> int:
-        """How often a method was chosen since the detector started afresh."""
+        """Return how often a method was chosen since the detector started afresh."""
         if self.history is not None and self.history.choices:
             return sum(self.history.choices.values())
         return 0 if self.choice is None else 1
 
     def times_tried(self, method: MethodPlan) -> int:
-        """How often a method was chosen since the detector started afresh."""
+        """Return how often a method was chosen since the detector started afresh."""
         if self.history is not None and self.history.choices:
             return self.history.tries.get(method.index, 0)
         return 1 if self.choice is not None and self.choice[0] == method.index else 0

@@ -263,7 +263,6 @@ class Things:
 
     def rename(self, lost: str, kept: str) -> None:
         """Call things by another name: two items have turned out to be one."""
-
         held = [
             (holds[0].run, _renamed([(h.ask, h.said) for h in holds], lost, kept))
             for _, holds in sorted(self.held.items())

@@ -80,7 +80,7 @@ def _first_of_all(machine: Machine, task: Task) -> None:
 
 
 def _found(machine: Machine, task: Task, succeed: Query) -> Env | None:
-    """What the `succeed` clause binds if it holds."""
+    """Return what the `succeed` clause binds if it holds."""
     if task.plan.never_succeeds:
         return None
     machine.context.task = task

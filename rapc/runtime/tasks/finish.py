@@ -127,7 +127,7 @@ def _outputs(task: Task, found: Env) -> Env:
 def receive(
     machine: Machine, run: MethodRun, arriving: Iterable[tuple[OutputTarget, Value]]
 ) -> Env | None:
-    """What arriving values bind in a method's environment; None if one does not fit."""
+    """Return what values bind in a method's environment; None if one does not fit."""
     bound: Env = {}
     machine.context.task = run.task
     for receiver, value in arriving:
@@ -169,7 +169,7 @@ def finish_step(
 def _finish_step_with(
     machine: Machine, run: MethodRun, step: StepPlan, bound: Iterable[str]
 ) -> None:
-    """As `finish_step`, where the end of a step or its outputs mean something."""
+    """Do what `finish_step` does where the end of a step or its outputs matter."""
     ended = [step]
     if run.ends is not None:
         run.ends.times[step.position] = machine.recorder.time

@@ -314,7 +314,7 @@ def _picture(tried: _Tried) -> Iterator[str]:
 
 
 def _usual_times(tried: _Tried) -> Iterator[str]:
-    """It says of each request how long it takes, and does nothing by that."""
+    """Ask the world how long each request takes: nothing may change by that."""
     driver = tried.driver(0)
     world = driver.world
     assert isinstance(world, Timed)

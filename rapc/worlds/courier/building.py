@@ -42,12 +42,12 @@ SOLD: Mapping[str, tuple[str, ...]] = {
 
 
 def at(room: str) -> int:
-    """How far along the corridor a room is."""
+    """Return how far along the corridor a room is."""
     return ROOMS[room][0]
 
 
 def way(along: int, depth: int, room: str) -> int:
-    """How long the way is from a place to a room that it is not in."""
+    """Return how long the way is from a place to a room that it is not in."""
     return depth + abs(at(room) - along) + DEPTH
 
 
@@ -62,7 +62,7 @@ def passed(along: int, depth: int, room: str, gone: int) -> tuple[int, int]:
 
 
 def facts() -> Iterator[Fact]:
-    """What the robot knows of the building."""
+    """Yield what the robot knows of the building."""
     for room, (_, kind) in ROOMS.items():
         yield ("room", room, kind)
     for store, goods in SOLD.items():

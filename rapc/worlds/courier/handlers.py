@@ -54,7 +54,7 @@ def _called(memory: HandlerMemory, datum: Fact) -> None:
 
 
 def way(memory: HandlerMemory, from_: Atom, to: Atom) -> int | None:
-    """How long the way between two rooms is; `corridor` is where the robot is there.
+    """Return the distance of two rooms; `corridor` is where the robot is in it.
 
     None where one of them is no room, or nobody has told where the robot is.
     """

@@ -19,11 +19,11 @@ class Drive(msgspec.Struct, frozen=True):
 
     @property
     def arrives(self) -> int:
-        """When the robot will be there."""
+        """Return when the robot will be there."""
         return self.since + building.way(self.along, self.depth, self.room)
 
     def place(self, now: int) -> tuple[int, int]:
-        """Where the robot has got to: along the corridor, and beside it."""
+        """Return where the robot has got to: along the corridor, and beside it."""
         return building.passed(self.along, self.depth, self.room, now - self.since)
 
 

@@ -166,7 +166,7 @@ class CourierWorld(World):
         self._state.now = max(self._state.now, int(to))
 
     def messages(self) -> Sequence[Message]:
-        """What was sent since this was last asked."""
+        """Return what was sent since this was last asked."""
         sent, self._state.sent = self._state.sent, []
         return [_message(one) for one in sent]
 
@@ -292,7 +292,7 @@ class CourierWorld(World):
     # --- what happens by itself -----------------------------------------------------
 
     def _due(self) -> Iterator[tuple[int, Callable[[], None]]]:
-        """What will happen, each with its time, in the order in which it is done."""
+        """Return what will happen, with its time, in the order in which it is done."""
         state = self._state
         if state.ended is not None:
             return
@@ -405,7 +405,7 @@ class CourierWorld(World):
         return ("battery", self._charge())
 
     def _charge(self) -> int:
-        """What the battery holds now."""
+        """Return what the battery holds now."""
         state = self._state
         passed = state.now - state.metered
         driven = passed if state.drive is not None else 0
@@ -420,7 +420,7 @@ class CourierWorld(World):
 
 
 def _message(sent: Sent) -> Message:
-    """What was sent, as the port has it."""
+    """Return what was sent, as the port has it."""
     if sent.ticket is not None:
         return Finished(sent.ticket, Reply(str(sent.content[0]), sent.data))
     if str(sent.content[0]).startswith(":"):

@@ -59,7 +59,7 @@ def scene(simulation: Simulation, floor: int | None = None) -> Scene:
 
 
 def _echoes(simulation: Simulation) -> tuple[Point, ...]:
-    """Where the echoes of the last tick came from, in the building."""
+    """Return where the echoes of the last tick came from, in the building."""
     body, ranges = simulation.state.robot, simulation.runtime.value(SONAR)
     if ranges is None:
         return ()

@@ -380,7 +380,7 @@ class Simulation:
         return bumped
 
     def _velocity(self, heading: float) -> tuple[float, float, bool]:
-        """How fast the body moves to the right and up, and whether it is pushed."""
+        """Return the body's speeds to the right and up, and whether it is pushed."""
         state = self.state
         if state.push is not None and self.now > state.push.until:
             state.push = None

@@ -173,7 +173,7 @@ class _Wiring:
         member.ports = Ports(member.key, self.network.values, reads, writes)
 
     def _slot(self, member: Member, channel: Channel[Any]) -> str:
-        """Where a skill writes one of its outputs."""
+        """Return where a skill writes one of its outputs."""
         if channel.own or channel in self.catalogue.arbiters:
             return f"{channel.name} of {member.key}"
         return channel.name

@@ -182,7 +182,7 @@ class SkillRuntime:
                 self._before[late(channel)] = msgspec.convert(value, channel.type)
 
     def _fault(self, new: Activation) -> Refused | None:
-        """Why an activation could never come on, whatever is under way."""
+        """Return why an activation could never come on, whatever is under way."""
         may: set[str] = set()
         for request in new.skills:
             if wrong := self.catalogue.fault(request):

@@ -44,7 +44,7 @@ def haunts(ground: Map, sectors: str) -> tuple[str, ...]:
 
 
 def pause(scene: Scene) -> Number:
-    """How long until the next band comes: about the option, half more or less."""
+    """Draw how long it is to the next band: about the option, half more or less."""
     return scene.vary(scene.settings.enemy_interval, 50, "enemies")
 
 

@@ -59,7 +59,7 @@ def notice(scene: Scene) -> Iterator[Fact]:
 
 
 def contents(scene: Scene, item: Item) -> Iterator[Fact]:
-    """What examining an item tells of its contents, and of what it is doing."""
+    """Yield what examining an item tells of its contents, and of what it is doing."""
     name, kind = scene.sensor_name(item), scene.kind(item)
     if kind.rounds:
         yield ("shots-left", name, item.amount)

@@ -40,7 +40,7 @@ def _arm_place(memory: HandlerMemory, arm: Atom) -> Atom:
 
 
 def _nest(memory: HandlerMemory, arm: Atom) -> tuple[Atom, ...]:
-    """What an arm is in as far as memory knows, innermost first; its place last."""
+    """Return what an arm is known to be in, innermost first; its place last."""
     place = _true_place(memory, _arm_place(memory, arm))
     at = [fact[2] for fact in memory.query("arm-at", arm, None)]
     nest: list[Atom] = [item for item in at if memory.value("holds", item) is not None]
@@ -153,7 +153,7 @@ def _not_holding(memory: HandlerMemory, arm: Atom, item: Atom) -> None:
 
 
 def _eye_scan(memory: HandlerMemory, request: Fact, result: str) -> None:
-    """What is known and not seen again is no longer there, but for rocks at a factory.
+    """Forget what was known and is not seen again, but for rocks at a factory.
 
     A factory takes rocks in, where the eye cannot follow: a scan of its yard does not
     show all that is at the factory.

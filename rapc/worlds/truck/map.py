@@ -132,7 +132,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return (*places, *(road.name for road in self.roads))
 
     def facts(self) -> Iterator[Fact]:
-        """What the robot knows of the map."""
+        """Yield what the robot knows of the map."""
         for place in self.places:
             yield ("place", place.name, place.kind)
             if place.kind in PRODUCTS:

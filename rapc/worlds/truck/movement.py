@@ -85,7 +85,7 @@ def _stops_on(scene: Scene, leg: Leg) -> bool:
 def _cost(
     scene: Scene, leg: Leg, part: Number, time: Number, fuel: Number
 ) -> tuple[Number, Number]:
-    """What a part of a road takes at the set speed, given factors on time and fuel."""
+    """Return what a part of a road takes at the set speed, by factors on both."""
     settings = scene.settings
     slower, thirstier = SPEEDS[scene.state.truck.speed]
     nominal = leg.road.time * settings.road_time * part * slower * time

@@ -44,7 +44,7 @@ def draw(scene: Scene) -> Picture:
 
 
 def lay_out(ground: Map) -> dict[str, tuple[float, float]]:
-    """Where to draw each place, so that roads lead about where they say.
+    """Return where to draw each place, so that roads lead about where they say.
 
     A map has directions and no coordinates, and need not fit on a plane: each place
     is moved again and again to the mean of where its roads want it.
@@ -94,7 +94,7 @@ def _weather(scene: Scene, spot: str) -> str:
 
 
 def _note(scene: Scene, name: str) -> str:
-    """Where an arm is, and the kind of thing that it is at."""
+    """Return where an arm is, and the kind of thing that it is at."""
     arm = scene.arm(name)
     if arm is None:
         return ""

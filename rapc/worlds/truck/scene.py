@@ -85,7 +85,7 @@ class Scene:
         return (item for item in self.state.items.values() if item.place == place)
 
     def root(self, item: Item) -> str:
-        """Where an item is, on the map or the truck, whatever it is contained in."""
+        """Return where an item is, on map or truck, whatever it is contained in."""
         items, place = self.state.items, item.place
         while place in items:
             place = items[place].place
@@ -100,13 +100,13 @@ class Scene:
         return name is not None
 
     def kind(self, item: Item) -> Kind:
-        """What an item has in common with others of its kind."""
+        """Return what an item has in common with others of its kind."""
         return self.kinds[item.kind]
 
     # --- places ----------------------------------------------------------------
 
     def spot(self, place: object) -> str | None:
-        """What the truck calls a place within reach of its eye, or None.
+        """Return what the truck calls a place within reach of its eye, or None.
 
         The place where the truck stands and `external` are one. A container goes by
         its true name.
@@ -123,12 +123,12 @@ class Scene:
         return self.state.truck.place if spot == EXTERNAL else spot
 
     def called(self, spot: str) -> str:
-        """What data call a spot: a container by its sensor name."""
+        """Return what data call a spot: a container by its sensor name."""
         item = self.state.items.get(spot)
         return spot if item is None else self.sensor_name(item)
 
     def where(self, arm: Arm) -> tuple[str, ...]:
-        """What an arm is in, innermost first: containers, then a true place."""
+        """Return what an arm is in, innermost first: containers, then a true place."""
         items, nest = self.state.items, []
         item = items[arm.at] if arm.at is not None else None
         if item is not None and not self.kind(item).holds:

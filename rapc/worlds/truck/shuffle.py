@@ -51,7 +51,7 @@ def _count(spare: dict[str, int], room: list[str], place: str, more: int) -> Non
 
 
 def _lying(scene: Scene) -> dict[str, list[Item]]:
-    """What lies at each place but the factories; enemies do not lie."""
+    """Return what lies at each place but the factories; enemies do not lie."""
     lying: dict[str, list[Item]] = {
         place.name: [] for place in scene.map.places if place.kind != "factory"
     }

@@ -117,7 +117,7 @@ class TruckWorld(World):
         return Reply(reply.result, (*reply.data, *noticed, ("clock", scene.state.now)))
 
     def usual_time(self, request: Fact) -> Time:
-        """What the options say, travel without the time on the road; 0 if unknown."""
+        """Return what the options say, travel without its time; 0 if unknown."""
         primitive = PRIMITIVES.get(str(request[0]))
         if primitive is None:
             return 0
@@ -133,7 +133,7 @@ class TruckWorld(World):
         pass_time(self._scene, to)
 
     def messages(self) -> Sequence[Message]:
-        """What the truck knows of itself when it is switched on, then nothing."""
+        """Return what the truck knows of itself when switched on, then nothing."""
         pending = self._scene.state.pending
         if not pending:
             return ()

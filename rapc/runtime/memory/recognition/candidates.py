@@ -35,7 +35,7 @@ class Group(msgspec.Struct, frozen=True, eq=False):
         return self.kind is other.kind and self.number == other.number
 
     def room(self, mask: int) -> int:
-        """How many members a description that stands in these views may be."""
+        """Return how many members a description that stands in these views may be."""
         return len(self._members(mask))
 
     def member(self, mask: int) -> Description:
@@ -87,7 +87,7 @@ class SameKnown:
         return found
 
     def count(self, mask: int) -> int:
-        """How many groups such a description finds in this kind."""
+        """Return how many groups such a description finds in this kind."""
         near = far = 0
         for views, cell in self._cells.items():
             if not views & mask:
@@ -136,7 +136,7 @@ class Candidates:
         return found or NONE
 
     def count(self, mask: int) -> int:
-        """How many groups a description that stands in the given views finds."""
+        """Return how many groups a description that stands in the given views finds."""
         found = self._counts.get(mask)
         if found is None:
             found = sum(kind.count(mask) for kind in self._kinds.values())

@@ -130,7 +130,7 @@ def smallest(
 def next_best(
     of: ExpectationSet, layer: View, candidates: Sequence[Sequence[Description]]
 ) -> Description:
-    """What a layer loses by itself: an empty candidate, or the oldest.
+    """Return what a layer loses by itself: an empty candidate, or the oldest.
 
     A layer without candidates loses a member that is not accessible.
     """

@@ -93,7 +93,7 @@ def _best_of_pair(table: _Table, complete: bool) -> Match | None:
 
 
 def _candidates(of: ExpectationSet, view: View, one: View) -> Candidates:
-    """What a view offers to another, made anew only when it has changed."""
+    """Return what a view offers to another, made anew only when it has changed."""
     shared = _shared(view, one)
     known = of.candidates.get((view.bit, shared))
     if known is not None and known[0] == view.version:
@@ -105,7 +105,7 @@ def _candidates(of: ExpectationSet, view: View, one: View) -> Candidates:
 
 
 def _seekers(of: ExpectationSet, view: View, other: View) -> Seekers:
-    """Who of a view seeks a match in another, made anew only when it has changed."""
+    """Return the descriptions of a view that seek a match; kept until it changes."""
     shared = _shared(view, other)
     known = of.seekers.get((view.bit, shared))
     if known is not None and known[0] == view.version:
@@ -146,7 +146,7 @@ class _Table:
         self._on: dict[tuple[SameKnown, int], list[Number]] = {}
 
     def standing(self, profile: Profile, x: Description) -> _Standing:
-        """How the descriptions of a profile, x among them, stand to the groups."""
+        """Return how descriptions of a profile, x among them, stand to the groups."""
         found = self._standings.get(profile)
         if found is None:
             found = self._standings[profile] = self._compared(x)
@@ -216,7 +216,7 @@ class _Table:
         return bound <= room
 
     def _competing(self, group: Group, least: Number) -> int:
-        """How many descriptions score so much on a group, or more."""
+        """Return how many descriptions score so much on a group, or more."""
         key = (group.kind, group.number)
         scores = self._on.get(key)
         if scores is None:

@@ -82,7 +82,7 @@ def _keep_newer(memory: Memory, sources: dict[Fact, str], first: str, own: str) 
 
 
 def make_alike(memory: Memory, members: Sequence[Description]) -> None:
-    """What descriptions do not share becomes unknown, as if never asserted.
+    """Forget what descriptions do not share, as if never asserted.
 
     What they share, class and place among it, keeps the oldest stamp.
     """

@@ -61,7 +61,7 @@ class Description(Item):
 
     @property
     def key(self) -> Key:
-        """What it shares with the descriptions that are identical to it."""
+        """Return what it shares with the descriptions that are identical to it."""
         return (self.known, self.sensor if self.accessible else None)
 
 
@@ -126,7 +126,7 @@ class ExpectationSet:
 
     @property
     def size(self) -> int:
-        """How many items are expected."""
+        """Return how many items are expected."""
         return len(self.layers[0]) if self.layers else len(self.local)
 
     def views(self) -> list[View]:

@@ -145,7 +145,7 @@ class TrackDoorJambs(Skill):
     def _lead(
         self, pose: Pose, along: float, across: float, bearing: float
     ) -> Trajectory:
-        """Where to go: face the wall, line up with the gap, go through, stop."""
+        """Return where to go: face the wall, line up with the gap, go through, stop."""
         state = self.state
         if state.stage != "going" or state.wall is None or state.middle is None:
             return Trajectory(bearing, 0.0, turn=True)
@@ -210,7 +210,7 @@ def _axes(pose: Pose, heading: float) -> Point:
 
 
 def _plane(echoes: Sequence[Point]) -> float | None:
-    """How far ahead most echoes lie in one plane; None if no three do."""
+    """Return how far ahead most echoes lie in one plane; None if no three do."""
     ahead = sorted(x for x, y in echoes if 0.3 < x < 2.5 and abs(y) < 1.6)
     best, found = 2, None
     for x in ahead:
@@ -252,7 +252,7 @@ def _before(bins: Sequence[float], start: int) -> Sequence[float]:
 
 
 def _edge(bins: Sequence[float], last: int, step: int) -> float:
-    """Where a gap ends, in bins, beyond its last open bin."""
+    """Return where a gap ends, in bins, beyond its last open bin."""
     number = last + step
     while 0 <= number < len(bins) and bins[number] == 0 and abs(number - last) < 8:
         number += step
