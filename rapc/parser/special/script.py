@@ -121,7 +121,7 @@ P = TypeVar("P", bound=nodes.Pattern | nodes.Goal)
 
 
 def plain(ctx: Context, node: P | None) -> P | None:
-    """What holds no computed terms: a pattern is compared with values."""
+    """Return what holds no computed terms: a pattern is compared with values."""
     for arg in node.args if node is not None else ():
         if isinstance(arg, nodes.Call):
             _no_place(ctx, arg, "a computed term")
@@ -130,7 +130,7 @@ def plain(ctx: Context, node: P | None) -> P | None:
 
 
 def _ground(ctx: Context, node: P | None) -> P | None:
-    """What holds neither computed terms nor variables."""
+    """Return what holds neither computed terms nor variables."""
     for arg in node.args if node is not None else ():
         if not isinstance(arg, nodes.Const):
             is_variable = isinstance(arg, nodes.Var)
@@ -164,7 +164,7 @@ def whole(ctx: Context, datum: Datum, what: str, least: int | None = None) -> in
 def read_options(
     ctx: Context, data: Sequence[Datum], owner: str, group: str
 ) -> Mapping[str, list[Any]]:
-    """What was read of each option of a group by its word."""
+    """Return what was read of each option of a group by its word."""
     rules = rules_by_head(group)
     known = {word: ctx.readers.option(rule) for word, rule in rules.items()}
     counts = {word: option.values for word, option in known.items()}
