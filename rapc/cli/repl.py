@@ -68,9 +68,14 @@ def repl(
     library = load_checked(path)
     begun = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
     shell = Shell(_session(library, begun), commands(), [path])
+    color = settings().colored()
+    if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
+        from rapc.repl.prompt import Prompt, history_file  # noqa: PLC0415  # slow
+
+        Prompt(shell, color=color, history=history_file()).run()
+        return
     texts = given or inputs(sys.stdin)
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPED_WIDTH
-    color = settings().colored()
     if not run_script(shell, texts, sys.stdout, width, color=color, as_json=as_json):
         raise SystemExit(1)
 

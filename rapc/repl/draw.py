@@ -6,9 +6,11 @@ Tables are drawn by rich, so that what is too wide is wrapped inside its column.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Literal
 
 from rich.box import SIMPLE_HEAD
+from rich.cells import cell_len
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table as RichTable
@@ -18,6 +20,12 @@ from rapc.base.visible import visible_lines
 from rapc.repl.answer import Answer, Table, shown
 
 _NUMBERS = (int, float)
+
+_LEAST = 10
+"""How many columns of the terminal a column of a table needs to be read."""
+
+_GAP = 3
+"""How many of them lie between two."""
 
 
 def draw(answer: Answer, width: int, *, color: bool) -> str:
@@ -44,7 +52,7 @@ def draw(answer: Answer, width: int, *, color: bool) -> str:
     for line in answer.lines:
         _line(console, line, style)
     if answer.table is not None:
-        console.print(Padding(_table(answer.table), 0))
+        _print_table(console, answer.table)
     for line in answer.notes:
         _line(console, line, "")
     return "".join(_without_trailing_space(stream.getvalue(), color))
@@ -63,20 +71,38 @@ def _line(console: Console, line: str, style: str) -> None:
     console.print(Padding(inner, (0, 0, 0, hang)))
 
 
-def _table(table: Table) -> RichTable:
+def _print_table(console: Console, table: Table) -> None:
+    """Print a table without its empty columns; where it is too wide, row by row."""
+    shows = [at for at in range(len(table.columns)) if any(r[at] for r in table.rows)]
+    cells = [[visible_lines(shown(row[at])) for at in shows] for row in table.rows]
+    names = [table.columns[at] for at in shows]
+    least = sum(
+        min(max(cell_len(row[at]) for row in [names, *cells]), _LEAST) + _GAP
+        for at in range(len(shows))
+    )
+    if least > console.width + _GAP and len(shows) > 2:
+        _print_rows(console, names, cells)
+        return
     drawn = RichTable(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, expand=False)
-    for at, name in enumerate(table.columns):
-        cells = [row[at] for row in table.rows if row[at] is not None]
-        numeric = bool(cells) and all(isinstance(cell, _NUMBERS) for cell in cells)
-        drawn.add_column(
-            name,
-            justify="right" if numeric else "left",
-            overflow="fold",
-            no_wrap=numeric,
-        )
-    for row in table.rows:
-        drawn.add_row(*[Text(visible_lines(shown(cell))) for cell in row])
-    return drawn
+    for at, name in zip(shows, names, strict=True):
+        given = [row[at] for row in table.rows if row[at] is not None]
+        numeric = bool(given) and all(isinstance(cell, _NUMBERS) for cell in given)
+        justify: Literal["left", "right"] = "right" if numeric else "left"
+        drawn.add_column(name, justify=justify, overflow="fold", no_wrap=numeric)
+    for row in cells:
+        drawn.add_row(*[Text(cell) for cell in row])
+    console.print(Padding(drawn, 0))
+
+
+def _print_rows(
+    console: Console, names: Sequence[str], cells: Sequence[Sequence[str]]
+) -> None:
+    """Print each row as a line of its first cells, and below it what else it has."""
+    for row in cells:
+        _line(console, f"{row[0]} {row[1]}".rstrip(), "")
+        for name, cell in zip(names[2:], row[2:], strict=True):
+            if cell:
+                _line(console, f"  {name}: {cell}" if name else f"  {cell}", "")
 
 
 def _without_trailing_space(text: str, color: bool) -> Iterator[str]:

@@ -1,0 +1,225 @@
+"""The prompt: input on a terminal, completed and coloured; answers below it.
+
+All that is known of terminals stands here; what an input means is for the shell.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from prompt_toolkit import PromptSession
+from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
+from prompt_toolkit.completion import (
+    CompleteEvent,
+    Completer,
+    Completion,
+    ThreadedCompleter,
+)
+from prompt_toolkit.document import Document
+from prompt_toolkit.formatted_text import StyleAndTextTuples
+from prompt_toolkit.history import FileHistory, History, InMemoryHistory
+from prompt_toolkit.key_binding import KeyBindings
+from prompt_toolkit.key_binding.key_processor import KeyPressEvent
+from prompt_toolkit.layout.processors import HighlightMatchingBracketProcessor
+from prompt_toolkit.lexers import Lexer
+from prompt_toolkit.shortcuts import CompleteStyle
+from prompt_toolkit.styles import Style
+
+from rapc.base.values import format_atom
+from rapc.base.visible import visible
+from rapc.language.heads import (
+    ALONE,
+    ANNOTATIONS,
+    CALLS,
+    FORMS,
+    METHOD_CLAUSES,
+    QUERIES,
+    RAP_CLAUSES,
+)
+from rapc.repl.arguments import is_balanced
+from rapc.repl.complete import candidates
+from rapc.repl.draw import draw
+from rapc.repl.highlight import indentation, tokens
+from rapc.repl.shell import Shell
+
+_STYLE = Style.from_dict(
+    {
+        "comment": "italic ansigray",
+        "string": "ansigreen",
+        "variable": "ansicyan",
+        "keyword": "ansimagenta",
+        "number": "ansiyellow",
+        "word": "bold",
+        "bottom-toolbar": "noreverse ansigray",
+    }
+)
+
+GREETING = "`:help` lists the commands, Tab completes, Ctrl-D leaves"
+
+
+class _Completer(Completer):
+    """Completes by what the shell knows."""
+
+    def __init__(self, shell: Shell) -> None:
+        self._shell = shell
+
+    def get_completions(
+        self, document: Document, complete_event: CompleteEvent
+    ) -> Iterable[Completion]:
+        """Iterate over what fits at the cursor."""
+        for one in candidates(self._shell, document.text_before_cursor):
+            yield Completion(
+                one.text,
+                start_position=-one.replaces,
+                display_meta=visible(" ".join(one.doc.split())),
+            )
+
+
+class _Lexer(Lexer):
+    """Colours RAP text."""
+
+    def lex_document(self, document: Document) -> Callable[[int], StyleAndTextTuples]:
+        """Return what gives the coloured parts of a line by its number."""
+        lines: list[StyleAndTextTuples] = [[]]
+        for kind, said in tokens(document.text, _KNOWN):
+            for at, part in enumerate(said.split("\n")):
+                if at:
+                    lines.append([])
+                lines[-1].append((f"class:{kind}", part))
+        return lambda number: lines[number] if number < len(lines) else []
+
+
+_KNOWN = frozenset(
+    (*FORMS, *RAP_CLAUSES, *METHOD_CLAUSES, *ANNOTATIONS, *QUERIES, *ALONE, *CALLS)
+)
+
+
+def _keys() -> KeyBindings:
+    """Enter sends what is whole and else begins a new line, set in as it should be."""
+    keys = KeyBindings()
+
+    @keys.add("enter")
+    def _(event: KeyPressEvent) -> None:
+        buffer = event.current_buffer
+        text = buffer.text
+        if text.lstrip().startswith(":") or is_balanced(text):
+            buffer.validate_and_handle()
+        else:
+            before = buffer.document.text_before_cursor
+            buffer.insert_text("\n" + " " * indentation(before))
+
+    return keys
+
+
+class Prompt:
+    """Reads inputs from a terminal and writes answers to it.
+
+    Args:
+        shell: answers them.
+        color: whether answers are coloured.
+        history: the file of earlier inputs; None to keep none.
+    """
+
+    def __init__(self, shell: Shell, *, color: bool, history: Path | None) -> None:
+        self._shell = shell
+        self._color = color
+        self._session: PromptSession[str] = PromptSession(
+            message="rapc> ",
+            lexer=_Lexer() if color else None,
+            completer=ThreadedCompleter(_Completer(shell)),
+            complete_while_typing=False,
+            complete_style=CompleteStyle.MULTI_COLUMN,
+            history=_history(history),
+            auto_suggest=AutoSuggestFromHistory(),
+            enable_history_search=True,
+            multiline=True,
+            prompt_continuation="      ",
+            key_bindings=_keys(),
+            input_processors=[HighlightMatchingBracketProcessor()],
+            bottom_toolbar=self._toolbar,
+            style=_STYLE,
+        )
+
+    def run(self) -> None:
+        """Answer inputs until the user leaves."""
+        shell = self._shell
+        sys.stdout.write(f"{shell.session.stand()}; {GREETING}\n")
+        interrupted = False
+        while not shell.left:
+            try:
+                text = self._session.prompt()
+            except EOFError:
+                return
+            except KeyboardInterrupt:
+                if interrupted:
+                    return
+                interrupted = True
+                sys.stdout.write("Ctrl-C once more leaves\n")
+                continue
+            interrupted = False
+            with _pausing(shell):
+                answer = shell.answer(text)
+            width = shutil.get_terminal_size().columns
+            sys.stdout.write(draw(answer, width, color=self._color))
+            sys.stdout.flush()
+
+    def _toolbar(self) -> str:
+        session = self._shell.session
+        words = [f"time {format_atom(session.now)}", f"cycle {session.cycle}"]
+        if session.branch.name != "main":
+            words.append(session.branch.name)
+        selected = session.selected
+        entries = {entry.task: entry for entry in session.run.agenda()}
+        entry = entries.get(selected or 0)
+        if entry is not None:
+            words.append(f"[{entry.task}] {entry.goal}")
+            top = entries.get(entry.family)
+            if top is not None and top is not entry:
+                words.append(f"for [{top.task}] {top.goal}")
+        if session.over:
+            words.append(f"over ({session.run.reason})")
+        width = shutil.get_terminal_size().columns
+        return visible("  ".join(words))[: max(width - 1, 1)]
+
+
+@contextmanager
+def _pausing(shell: Shell) -> Iterator[None]:
+    """Let Ctrl-C pause the run, and twice break off what is being carried out."""
+    times = 0
+
+    def pause(number: int, frame: FrameType | None) -> None:
+        nonlocal times
+        times += 1
+        if times > 1:
+            raise KeyboardInterrupt
+        shell.session.pause()
+
+    before = signal.signal(signal.SIGINT, pause)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def history_file() -> Path:
+    """Return where inputs are kept from one session to the next."""
+    state = os.environ.get("XDG_STATE_HOME") or "~/.local/state"
+    return Path(state).expanduser() / "rapc" / "history"
+
+
+def _history(path: Path | None) -> History:
+    if path is None:
+        return InMemoryHistory()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("a", encoding="utf-8"):
+            return FileHistory(str(path))
+    except OSError:  # a home that cannot be written to: nothing is kept
+        return InMemoryHistory()

@@ -1,0 +1,149 @@
+"""The prompt as a person meets it: on a pseudo-terminal of three widths."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rapc.repl.complete import candidates
+from rapc.repl.highlight import indentation, tokens
+from tests.repl.shells import truck_shell
+from tests.repl.terminal import Terminal
+
+TASK = ("--task", "(rock-order red 1)", "--seed", "7")
+
+
+@pytest.mark.parametrize("columns", [40, 80, 200])
+def test_a_session_on_a_terminal(columns: int, tmp_path: Path) -> None:
+    terminal = Terminal(columns, tmp_path, *TASK)
+    terminal.see("Ctrl-D leaves")
+    terminal.ask(":show none", "after a step is shown: none")
+    terminal.ask(":step 3", "cycle 3, time 0")
+    terminal.ask(":back", "cycle 2, time 0")
+    terminal.ask("(and (place ?p quarry)\r(produces ?p rock))", "quarry-3")
+    terminal.ask(":stpe", "did you mean `:step`?")
+    terminal.ask(":why", "came up in cycle 2")
+    screen = terminal.ask(":agenda", "its method")
+    assert all(len(line) <= columns for line in screen)
+    assert terminal.leave() == 0
+
+
+def test_tab_completes_and_the_toolbar_says_where_it_stands(tmp_path: Path) -> None:
+    terminal = Terminal(100, tmp_path, *TASK)
+    terminal.see("time 0  cycle 0")
+    terminal.child.send(":primi\t")
+    terminal.see("rapc> :primitive")
+    terminal.child.send("\r")
+    terminal.see("primitive operation (truck-")
+    terminal.see("for [1] (rock-order red 1)")
+    assert terminal.leave() == 0
+
+
+def test_ctrl_c_clears_the_line_and_twice_leaves(tmp_path: Path) -> None:
+    terminal = Terminal(80, tmp_path, *TASK)
+    terminal.see("Ctrl-D leaves")
+    terminal.child.send("(and (place")
+    terminal.see("(and (place")
+    terminal.child.send("\x03")
+    terminal.see("Ctrl-C once more leaves")
+    terminal.ask(":step", "cycle 1, time 0")
+    terminal.clear()
+    terminal.child.send("\x03")
+    terminal.see("Ctrl-C once more leaves")
+    assert terminal.leave("\x03") == 0
+
+
+def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
+    orders = [word for _ in range(60) for word in ("--task", "(rock-order red 4)")]
+    terminal = Terminal(100, tmp_path, *orders)
+    terminal.see("Ctrl-D leaves")
+    terminal.ask(":show none", "after a step is shown: none")
+    terminal.clear()
+    terminal.child.send(":run\r")
+    terminal.see(":run")
+    terminal.child.sendintr()
+    terminal.see("paused")
+    assert terminal.leave() == 0
+
+
+def test_inputs_are_kept_from_one_session_to_the_next(tmp_path: Path) -> None:
+    terminal = Terminal(80, tmp_path, *TASK)
+    terminal.see("Ctrl-D leaves")
+    terminal.ask(":to 7", "cycle 7, time 0")
+    terminal.leave()
+    assert ":to 7" in (tmp_path / ".local/state/rapc/history").read_text()
+    again = Terminal(80, tmp_path, *TASK)
+    again.see("Ctrl-D leaves")
+    again.see("cycle 0")
+    again.child.send("\x1b[A")
+    again.see("rapc> :to 7")
+    again.child.send("\r")
+    again.see("cycle 7, time 0")
+    assert again.leave() == 0
+
+
+# --- what the prompt asks the house ---------------------------------------------------
+
+
+def _texts(text: str) -> list[str]:
+    shell = truck_shell()
+    return [one.text for one in candidates(shell, text)]
+
+
+@pytest.mark.parametrize(
+    ("text", "offered"),
+    [
+        (":st", ":step"),
+        (":help got", "goto"),
+        (":source fill", "fill-order"),
+        (":out ", "1"),
+        (":break ", "primitive"),
+        (":break rap trav", "travel-road"),
+        (":break fact (loc", "location"),
+        (":find back task-f", "task-failed"),
+        (":history item-1 col", "color"),
+        ("(rock-o", "rock-order"),
+        ("(truck-loc", "truck-location"),
+        ("(place quarry-", "quarry-1"),
+        ("(define-r", "define-rap"),
+        ("(define-rap (x) (suc", "succeed"),
+        ("(define-rap (x) (method (primitive (truck-m", "truck-move"),
+        ("(define-rap (x) (succeed (truck-loc", "truck-location"),
+    ],
+)
+def test_what_fits_is_offered(text: str, offered: str) -> None:
+    assert offered in _texts(text)
+
+
+def test_nothing_else_is_offered() -> None:
+    assert _texts("(frobnicate") == []
+    assert _texts(":help frob") == []
+
+
+def test_names_come_with_a_line_on_them() -> None:
+    shell = truck_shell()
+    [found] = [
+        one for one in candidates(shell, "(truck-loc") if one.text == "truck-location"
+    ]
+    assert found.doc.startswith("(truck-location ?")
+    assert found.replaces == len("truck-loc")
+
+
+def test_tokens_are_the_whole_text() -> None:
+    text = '(define-rap (go ?x) ; there\n  (succeed (at "home" :now 3)))'
+    found = list(tokens(text, {"define-rap", "succeed"}))
+    assert "".join(said for _, said in found) == text
+    kinds = {said: kind for kind, said in found}
+    assert kinds["define-rap"] == "word"
+    assert kinds["?x"] == "variable"
+    assert kinds["; there"] == "comment"
+    assert kinds['"home"'] == "string"
+    assert kinds["3"] == "number"
+
+
+def test_a_new_line_is_set_in_below_the_list_it_is_in() -> None:
+    assert indentation("(define-rap (go ?x)") == 2
+    assert indentation("(define-rap (go ?x)\n  (method") == 4
+    assert indentation("(define-rap (go ?x)\n  (succeed (at ?x))") == 2
+    assert indentation("(p)") == 0
