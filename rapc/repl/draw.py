@@ -73,7 +73,11 @@ def _line(console: Console, line: str, style: str) -> None:
 
 def _print_table(console: Console, table: Table) -> None:
     """Print a table without its empty columns; where it is too wide, row by row."""
-    shows = [at for at in range(len(table.columns)) if any(r[at] for r in table.rows)]
+    shows = [
+        at
+        for at in range(len(table.columns))
+        if any(r[at] not in (None, "") for r in table.rows)
+    ]
     cells = [[visible_lines(shown(row[at])) for at in shows] for row in table.rows]
     names = [table.columns[at] for at in shows]
     least = sum(

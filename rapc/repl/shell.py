@@ -20,7 +20,7 @@ from rapc.debug.acts import SubmitTask
 from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.log import Told
 from rapc.debug.reload import TYPED, Renewed, changed_raps, names_of, typed_in
-from rapc.debug.session import Session
+from rapc.debug.session import Branch, Session
 from rapc.errors import Error, RefusedError, TextError
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
@@ -219,9 +219,15 @@ class Shell:
             self.session.run.machine.library.library, renewed.library.program.library
         ):
             return say("nothing has changed")
+        branch = self.session.branch
         act = self.session.take_up(renewed.library)
         found = [line for line in concise(renewed.report) if line.startswith(file)]
-        return say(*found, f"done: {act}")
+        return say(*found, *self.branched(branch), f"done: {act}")
+
+    def branched(self, before: Branch) -> list[str]:
+        """Return what is said where an act has begun a new branch."""
+        now = self.session.branch
+        return [] if now is before else [f"on {now.name}: the other future stays"]
 
     def _is_goal(self, head: str, text: str) -> bool:
         """Whether a list is a goal; what may be both is a query if it has variables."""

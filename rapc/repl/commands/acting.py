@@ -27,10 +27,7 @@ from rapc.repl.shell import Command, Shell
 def _do(shell: Shell, act: Act) -> Answer:
     before, branch = shell.session.serial, shell.session.branch
     shell.session.act(act)
-    lines = [*shell.happened(before)]
-    if shell.session.branch is not branch:
-        lines.append(f"on {shell.session.branch.name}: the other future stays")
-    return say(*lines, f"done: {act}")
+    return say(*shell.happened(before), *shell.branched(branch), f"done: {act}")
 
 
 def _with_fact(make: Callable[[Fact], Act]) -> Callable[[Shell, Arguments], Answer]:

@@ -1,0 +1,65 @@
+"""docs/tutorial/repl.md is true: its files are written and its inputs typed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import rapc
+from rapc.debug.session import Session
+from rapc.repl.commands.table import commands
+from rapc.repl.draw import draw
+from rapc.repl.shell import Shell
+from tests.docs.test_tutorial import agrees
+
+PAGE = Path(__file__).parents[2] / "docs" / "tutorial" / "repl.md"
+_BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.M | re.S)
+
+WIDTH = 100
+"""How wide the terminal of the page is."""
+
+
+def test_tutorial_does_as_it_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shell: Shell | None = None
+    typed = 0
+    for language, name, text in blocks():
+        if language == "rap":
+            Path(name).write_text(text, encoding="utf-8")
+        elif language == "sh":
+            shell = begun(text)
+        elif language == "rapc":
+            assert shell is not None
+            for part in re.split(r"^rapc> ", text, flags=re.M)[1:]:
+                said, *told = part.rstrip("\n").split("\n")
+                drawn = draw(shell.answer(said), WIDTH, color=False)
+                printed = drawn.rstrip("\n").split("\n")
+                assert agrees(_bare(printed), _bare(told)), f"rapc> {said}\n{drawn}"
+                typed += 1
+    assert typed == 12
+    assert shell is not None
+    assert shell.session.run.results()[0].outcome == "succeeded"
+
+
+def blocks() -> list[tuple[str, str, str]]:
+    """Return the blocks of the page: language, file, text."""
+    return _BLOCK.findall(PAGE.read_text(encoding="utf-8"))
+
+
+def begun(command: str) -> Shell:
+    """Begin the run that a command on the page begins."""
+    found = re.fullmatch(
+        r"rapc repl (\S+) --world truck --task '(.*)' --seed (\d+)\n", command
+    )
+    assert found is not None
+    path, task, seed = found.groups()
+    session = Session.open(rapc.load(path), "truck", tasks=[task], seed=int(seed))
+    return Shell(session, commands(), [path])
+
+
+def _bare(lines: list[str]) -> list[str]:
+    return [line.strip() for line in lines]
