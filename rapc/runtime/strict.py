@@ -206,17 +206,20 @@ class _Held:
     ) -> Iterator[tuple[str, str]]:
         """Yield what a handler did that is not told of it, and where it did that."""
         relations = self._machine.memory.signatures.relations
+        now_called = self._machine.memory.canonical
         for change in noting.made:
+            fact = now_called(change.fact)
             if not any(
-                not effect.negated and match(pattern, change.fact) is not None
+                not effect.negated and match(pattern, fact) is not None
                 for effect, pattern in patterns
             ):
-                told = format_list(change.fact)
+                told = format_list(fact)
                 yield f"asserted {told}, which `:on` does not say", change.place
         for change in noting.taken:
-            is_property = relations[str(change.fact[0])].is_property
-            if not any(_takes(e, p, change.fact, is_property) for e, p in patterns):
-                told = format_list(change.fact)
+            fact = now_called(change.fact)
+            is_property = relations[str(fact[0])].is_property
+            if not any(_takes(e, p, fact, is_property) for e, p in patterns):
+                told = format_list(fact)
                 yield f"erased {told}, which `:on` does not say", change.place
 
     def _missing(
@@ -239,37 +242,6 @@ class _Held:
         """Return the memory name for a sensor name that the handler may have given."""
         name_of = self._machine.memory.items.name_of
         return name_of(value) if isinstance(value, str) else value
-
-    def _faults(
-        self,
-        noting: NotingMemory,
-        patterns: Sequence[tuple[nodes.DeclaredEffect, Fact]],
-        given: Mapping[str, Atom],
-    ) -> Iterator[tuple[str, str]]:
-        """Yield what a handler did wrong, and the place in it where that is known."""
-        relations = self._machine.memory.signatures.relations
-        for change in noting.made:
-            if not any(
-                not effect.negated and match(pattern, change.fact) is not None
-                for effect, pattern in patterns
-            ):
-                told = format_list(change.fact)
-                yield f"asserted {told}, which `:on` does not say", change.place
-        for change in noting.taken:
-            is_property = relations[str(change.fact[0])].is_property
-            if not any(_takes(e, p, change.fact, is_property) for e, p in patterns):
-                told = format_list(change.fact)
-                yield f"erased {told}, which `:on` does not say", change.place
-        for effect, pattern in patterns:
-            if effect.possible:
-                continue
-            if effect.negated:
-                left = self._matching(pattern)
-                if left is not None:
-                    yield f"left {format_list(left)}, which is to go by `:on`", ""
-            elif not self._holds(effect, given):
-                told = format_list(pattern)
-                yield f"has not made {told} hold, as `:on` says", ""
 
     def _filled(self, effect: nodes.DeclaredEffect, given: Mapping[str, Atom]) -> Fact:
         """Return the pattern of an effect with the values of the arguments put in."""

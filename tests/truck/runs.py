@@ -14,6 +14,7 @@ from rapc.compiler.program import Program
 from rapc.library.loader import load
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, of_agenda
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
@@ -83,6 +84,7 @@ class Run:
         seed: int = 0,
         options: Mapping[str, Atom | bool] | None = None,
         compiled: Program | None = None,
+        settings: Settings | None = None,
     ) -> None:
         self.answers: Counter[tuple[str, str]] = Counter()
         self.requests: list[str] = []
@@ -93,7 +95,9 @@ class Run:
         world = build_world(TruckWorld, seed, options or {})
         assert isinstance(world, TruckWorld)
         self.world = world
-        self.interpreter = Interpreter(compiled or library(), world, seed)
+        self.interpreter = Interpreter(
+            compiled or library(), world, seed, settings or Settings()
+        )
         self.interpreter.listen(self._note)
         for each in tasks:
             self.interpreter.submit(each)
