@@ -126,7 +126,7 @@ class Machine:
         if now < before:
             times = f"from {format_atom(before)} to {format_atom(now)}"
             raise breach(self.world, "now", f"sets its clock back, {times}")
-        self.monitors.changes += 1
+        self.monitors.changes += now != before
         self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)
 

@@ -34,6 +34,9 @@ from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 MOST_CYCLES = 100_000
 """How many cycles a test may take that does not say how many."""
 
+LATEST = 100_000
+"""The time by which a test is to be over that says neither time nor cycles."""
+
 
 class Case(msgspec.Struct, frozen=True):
     """A test with the library it runs, ready to be run any number of times."""
@@ -195,7 +198,7 @@ class _Run:
         interpreter, test = self.interpreter, self.test
         interpreter.listen(self._record)
         interpreter.call_at_end(self._judge_at_the_end)
-        until = test.until or nodes.Until(None, None)
+        until = test.until or nodes.Until(LATEST, None)
         cycles = MOST_CYCLES if until.cycles is None else until.cycles
         try:
             interpreter.start(tasks=[format_list(task.goal) for task in self._tasks])
@@ -213,14 +216,20 @@ class _Run:
             self._broken = True
             self._fail(test.name_span, str(error))
             return
-        if interpreter.reason == "cycles" and until.cycles is None:
-            more = "say when with `(until time)`"
-            if until.time is not None:
-                more = f"it was only at time {format_atom(interpreter.now)}"
-            self._fail(
-                test.name_span,
-                f"the test was not over after {MOST_CYCLES} cycles; {more}",
-            )
+        self._fail_if_stopped()
+
+    def _fail_if_stopped(self) -> None:
+        """Fail a test that was not over when a limit came that it does not state."""
+        reason, stated = self.interpreter.reason, self.test.until
+        limit, more = "", "say when with `(until time)`"
+        if reason == "cycles" and (stated is None or stated.cycles is None):
+            limit = f"after {MOST_CYCLES} cycles"
+            if stated is not None:
+                more = f"it was only at time {format_atom(self.interpreter.now)}"
+        elif reason == "until" and stated is None:
+            limit = f"at time {LATEST}"
+        if limit:
+            self._fail(self.test.name_span, f"the test was not over {limit}; {more}")
 
     def _action(self, number: int, at: nodes.At) -> Callable[[], None]:
         def act() -> None:

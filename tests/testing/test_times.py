@@ -221,6 +221,19 @@ def test_a_test_without_end_is_stopped(
     ]
 
 
+def test_a_test_without_end_is_stopped_in_the_time_of_its_world_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rapc.testing.run.LATEST", 60)
+    clauses = "(script ((say ?) :takes 50)) (task (forever))"
+    tests = f"(define-test it {clauses}) (define-test all {clauses} (cycles 9))"
+    found = cases(tmp_path, f"{LIBRARY} {FOREVER} {tests}")
+    assert happened(run_case(found["it"])) == [
+        "the test was not over at time 60; say when with `(until time)`"
+    ]
+    assert happened(run_case(found["all"])) == []
+
+
 def test_a_test_whose_time_never_comes_is_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
