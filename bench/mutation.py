@@ -5,7 +5,7 @@
 Each slip is made in a library in which nothing is found before; what is found then is
 due to the slip. A slip that leaves the nodes of the library as they were is none. The
 place of a finding is where its span begins; it names the cause if it, or one of its
-labels, is on a line of the slip.
+labels, is on a line of the slip, or if it names what the slip took away.
 """
 
 from __future__ import annotations
@@ -95,7 +95,8 @@ def _judged(report: CheckReport, edit: Edit, rows: range) -> Outcome:
     ]
     first = report.files[places[0].file].row(places[0].start)
     distance = min(abs(first - rows[0]), abs(first - rows[-1])) if here else 999
-    named = any(row in rows for row in here)
+    about = f"`{edit.about}`"
+    named = any(row in rows for row in here) or about in found[0].message
     return Outcome(edit, rows[0], found, 0 if first in rows else distance, named)
 
 

@@ -18,6 +18,8 @@ class Edit(msgspec.Struct, frozen=True):
 
     span: Span
     content: str
+    #: The name that is defined no more, which a finding elsewhere can only name.
+    about: str = ""
 
 
 Headed = nodes.Goal | nodes.Pattern | nodes.Step | nodes.Compare | nodes.ResourceChange

@@ -231,7 +231,7 @@ def _other_variable(base: Base) -> Iterator[Edit]:
 # --- declarations and parentheses -----------------------------------------------------
 
 
-def _declarations(base: Base) -> Iterator[nodes.TopForm]:
+def _declarations(base: Base) -> Iterator[tuple[str, nodes.TopForm]]:
     asked = {one.name for one in base.index.uses()}
     for table in (
         base.library.properties,
@@ -242,19 +242,19 @@ def _declarations(base: Base) -> Iterator[nodes.TopForm]:
     ):
         for name, form in table.items():
             if name in asked:
-                yield form
+                yield name, form
 
 
 def _declaration_dropped(base: Base) -> Iterator[Edit]:
-    for form in _declarations(base):
-        yield Edit(form.span, "")
+    for name, form in _declarations(base):
+        yield Edit(form.span, "", name)
 
 
 def _definition_dropped(base: Base) -> Iterator[Edit]:
     called = {used.name for used in base.uses("goal")}
     for rap in base.raps:
         if rap.name in called:
-            yield Edit(rap.span, "")
+            yield Edit(rap.span, "", rap.name)
 
 
 def _definition_twice(base: Base) -> Iterator[Edit]:
@@ -288,13 +288,13 @@ def _declared_result_dropped(base: Base) -> Iterator[Edit]:
                 ):
                     at = form.span.start
                     span = Span(form.span.file, at + found.start(), at + found.end())
-                    yield Edit(span, "")
+                    yield Edit(span, "", result)
                     break
 
 
 def _resource_dropped(base: Base) -> Iterator[Edit]:
     for one in base.index.of(nodes.Resource):
-        yield Edit(one.node.span, "")
+        yield Edit(one.node.span, "", one.node.variable.name)
 
 
 def _kind_misspelt(base: Base) -> Iterator[Edit]:

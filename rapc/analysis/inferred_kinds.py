@@ -227,6 +227,8 @@ class _Learning:
         declared = table.get(use.name)
         if declared is None or declared.args is None:
             return ()
+        if declared.miscount(len(use.args)):
+            return ()
         own = [arg.kind for arg in declared.args]
         if isinstance(use, nodes.Goal):
             learned = self.inputs.get(use.name, ())

@@ -7,12 +7,13 @@ its place. The passes `unknown-rap`, `undeclared-predicate`, `functions`, `primi
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from typing import get_args
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, NameUse
+from rapc.analysis.index import INDEX, Index, NameUse
 from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -30,14 +31,22 @@ class Misuse(msgspec.Struct, frozen=True):
     fault: Fault
 
 
-def _run(run: Pass) -> Sequence[Misuse]:
+class Misuses(msgspec.Struct, frozen=True):
+    """All misuses of a library, with the index in which its uses are found."""
+
+    found: Sequence[Misuse]
+    index: Index
+
+
+def _run(run: Pass) -> Misuses:
     faults = run.signatures.fault
+    index = run.result(INDEX)
     found: list[Misuse] = []
-    for used in run.result(INDEX).uses():
+    for used in index.uses():
         fault = faults(used.use, used.name, used.count, used.outputs)
         if fault is not None:
             found.append(Misuse(used, fault))
-    return found
+    return Misuses(found, index)
 
 
 MISUSES = Analyzer(
@@ -50,7 +59,7 @@ MISUSES = Analyzer(
 
 def misuses(run: Pass, uses: Container[Use], sort: str) -> Iterator[Misuse]:
     """Yield the faults of one sort in some uses, in the order of the text by use."""
-    for one in run.result(MISUSES):
+    for one in run.result(MISUSES).found:
         if one.used.use in uses and one.fault.sort == sort:
             yield one
 
@@ -65,15 +74,33 @@ def report_unknown(run: Pass, rule: Rule, uses: Container[Use]) -> None:
 
 def report_arguments(run: Pass, rule: Rule, uses: Container[Use]) -> None:
     """Report the uses with another number of arguments than was declared."""
+    faults: dict[tuple[str, str], list[Misuse]] = {}
     for one in misuses(run, uses, "arguments"):
-        declared = one.fault.declared
-        assert declared is not None
-        label = Label(
-            declared_at(run, declared), f"declared here as `{declared.written}`"
-        )
-        run.report(
-            Diagnostic(rule.name, one.fault.message, one.used.span, labels=(label,))
-        )
+        faults.setdefault((one.used.name, one.fault.message), []).append(one)
+    for (name, _), wrong in faults.items():
+        index = run.result(MISUSES).index
+        every = sum(len(index.uses_of(use, name)) for use in _ALL_USES if use in uses)
+        alike = every == len(wrong) >= _ALL
+        for one in wrong[:1] if alike else wrong:
+            declared = one.fault.declared
+            assert declared is not None
+            label = Label(
+                declared_at(run, declared), f"declared here as `{declared.written}`"
+            )
+            note = f"so it is in all {every} places: is the declaration wrong?"
+            run.report(
+                Diagnostic(
+                    rule.name,
+                    one.fault.message,
+                    one.used.span,
+                    labels=(label,),
+                    notes=(note,) if alike else (),
+                )
+            )
+
+
+_ALL = 3
+"""So many uses that do not meet a declaration, and none that does, make one finding."""
 
 
 def report_kind(run: Pass, rule: Rule, one: Misuse) -> None:
@@ -123,9 +150,11 @@ class UnknownNames:
         for fault, spans in self._uses.values():
             sure = [span for span in spans if not run.unsure(span)]
             if sure:
-                run.report(self._finding(fault, sure))
+                run.report(self._finding(fault, sure, _unused(run, fault.near)))
 
-    def _finding(self, fault: Fault, spans: Sequence[Span]) -> Diagnostic:
+    def _finding(
+        self, fault: Fault, spans: Sequence[Span], meant: Iterable[Label]
+    ) -> Diagnostic:
         first, *further = spans
         left = len(further) - _SHOWN
         places = "one more place" if left == 1 else f"{left} more places"
@@ -133,7 +162,28 @@ class UnknownNames:
             rule=self._rule.name,
             message=fault.message,
             span=first,
-            labels=tuple(Label(s, "also used here") for s in further[:_SHOWN]),
+            labels=(*meant, *(Label(s, "also used here") for s in further[:_SHOWN])),
             notes=(f"it is used in {places}",) if left > 0 else (),
             help=fault.help,
         )
+
+
+def _unused(run: Pass, meant: Signature | None) -> Iterator[Label]:
+    """Show the declaration that may be meant, if nothing uses its name."""
+    if meant is None or meant.kind not in _SAME:
+        return
+    index = run.result(MISUSES).index
+    if not any(index.uses_of(use, meant.name) for use in _SAME[meant.kind]):
+        label = "nothing uses this, and the name is close"
+        yield Label(declared_at(run, meant), label)
+
+
+_ALL_USES: Sequence[Use] = get_args(Use)
+_OF_FACTS: Sequence[Use] = ("test", "believed", "asserted", "erased", "computed")
+
+_SAME: Mapping[str, Sequence[Use]] = {
+    "RAP": ("goal",),
+    "primitive": ("primitive",),
+    **dict.fromkeys(("proposition", "property", "function", "query"), _OF_FACTS),
+}
+"""For each kind of declaration the uses of its name."""

@@ -8,13 +8,14 @@ arguments draw; declarations take part as forms of their own, with their variabl
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Form, Index
+from rapc.analysis.named import MISUSES
 from rapc.ir import nodes
 from rapc.library.signatures import Use
 
@@ -55,11 +56,12 @@ class Places:
 
     Args:
         index: its nodes.
+        wrong: the ids of the nodes that do not meet the declaration of their name.
     """
 
-    def __init__(self, index: Index) -> None:
+    def __init__(self, index: Index, wrong: Container[int]) -> None:
         #: Every term at a place, in the order of uses.
-        self.filled: Sequence[Filled] = tuple(_filled(index))
+        self.filled: Sequence[Filled] = tuple(_filled(index, wrong))
         self._of: dict[int, dict[str, list[Place]]] = {}
         self._forms: dict[int, Form] = {}
         for one in self.filled:
@@ -78,8 +80,10 @@ class Places:
             yield self._forms[key], names
 
 
-def _filled(index: Index) -> Iterator[Filled]:
+def _filled(index: Index, wrong: Container[int]) -> Iterator[Filled]:
     for used in index.uses():
+        if id(used.node) in wrong:
+            continue
         space = SPACES[used.use]
         terms = used.node.args
         if isinstance(used.node, nodes.Goal):
@@ -111,12 +115,13 @@ _WithArguments = (
 
 
 def _run(run: Pass) -> Places:
-    return Places(run.result(INDEX))
+    wrong = {id(misuse.used.node) for misuse in run.result(MISUSES).found}
+    return Places(run.result(INDEX), wrong)
 
 
 PLACES = Analyzer(
     name="places",
     doc="Gathers what stands at each argument place of the library.",
     run=_run,
-    needs=(INDEX,),
+    needs=(INDEX, MISUSES),
 )

@@ -147,6 +147,8 @@ class Fault(msgspec.Struct, frozen=True):
     help: str = ""
     #: The declaration that the use does not meet; None where there is none.
     declared: Signature | None = None
+    #: What may be meant by an unknown name.
+    near: Signature | None = None
 
     def __str__(self) -> str:
         """The message, with the name that may have been meant."""
@@ -304,9 +306,11 @@ class Signatures:
             self._near[use] = near
         message = _MESSAGES[space].format(name)
         advice = self._meant_elsewhere(use, name)
-        return Fault(
-            "unknown", message, advice or near.did_you_mean(name, _ADVICE[space])
-        )
+        if advice:
+            return Fault("unknown", message, advice)
+        meant = self.table(use).get(near.near(name) or "")
+        help_ = near.did_you_mean(name, _ADVICE[space])
+        return Fault("unknown", message, help_, near=meant)
 
     def _meant_elsewhere(self, use: Use, name: str) -> str:
         """Return what to do about a name that is known in another place, or nothing."""

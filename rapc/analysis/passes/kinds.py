@@ -96,6 +96,9 @@ def _run(run: Pass) -> Container[int]:
     for used in index.uses():
         signature = run.signatures.table(used.use).get(used.name)
         if signature is not None and signature.args:
+            erased = used.use == "erased"
+            if signature.miscount(used.count, erased=erased):
+                continue
             _constants(run, used, signature)
             own = declared.get(id(used.owner))
             if own and _variables(run, used, signature, own):

@@ -111,6 +111,8 @@ class Net(msgspec.Struct, frozen=True):
     order: tuple[int, ...] | None
     edges: tuple[tuple[Edge, ...], ...]
     early: frozenset[int]
+    #: Whether a tag names no step, or two: what is said of the order is not sure.
+    broken: bool = False
 
     def is_before(self, one: int, other: int) -> bool:
         """Whether a step is ordered before another, directly or not."""
@@ -166,6 +168,7 @@ TASK_NETS = Analyzer(
 
 def _net(run: Pass, net: nodes.TaskNet) -> Net:
     tags = _tags(run, net)
+    doubled = broken = len(tags) < len(net.steps)
     edges: list[list[Edge]] = [[] for _ in net.steps]
     names: Suggestions | None = None
     for at, step in enumerate(net.steps):
@@ -174,15 +177,20 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
             if tag is None:
                 continue
             if tag not in tags:
+                broken = True
                 names = names or Suggestions(tags)
                 place = _place(run, annotation, tag)
-                run.report(_unknown_tag(place, tag, names))
+                if not doubled:
+                    run.report(_unknown_tag(place, tag, names))
             elif type(annotation) is nodes.For:
                 edges[tags[tag]].append(Edge(at, tags[tag], annotation))
             elif type(annotation) is nodes.Window:
                 edges[at].append(Edge(tags[tag], at, annotation))
     return Net(
-        _order(run, net, edges), tuple(map(tuple, edges)), _early(net, tags, edges)
+        _order(run, net, edges, doubled),
+        tuple(map(tuple, edges)),
+        _early(net, tags, edges),
+        broken,
     )
 
 
@@ -264,7 +272,9 @@ def _unknown_tag(place: Span, tag: str, names: Suggestions) -> Diagnostic:
     )
 
 
-def _order(run: Pass, net: nodes.TaskNet, edges: Edges) -> tuple[int, ...] | None:
+def _order(
+    run: Pass, net: nodes.TaskNet, edges: Edges, doubled: bool
+) -> tuple[int, ...] | None:
     if all(edge.before < at for at, into in enumerate(edges) for edge in into):
         return tuple(range(len(edges)))
     graph = {at: [edge.before for edge in into] for at, into in enumerate(edges)}
@@ -272,7 +282,8 @@ def _order(run: Pass, net: nodes.TaskNet, edges: Edges) -> tuple[int, ...] | Non
         return tuple(TopologicalSorter(graph).static_order())
     except CycleError as error:
         circle: list[int] = error.args[1]
-        run.report(_cycle(net, edges, circle))
+        if not doubled:
+            run.report(_cycle(net, edges, circle))
         return None
 
 

@@ -78,9 +78,10 @@ def _run(run: Pass) -> None:
         lacking = missing.get(id(form))
         if lacking:
             places = _Places(form, run.library.functions)
-            for first, *further in _by_cause(lacking):
+            for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
-                run.report(_explain(first, further, places, net))
+                if net is None or not net.broken or not _by_steps(first, places):
+                    run.report(_explain(first, further, places, net))
 
 
 ANALYZER = Analyzer(
@@ -104,12 +105,28 @@ class _Places:
         self.names = Suggestions(self.by_name)
 
 
-def _by_cause(missing: Iterable[Missing]) -> Iterator[list[Missing]]:
-    """Return what is missing, by variable and method: a cause each, first use first."""
+def _by_cause(
+    missing: Iterable[Missing], places: _Places, unsure: bool
+) -> Iterator[list[Missing]]:
+    """Return what is missing, one cause each, first use first.
+
+    A variable that nothing binds lacks one thing, in however many methods it stands,
+    unless a slip in the form makes it unsure what binds it.
+    """
     causes: dict[tuple[str, int], list[Missing]] = {}
     for one in sorted(missing, key=lambda m: m.variable.span.start):
-        causes.setdefault((one.variable.name, id(one.method)), []).append(one)
+        name = one.variable.name
+        method = id(one.method) if unsure or name in places.by_name else 0
+        causes.setdefault((name, method), []).append(one)
     yield from causes.values()
+
+
+def _by_steps(missing: Missing, places: _Places) -> bool:
+    """Whether steps of the method bind the variable, in whatever order."""
+    return any(
+        site.step is not None and site.method is missing.method
+        for site in places.by_name.get(missing.variable.name, ())
+    )
 
 
 def _explain(
