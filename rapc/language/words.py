@@ -25,6 +25,8 @@ class Words(NamedTuple):
     source: str = ""
     #: The pages that tell what it means, as links from docs/language.
     pages: tuple[str, ...] = ()
+    #: What a page says besides, where it has a table and no text of its own.
+    more: str = ""
 
 
 WORDS: Mapping[str, Words] = {
@@ -198,33 +200,104 @@ WORDS: Mapping[str, Words] = {
     "define_query": Words("a formula with a name"),
     "define_agenda": Words("what a robot is to do from the start", "", "[T 5.4]"),
     # Tests
-    "world": Words("the world the test runs in", "the name of a world"),
-    "options": Words("options of that world"),
-    "seed": Words("the seed of all chance", "a whole number"),
-    "agenda": Words("an agenda whose tasks are given", "the name of an agenda"),
-    "answers": Words("what memory functions return"),
-    "facts": Words("what memory holds at first"),
+    "world": Words(
+        "the world the test runs in",
+        "the name of a world",
+        more=(
+            "its handlers, functions and problem solvers are those that the library "
+            'needs: an installed one, or `"module:Class"` of a module that `rapc '
+            "test --world-module MODULE`, or the setting `rap_world_modules` of "
+            "pytest, permits"
+        ),
+    ),
+    "options": Words(
+        "options of that world",
+        more="as in `(options (fuel-capacity 20))`",
+    ),
+    "seed": Words(
+        "the seed of all chance",
+        "a whole number",
+        more="it counts whatever `--seed` and `--seeds` say",
+    ),
+    "agenda": Words(
+        "an agenda whose tasks are given",
+        "the name of an agenda",
+        more="they come before those of `task`",
+    ),
+    "answers": Words(
+        "what memory functions return",
+        more="of those that no world of the test registers",
+    ),
+    "facts": Words(
+        "what memory holds at first",
+        more="it holds them at time 0",
+    ),
     "script": Words("what the world answers"),
     "script_row": Words("a request and its answer"),
     "at": Words("what happens at a time"),
-    "task": Words("what is asked for", "a goal and options"),
-    "until": Words("when the test ends", "a time or `(cycles n)`"),
-    "cycles": Words("after how many cycles it ends", "a number of cycles, a whole one"),
+    "task": Words(
+        "what is asked for",
+        "a goal and options",
+        more=(
+            "it is given at time 0; the deadline is absolute, a task in the background does "
+            "not keep the test going"
+        ),
+    ),
+    "until": Words(
+        "when the test ends",
+        "a time or `(cycles n)`",
+        more=(
+            "what is due then still happens, a primitive that ends later stays unended"
+        ),
+    ),
+    "cycles": Words(
+        "after how many cycles it ends",
+        "a number of cycles, a whole one",
+        more="also `(until (cycles n))`",
+    ),
     "asserts": Words("facts that come"),
     "erases": Words("facts that go"),
     "signals": Words("signals that come"),
     "cancel": Words("a task is given up", "one goal"),
     "expect": Words("what is to be found afterwards"),
-    "succeeds": Words("a task succeeds, with these outputs"),
-    "fails": Words("a task fails, for this reason"),
-    "active": Words("a task is still at work"),
+    "succeeds": Words(
+        "a task succeeds, with these outputs",
+        more="they may be left out; `(succeeds (locate mug) kitchen)` has one",
+    ),
+    "fails": Words(
+        "a task fails, for this reason",
+        more="it is what its parent sees, and may be left out",
+    ),
+    "active": Words(
+        "a task is still at work",
+        more="it is neither over nor removed",
+    ),
     "primitives": Words("all requests, in order"),
     "primitives_include": Words("requests in order, others between"),
     "never": Words("a request that is never made"),
-    "memory": Words("what memory holds", "one formula"),
-    "method_chosen": Words("which method was chosen, how often"),
-    "selected_before": Words("one task before another"),
-    "ends_by": Words("a task has ended by a time"),
+    "memory": Words(
+        "what memory holds",
+        "one formula",
+        more="the formula has a solution",
+    ),
+    "method_chosen": Words(
+        "which method was chosen, how often",
+        more=(
+            "tasks of the RAP chose it exactly so often in all (0 is legal); "
+            "without a number, at least once; `#1` is the first method if it has "
+            "no name"
+        ),
+    ),
+    "selected_before": Words(
+        "one task before another",
+        more=(
+            "the first was selected for the first time before the second was; both were"
+        ),
+    ),
+    "ends_by": Words(
+        "a task has ended by a time",
+        more="it had succeeded by then",
+    ),
     "trace": Words("events in order, others between"),
     # Declarations
     "require": Words("a file that this one needs", "the name of one file"),
@@ -299,7 +372,11 @@ def spelling(rule: str) -> str:
 
 
 def table(group: str) -> str:
-    """Return a table of the lists in a group of the grammar, as the pages have them."""
+    """Return a table of the lists in a group of the grammar, as the pages have them.
+
+    Those that may stand several times beside others that stand once are marked *.
+    """
+    once = [rule for name in leaves(RULES[group]) for rule in _once(name)]
     rules = [*dict.fromkeys(rules_by_head(group).values()) | _headless(group)]
     titles = [group.rpartition("_")[2], "what it says"]
     paged = any(WORDS[rule].pages for rule in rules)
@@ -308,9 +385,16 @@ def table(group: str) -> str:
         row = WORDS[rule]
         links = ", ".join(f"[{page[0]}]({page})" for page in row.pages)
         spelt = spelling(rule).replace("|", "\\|")
-        rows.append([f"`{spelt}`", row.says] + [links] * paged)
+        said = f"{row.says}; {row.more}" if row.more else row.says
+        mark = " *" if once and rule not in once else ""
+        rows.append([f"`{spelt}`{mark}", said] + [links] * paged)
     lines = [f"| {' | '.join(cells)} |\n" for cells in rows]
     return "".join(lines).replace(" --- ", "---")
+
+
+def _once(name: str) -> list[str]:
+    """The rules of a group that stand once in a form."""
+    return list(leaves(RULES[name])) if name.startswith("_once") else []
 
 
 def _headless(group: str) -> dict[str, None]:
