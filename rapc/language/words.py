@@ -239,8 +239,8 @@ WORDS: Mapping[str, Words] = {
         "what is asked for",
         "a goal and options",
         more=(
-            "it is given at time 0; the deadline is absolute, a task in the background does "
-            "not keep the test going"
+            "it is given at time 0; the deadline is absolute, a task in the "
+            "background does not keep the test going"
         ),
     ),
     "until": Words(

@@ -60,7 +60,8 @@ class Readers(dict[str, Read]):
     Args:
         special: the readers that are written by hand.
         makers: what makes a node of the operands of a rule; without one it is the node
-            of the same name, its fields filled with the operands in order.
+            of the same name, its fields filled with the operands in order, or, if there
+            is no such node, the first operand.
     """
 
     def __init__(self, special: Mapping[str, Read], makers: Mapping[str, Maker]):
@@ -245,8 +246,13 @@ FINDINGS: Mapping[str, str] = {
 
 
 def _named_like(rule: str) -> Maker:
-    """Return what makes the node of the same name, operands in the order of fields."""
-    kind = getattr(nodes, "".join(map(str.capitalize, rule.split("_"))))
+    """Return what makes the node of the same name, operands in the order of fields.
+
+    Where there is none, what the list holds stands for it.
+    """
+    kind = getattr(nodes, "".join(map(str.capitalize, rule.split("_"))), None)
+    if kind is None:
+        return lambda head, values, span: values[0]
     return lambda head, values, span: kind(*values, span)
 
 

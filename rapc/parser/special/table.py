@@ -117,13 +117,8 @@ SPECIAL: Mapping[str, Read] = {
 """Readers by rule; all other rules are read as the grammar has them."""
 
 MAKERS: Mapping[str, Maker] = {
-    "duration": lambda head, values, span: values[0],
-    "notations": lambda head, values, span: values[0],
+    "skills": lambda head, values, span: values[0],
     "order": lambda head, values, span: nodes.For(None, values[0], span),
-    **dict.fromkeys(
-        ("claims", "skills", "seed", "agenda", "answers", "options"),
-        lambda head, values, span: values[0],
-    ),
     **dict.fromkeys(
         ("set_add", "set_sub", "counter_add", "counter_sub"),
         lambda head, values, span: nodes.ResourceChange(
@@ -141,9 +136,6 @@ MAKERS: Mapping[str, Maker] = {
         ("method_tried", "last_result", "result_with_method"),
         lambda head, values, span: nodes.HistoryTest(head, tuple(values), span),
     ),
-    "world": lambda head, values, span: values[0],
-    "facts": lambda head, values, span: values[0],
-    "script": lambda head, values, span: values[0],
     "cycles": lambda head, values, span: nodes.Until(None, values[0], span),
     "until": lambda head, values, span: (
         values[0]
