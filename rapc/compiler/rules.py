@@ -69,7 +69,9 @@ class CasePlan:
         result = node.result
         #: What it matches: a result, any of them (bound to a variable), or a signal.
         self.symbol = str(result.value) if isinstance(result, nodes.Const) else None
-        self.variable = result.name if isinstance(result, nodes.Var) else None
+        self.variable: TermValue | None = None
+        if isinstance(result, nodes.Var):
+            self.variable = TermValue(result, "rule")
         self.signal: Matched | None = None
         if isinstance(result, nodes.Signal):
             self.signal = matched_signal(compiler, result.name, result)

@@ -54,7 +54,7 @@ class Loop:
         monitors, unsettled = machine.monitors, machine.recognizer.unsettled
         to_test, host_timers = monitors.to_test, machine.host_timers
         changed = machine.things.changed
-        scheduled = state.scheduled
+        scheduled, gone = state.scheduled, state.activations.off
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
         ends = type(machine.world).ended is not World.ended
         limited = state.until is not None
@@ -69,7 +69,7 @@ class Loop:
                 machine.run_host_timers()
                 machine.access.recognise()
             messages = receive()
-            if messages or messages is None:
+            if messages or gone or messages is None:
                 take_in(machine, messages)
             if scheduled:
                 self._create_scheduled()

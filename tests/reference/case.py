@@ -53,6 +53,12 @@ class Case(msgspec.Struct, frozen=True):
         return self.source or "\n".join(print_form(form) for form in self.forms) + "\n"
 
 
+def stepwise(case: Case) -> Case:
+    """Return a case that steps get through: no host, and nothing told without end."""
+    rows = tuple([msgspec.structs.replace(row, every=None) for row in case.rows])
+    return msgspec.structs.replace(case, host=(), rows=rows)
+
+
 def print_form(form: Any, depth: int = 0) -> str:
     """Nested words as text, one clause or step to a line."""
     if isinstance(form, str):

@@ -9,7 +9,9 @@ from rapc.base.values import Fact, format_atom, format_list, is_number
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.world import OKAY
+from tests.reference.rules import at_end
 from tests.reference.run import Run
+from tests.reference.skills import switch_off
 from tests.reference.tasks import Place, Running, Task, method_name
 from tests.reference.terms import Bindings
 from tests.reference.things import written
@@ -38,6 +40,7 @@ def succeed(run: Run, task: Task, found: Bindings | None) -> None:
     )
     task.live = False
     task.outcome, task.last_result = "succeeded", OKAY
+    at_end(run, task, "succeed", task.outputs)
     if task.parent is not None and task.place is not None:
         task.parent.env.update(bound)
         for change in changes:
@@ -154,7 +157,9 @@ def fail(run: Run, task: Task, reason: str) -> None:
         result=result,
     )
     task.live = False
-    task.outcome, task.last_result = "failed", result
+    task.outcome = "failed"
+    at_end(run, task, result, {})
+    task.last_result = result
     if task.parent is not None:
         if task.symbol is not None:
             task.parent.task.symbol = task.symbol
@@ -175,6 +180,7 @@ def clear(run: Run, running: Running, cause: str) -> None:
         if place.task is not None and place.task.live:
             remove(run, place.task, cause)
     cancel(run, running.task)
+    switch_off(run, running)
     for fact in running.noted:
         run.memory.unnote(fact, running)
     running.task.running = None

@@ -14,9 +14,9 @@ from rapc.runtime.settings import Settings
 from tests.reference.case import Case
 from tests.reference.formulas import query
 from tests.reference.nets import Sketch
-from tests.reference.raps import rap
+from tests.reference.raps import rap, rules
 from tests.reference.scripts import at, fact, host, rows, solvers, task, text
-from tests.reference.vocabulary import DECLARATIONS, FORMS, QUERIES, USERS
+from tests.reference.vocabulary import DECLARATIONS, FORMS, QUERIES, SKILLED, USERS
 from tests.reference.words import Datum
 
 
@@ -31,7 +31,12 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
     made = [rap(rng, wild, sketches, n, forms) for n in range(len(sketches))]
     return Case(
         seed=seed,
-        forms=(*DECLARATIONS, *_named(rng, wild, forms), *made),
+        forms=(
+            *DECLARATIONS,
+            *_named(rng, wild, forms),
+            *made,
+            *(rules(rng, wild, sketches) if "skills" in forms else ()),
+        ),
         rows=rows(rng, wild, forms),
         at=tuple(at(rng) for _ in range(rng.randrange(9))),
         facts=tuple(text(fact(rng)) for _ in range(rng.randrange(2, 9))),
@@ -51,6 +56,7 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
 def _named(rng: random.Random, wild: float, forms: Collection[str]) -> list[Datum]:
     """The queries of a program, and primitives that use things."""
     made: list[Datum] = list(USERS) if "claims" in forms else []
+    made += SKILLED if "skills" in forms else []
     if "queries" in forms:
         names = tuple(QUERIES)
         rest = [names[place + 1 :] for place in range(len(names))]

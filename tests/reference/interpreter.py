@@ -1,7 +1,7 @@
 """The reference interpreter: the loop of taking in, looking, choosing, processing.
 
-For tests only: it makes the trace that pages 2 to 7 of docs/language ask for, as
-slowly as it likes. Items, rules and skills are not in it.
+For tests only: it makes the trace that pages 2 to 9 of docs/language ask for, as
+slowly as it likes. Items are not in it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rapc.world import Time, World
 from tests.reference.agenda import choose, tell_family
 from tests.reference.cycle import process
 from tests.reference.endings import remove
-from tests.reference.methods import announce, create
+from tests.reference.methods import announce, create, resume_skills
 from tests.reference.primitives import take_in
 from tests.reference.run import Limits, Run
 from tests.reference.signals import hear
@@ -124,6 +124,9 @@ class Reference:
             self.submit(submission)
         for task in run.live():
             look(run, task)
+        while resume_skills(run):
+            for task in run.live():
+                look(run, task)
 
     def _over(self) -> str | None:
         run = self._run
@@ -167,6 +170,8 @@ class Reference:
             target = run.limits.until
         run.idle = run.idle + 1 if target == run.time else 0
         run.world.advance(target)
+        if target == run.time:
+            take_in(run)
         return None
 
     def _end(self, reason: str) -> str:

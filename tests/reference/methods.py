@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import msgspec
 
 from rapc.base.resources import Counter, SetResource, Value, frozen
@@ -18,9 +20,10 @@ from tests.reference.endings import (
 )
 from tests.reference.primitives import claim, request
 from tests.reference.run import Run
+from tests.reference.skills import come_on_again, interrupt, skills_of, switch_on
 from tests.reference.tasks import Place, Running, Task, method_name
 from tests.reference.terms import Bindings
-from tests.reference.things import Obstacle, asks, giving_way, obstacles
+from tests.reference.things import Ask, Obstacle, asks, giving_way, obstacles
 from tests.reference.waking import hold_up, let_go, read_inputs, read_windows
 
 Held = list[tuple[nodes.Method, Bindings]]
@@ -153,8 +156,7 @@ def start(run: Run, running: Running) -> None:
     """The method starts, and what is lower and uses what it takes gives way."""
     task, method, env = running.task, running.method, running.env
     wanted = asks(run, task, method, env)
-    for other, thing in giving_way(run, task, wanted or []):
-        suspend(run, other, thing, task)
+    give_way(run, task, wanted or [])
     running.asked = wanted or []
     running.uses = [ask.thing for ask in running.asked if ask.used]
     running.claims = [ask.thing for ask in running.asked if not ask.used]
@@ -172,10 +174,38 @@ def start(run: Run, running: Running) -> None:
         method_badly(run, running, "interference", "sibling-failed")
     elif isinstance(method.body, nodes.Primitive):
         request(run, running, method.body)
+    elif skills_of(method) and not switch_on(run, running):
+        method_badly(run, running, "interference", "sibling-failed")
+    elif isinstance(method.body, nodes.Skills):
+        if not method.body.waits:
+            method_well(run, running)
     elif not running.places:
         method_well(run, running)
     else:
         spawn(run, running)
+
+
+def give_way(run: Run, task: Task, wanted: Sequence[Ask]) -> None:
+    """What is lower and uses what a task takes is suspended, or skills of it go off."""
+    for other, thing in giving_way(run, task, wanted):
+        if other.running is not None and other.running.method.skills:
+            interrupt(run, other.running, wanted)
+        else:
+            suspend(run, other, thing, task)
+
+
+def resume_skills(run: Run) -> bool:
+    """Skills come on again that nothing is in the way of; whether there were any."""
+    found = False
+    for task in run.live():
+        running = task.running
+        if running is None or not running.off:
+            continue
+        if not obstacles(run, task, running.back):
+            give_way(run, task, running.back)
+            come_on_again(run, running)
+            found = True
+    return found
 
 
 def in_order(task: Task, method: nodes.Method, env: Bindings) -> list[str]:

@@ -14,6 +14,8 @@ from tests.reference.vocabulary import (
     PROPERTIES,
     PROPOSITIONS,
     QUERIES,
+    SIGNALS,
+    SKILLS,
     SYMBOLS,
     THINGS,
     USING,
@@ -117,11 +119,15 @@ def method(
         clauses.append(("claims", *(_thing(own) for _ in range(own.pick((1, 1, 2))))))
     if words.chance(0.25):
         clauses.append(("notations", *(_note(own) for _ in range(own.pick((1, 2))))))
-    if words.chance(0.4 if at < len(sketches) - 1 else 0.8):
+    if words.among("skills", 0.3):
+        clauses.append(("primitive", *skilled(own)))
+    elif words.chance(0.4 if at < len(sketches) - 1 else 0.8):
         clauses.append(("primitive", _request(own)))
     else:
         if words.among("constraints", 0.25):
             clauses.append(("constraints", likely(own)))
+        if words.among("skills", 0.6):
+            clauses.append(("skills", *_skills(own)))
         clauses.append(task_net(own, sketches, at))
     return ("method", *((name,) if name else ()), *clauses)
 
@@ -136,7 +142,11 @@ def mild_method(words: Words, sketches: Sequence[Sketch], at: int) -> Datum:
     if words.among("claims", 0.25):
         clauses.append(("claims", *(_thing(own) for _ in range(own.pick((1, 1, 2))))))
     if at < len(sketches) - 1 and words.chance(0.95 if at == 0 else 0.6):
+        if words.among("skills", 0.6):
+            clauses.append(("skills", *_skills(own)))
         return ("method", *clauses, task_net(own, sketches, at))
+    if words.among("skills", 0.5):
+        return ("method", *clauses, ("primitive", *skilled(own)))
     name = words.pick(("act", "act", "rest", "slow", "slow"))
     if words.among("claims", 0.9):
         name = words.pick(tuple(USING))
@@ -170,6 +180,91 @@ def _request(words: Words) -> Datum:
         name = words.pick(tuple(USING))
     few = name in USING and words.chance(0.7)
     return (name, *("a" if few else words.ground() for _ in range(_arity(name))))
+
+
+def _skills(words: Words) -> list[Datum]:
+    """Skills to be switched on; some use one thing."""
+    made = []
+    for name in words.rng.sample(list(SKILLS), words.pick((1, 1, 2, 3))):
+        few = words.chance(0.85)
+        args = ("a" if few else words.ground() for _ in range(SKILLS[name]))
+        made.append((name, *args))
+    return made
+
+
+def skilled(words: Words) -> list[Datum]:
+    """A primitive of skills: what it enables, and what it awaits."""
+    made: list[Datum] = [("enable", *_skills(words))]
+    for _ in range(words.pick((0, 1, 1, 2, 2))):
+        name = words.pick(list(SIGNALS))
+        args = (words.pick((words.item(), *words.free)) for _ in range(SIGNALS[name]))
+        mode = words.pick((":succeed", ":succeed", ":fail"))
+        made.append(("wait-for", (name, *args), mode))
+    words.rng.shuffle(made)
+    return made
+
+
+# --- rules over memory --------------------------------------------------------------
+
+
+def rules(rng: random.Random, wild: float, sketches: Sequence[Sketch]) -> list[Datum]:
+    """Rules for ends of tasks and for signals."""
+    made: list[Datum] = []
+    for _ in range(rng.randrange(5)):
+        sketch, words = rng.choice(sketches), Words(rng, wild, ())
+        words.known = list(dict.fromkeys(rng.choice(("?i", "?j", "?z")) for _ in "ab"))
+        inputs = [rng.choice((*words.known, *SYMBOLS, "?")) for _ in sketch.inputs]
+        index: tuple[Any, ...] = (sketch.name, *inputs)
+        if sketch.outputs:
+            outputs = [rng.choice((*words.known, "?", "a")) for _ in sketch.outputs]
+            index = (*index, "=>", *outputs)
+        words.known = [w for w in words.known if w in index] or ["?none"]
+        when = rng.choice((":finish", ":event"))
+        cases = [_case(words, when) for _ in range(rng.choice((1, 2, 3)))]
+        made.append(("define-memory-rule", index, when, ("match-result", *cases)))
+    for _ in range(rng.randrange(3)):
+        words = Words(rng, wild, ())
+        made.append(("define-event-rule", _signal(words), *_rules(words)))
+    return made
+
+
+def _case(words: Words, when: str) -> Datum:
+    own = words.inner()
+    result = own.pick(("succeed", "succeed", "bad", "go", "interference", "?why"))
+    if when == ":event":
+        result = "?why" if own.chance(0.2) else _signal(own)
+    if result == "?why":
+        own.known = [*own.known, "?why"]
+    return (result, *_rules(own))
+
+
+def _signal(words: Words) -> Datum:
+    """A signal as rules match it; what it carries is known from there on."""
+    name = words.pick(list(SIGNALS))
+    args = [words.pick(("?z", "?z", "?", "a")) for _ in range(SIGNALS[name])]
+    words.known = [*words.known, *(arg for arg in args if arg == "?z")]
+    return (name, *args)
+
+
+def _rules(words: Words) -> list[Datum]:
+    """Rules, each of one or two queries with what they do."""
+    return [
+        (
+            "rule",
+            *(
+                (likely(words), *(_action(words) for _ in range(words.pick((1, 2)))))
+                for _ in range(words.pick((1, 1, 2)))
+            ),
+        )
+        for _ in range(words.pick((1, 1, 2)))
+    ]
+
+
+def _action(words: Words) -> Datum:
+    fact = _note(words)
+    if words.chance(0.25):
+        return ("mem-del", fact[: words.pick(range(1, len(fact) + 1))])
+    return ("mem-add", fact)
 
 
 def _arity(primitive: str) -> int:

@@ -70,6 +70,7 @@ class Run:
         self.given: list[Task] = []
         self.tickets: dict[int, tuple[Fact, Task | None]] = {}
         self.owners: dict[int, Task] = {}
+        self.switched: dict[int, Running] = {}
         self.stack: list[tuple[int, int]] = []
         self.last_family: int | None = None
         self.idle = 0
@@ -86,14 +87,17 @@ class Run:
         """Memory has changed."""
         self.tell(getattr(events, kind), fact=fact, by=by)
 
-    def fault(self, task: Task, clause: str, node: nodes.Node, message: str) -> None:
+    def fault(
+        self, task: Task | None, clause: str, node: nodes.Node, message: str
+    ) -> None:
         """A query, or a term by itself, met what it cannot use."""
         span: Span = getattr(node, "span", NOWHERE)
         source = self.library.files.get(span.file)
         if source is not None:
             clause = f"{clause} at {span.file}:{source.position(span.start).row}"
         what = f"{clause}: {message}"
-        self.tell(events.QueryFaulted, task=task.number, what=what)
+        number = None if task is None else task.number
+        self.tell(events.QueryFaulted, task=number, what=what)
 
     def look_at_clock(self) -> None:
         """Take the time from the world; a run goes no further than `until`."""
@@ -116,7 +120,7 @@ class Run:
 
     def holds(
         self,
-        task: Task,
+        task: Task | None,
         formula: nodes.Formula | None,
         env: Bindings,
         clause: str,
@@ -136,7 +140,7 @@ class Run:
         return found
 
     def value(
-        self, task: Task, term: nodes.Term, env: Bindings
+        self, task: Task | None, term: nodes.Term, env: Bindings
     ) -> tuple[Value | None, str]:
         """What a term is worth, or None and why it is worth nothing."""
         try:

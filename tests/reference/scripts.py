@@ -20,6 +20,7 @@ from tests.reference.vocabulary import (
     PROPOSITIONS,
     QUERIES,
     SIGNALS,
+    SKILLS,
     SYMBOLS,
     USING,
     VALUES,
@@ -77,7 +78,40 @@ def rows(rng: random.Random, wild: float, forms: Collection[str]) -> tuple[Row, 
             made.append(_row(rng, wild, (name, *pattern), results, times))
         anything = ("?" for _ in range(arity))
         made.append(_row(rng, wild, (name, *anything), results, None))
+    if "skills" in forms:
+        made += _skills(rng)
     return tuple(made)
+
+
+def _skills(rng: random.Random) -> list[Row]:
+    """Rows for skills that come on and go off; what they tell, and when."""
+    made: list[Row] = []
+    for name, arity in SKILLS.items():
+        for _ in range(rng.randrange(4)):
+            pattern = [rng.choice(("?x", "?y", "?", *SYMBOLS)) for _ in range(arity)]
+            bound = sorted({str(p) for p in pattern if p in ("?x", "?y")})
+            changes = _changes(rng, bound)
+            told = [_signal(rng, bound) for _ in range(rng.choice((0, 1, 1, 2, 3)))]
+            changes["signals"] = tuple(told)
+            off = rng.random() < 0.2
+            made.append(
+                Row(
+                    (name, *pattern),
+                    kind="disable" if off else "enable",
+                    times=rng.choice((1, 2, None, None)),
+                    after=None if off else rng.choice((None, 0, 1, 3, 7)),
+                    pauses=() if off else tuple(rng.choice((0, 0, 1, 4)) for _ in told),
+                    every=None if off else rng.choice((None, None, 2, 5)),
+                    **changes,
+                )
+            )
+    return made
+
+
+def _signal(rng: random.Random, variables: Sequence[str]) -> Fact:
+    name = rng.choice(list(SIGNALS))
+    args = [rng.choice((*SYMBOLS, *variables)) for _ in range(SIGNALS[name])]
+    return _read((name, *args))
 
 
 def _row(

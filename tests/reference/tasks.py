@@ -37,6 +37,8 @@ class Place:
 class Running:
     """A method that runs: its bindings, its steps, what it notes and holds.
 
+    `ticket` is that of the skills that are `on`; `off` are the places of those that a
+    higher task has switched off, `back` what they ask for to come on again.
     `choice` is what the futile-loop detector knows of it; `first` whether its task had
     not tried it before.
     """
@@ -52,6 +54,10 @@ class Running:
         self.uses: list[Fact] = []
         self.claims: list[Fact] = []
         self.asked: list[Ask] = []
+        self.ticket: int | None = None
+        self.on: list[Fact] = []
+        self.off: list[int] = []
+        self.back: list[Ask] = []
         self.choice: tuple[object, ...] = ()
         self.first = False
         body = method.body

@@ -426,3 +426,29 @@ def test_a_suspended_task_has_not_tried_its_method_and_may_choose_it_again() -> 
         "8 woken 1 wheels 3",
         "11 ended 1 one okay",
     ]
+
+
+# --- skills -------------------------------------------------------------------------
+
+
+def test_a_lower_claim_to_what_a_higher_one_claims_leaves_other_skills_on() -> None:
+    text = """
+    (declare-skill :roll () :uses (wheels))
+    (declare-skill :hum ())
+    (define-rap (drive ?i)
+      (method (claims room) (skills (:hum) (:roll)) (task-net (t1 (idle)))))
+    (define-rap (idle) (method (primitive (slow a))))
+    """
+    tasks = ("(drive a)", "(drive c) :at 1 :priority 1")
+    only = "skill-disabled skill-enabled"
+    told = play(text, *tasks, only=only, rows=[Row(("slow", "?"), after=9)])
+    assert told == [
+        "0 enabled 1 (:hum)",
+        "0 enabled 1 (:roll)",
+        "1 disabled 1 (:roll)",
+        "1 enabled 3 (:hum)",
+        "1 enabled 3 (:roll)",
+        "9 disabled 1 (:hum)",
+        "10 disabled 3 (:hum)",
+        "10 disabled 3 (:roll)",
+    ]

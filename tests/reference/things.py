@@ -40,23 +40,44 @@ def asks(run: Run, task: Task, method: nodes.Method, env: Bindings) -> list[Ask]
     """
     found: list[Ask] = []
     body = method.body
+    asked: Sequence[nodes.Pattern] = method.skills
     if isinstance(body, nodes.Primitive):
-        sent = filled(run, task, body.request, env)
-        if sent is None:
+        asked = [body.request]
+    elif isinstance(body, nodes.Skills):
+        asked = body.enable
+    for one in asked:
+        uses = used(run, task, one, env)
+        if uses is None:
             return None
-        declared = run.library.primitives[body.request.name]
-        names = [argument.variable.name for argument in declared.args]
-        given = dict(zip(names, sent[1:], strict=True))
-        for thing in declared.uses:
-            made = filled(run, task, thing, given)
-            if made is None:
-                return None
-            found.append(Ask(made, True))
+        found += [Ask(thing, True) for thing in uses]
     for thing in method.claims:
         made = filled(run, task, thing, env)
         if made is None:
             return None
         found.append(Ask(made, False))
+    return found
+
+
+def used(
+    run: Run, task: Task, asked: nodes.Pattern, env: Bindings
+) -> list[Fact] | None:
+    """What a request or a skill uses; None if it cannot be filled in."""
+    sent = filled(run, task, asked, env)
+    if sent is None:
+        return None
+    declared: nodes.DeclarePrimitive | nodes.DeclareSkill
+    if isinstance(asked, nodes.Skill):
+        declared = run.library.skills[asked.name]
+    else:
+        declared = run.library.primitives[asked.name]
+    names = [argument.variable.name for argument in declared.args]
+    given = dict(zip(names, sent[1:], strict=True))
+    found = []
+    for thing in declared.uses:
+        made = filled(run, task, thing, given)
+        if made is None:
+            return None
+        found.append(made)
     return found
 
 

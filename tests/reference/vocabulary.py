@@ -52,7 +52,7 @@ RESULTS = ("okay", "bad", "slip", "lost", "interference", "no-method", "futile-l
 METHODS = ("one", "2")
 """Names of methods."""
 
-FORMS = ("queries", "otherwise", "constraints", "claims")
+FORMS = ("queries", "otherwise", "constraints", "claims", "skills")
 """Kinds of forms that some programs use and others do not."""
 
 QUERIES = {"near": 1, "fit": 2, "calm": 0, "sound": 1}
@@ -101,3 +101,28 @@ USING = {
     "carry": (1, ("okay", "lost")),
     "tap": (1, ("okay", "bad")),
 }
+
+SKILLS = {":roll": 1, ":scan": 1, ":hum": 0, ":steer": 2}
+"""The skills, with the number of their arguments."""
+
+SKILLED: tuple[tuple[object, ...], ...] = (
+    (
+        "declare-skill",
+        ":roll",
+        ("?x",),
+        ":events",
+        (":go", ":stop"),
+        ":uses",
+        ("wheels",),
+    ),
+    ("declare-skill", ":scan", ("?x",), ":events", (":go",), ":uses", (("arm", "?x"),)),
+    ("declare-skill", ":hum", (), ":events", (":stop",)),
+    (
+        "declare-skill",
+        ":steer",
+        ("?x", "?y"),
+        ":uses",
+        ("wheels", ("way", "?x", "?y")),
+    ),
+)
+"""Skills, most of which use things."""

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import msgspec
-
 from rapc.runtime.events.events import Event
 from rapc.runtime.interpreter import Interpreter
-from tests.reference.case import begin, interpreter_of
+from tests.reference.case import begin, interpreter_of, stepwise
 from tests.reference.generate import generate
 from tests.runtime import saving
 from tests.runtime.helpers import Play
@@ -58,7 +56,7 @@ def _told(run: Interpreter) -> list[Event]:
 
 def test_generated_programs_do_not_notice_who_asks() -> None:
     for seed in range(150):
-        case = msgspec.structs.replace(generate(seed), host=())
+        case = stepwise(generate(seed))
         asked, alone = interpreter_of(case), interpreter_of(case)
         heard, expected = _told(asked), _told(alone)
         begin(case, asked)

@@ -19,6 +19,7 @@ from rapc.runtime.events.events import (
 )
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
+from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.states import INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.world import OKAY, Refused, Reply
@@ -143,6 +144,8 @@ def cancel(machine: Machine, run: MethodRun) -> None:
         return
     asked = pending[ticket][1]
     pending[ticket] = None, asked
+    gone = Activation(ticket, run.task, None, ())
+    machine.state.activations.off[ticket] = gone
     if machine.recorder.on:
         machine.recorder.emit(
             PrimitiveCancelled,

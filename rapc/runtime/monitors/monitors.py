@@ -284,6 +284,8 @@ class Monitors:
             if obstacle is not None:
                 self._agenda.discard(task)
                 wait.woken, task.state = False, BLOCKED
+                if task.wait is not None:
+                    task.wait.timer = None
                 wait.on, wait.holder = words(obstacle), obstacle.run.task.number
                 self._tell_way(TaskBlocked, wait)
         elif obstacle is None:

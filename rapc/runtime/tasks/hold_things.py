@@ -175,7 +175,7 @@ def _interrupt_skills(
     """
     task, things = run.task, machine.things
     held = [hold.ask for hold in things.held[task.number]]
-    gone = {ask.thing for ask in taken} & {ask.thing for ask in held}
+    gone = {ask.thing for ask in taken} & {ask.thing for ask in held if ask.used}
     uses = _used_by_skills(machine, run)
     nameless = gone - set().union(*uses)
     before = things.waits.get(task.number)
@@ -184,7 +184,8 @@ def _interrupt_skills(
     if not reactivate(machine, run, [at for at in range(len(uses)) if at not in off]):
         off = set(range(len(uses)))
         reactivate(machine, run, ())
-    needed = {*gone, *set().union(*[uses[at] for at in off])}
+    still = set().union(*[used for at, used in enumerate(uses) if at not in off])
+    needed = {*gone, *set().union(*[uses[at] for at in off])} - still
     asks = [ask for ask in held if ask.used and ask.thing in needed]
     if before is not None:
         asks += before.alternatives[0]

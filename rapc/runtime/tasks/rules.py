@@ -38,10 +38,9 @@ def run_finish_rules(machine: Machine, task: Task, result: str, outputs: Env) ->
         if env is None:
             continue
         for case in rule.cases:
-            if case.symbol == symbol or case.variable is not None:
-                if case.variable is not None:
-                    env[case.variable] = symbol
-                _run(machine, task, case.rules, env, symbol)
+            found = _any(machine, case, symbol, env)
+            if found is not None:
+                _run(machine, task, case.rules, found, symbol)
                 break
 
 
@@ -85,13 +84,22 @@ def _index(
     return env if matches else None
 
 
+def _any(machine: Machine, case: CasePlan, symbol: str, env: Env) -> Env | None:
+    """Return the environment of a case of results that `symbol` matches, else None."""
+    if case.symbol is not None:
+        return env if case.symbol == symbol else None
+    if case.variable is None:
+        return None
+    env = env.copy()
+    return env if _match(machine, (case.variable,), (symbol,), env) else None
+
+
 def _heard(machine: Machine, case: CasePlan, content: Fact, env: Env) -> Env | None:
     """Return the environment of a case that a signal matches, else None."""
-    env = env.copy()
     name = str(content[0])
     if case.variable is not None:
-        env[case.variable] = name.removeprefix(":")
-        return env
+        return _any(machine, case, name.removeprefix(":"), env)
+    env = env.copy()
     pattern = case.signal
     if pattern is None or pattern.name != name:
         return None
