@@ -13,8 +13,8 @@ from rapc.console.world_contract import report
 from rapc.console.worlds import describe_world, list_worlds, summary
 from rapc.errors import WorldError
 from rapc.ir.layout import laid_out
-from rapc.testing.world_contract.contract import try_world
-from rapc.testing.world_contract.declarations import declarations
+from rapc.testing.contract.declarations import declarations
+from rapc.testing.contract.trials import try_world
 from rapc.world import World
 from rapc.worlds import registry
 

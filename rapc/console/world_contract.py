@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.console.wrapping import wrapped
-from rapc.testing.world_contract.contract import REQUESTS, SEEDS, Trial
+from rapc.testing.contract.trials import REQUESTS, SEEDS, Trial
 
 
 def report(name: str, trials: Sequence[Trial], width: int) -> str:

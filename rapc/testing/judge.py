@@ -6,7 +6,7 @@ read a record and ask memory, and change nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -14,6 +14,7 @@ import msgspec
 from rapc.base.values import Fact, format_atom, format_list, match
 from rapc.ir import nodes, walk
 from rapc.runtime.events import events
+from rapc.runtime.events.report import cause_lines
 from rapc.runtime.events.trace import record
 from rapc.testing.patterns import atom, event_matches, flat
 from rapc.testing.record import Record, TaskRecord
@@ -46,17 +47,23 @@ def _some(lines: Sequence[str]) -> Happened:
 # --- goals -------------------------------------------------------------------------
 
 
-def _tasks(goal: nodes.Goal, scene: Evidence, found: Iterable[TaskRecord]) -> Happened:
+def _tasks(goal: nodes.Goal, scene: Evidence, found: Sequence[TaskRecord]) -> Happened:
     """Return what became of the tasks a goal means, or else of those of its RAP."""
     lines = [f"{task.text} [{task.number}] {task.state()}" for task in found]
     if lines:
-        return _some(lines)
+        return _why(found[0]) if len(lines) == 1 else _some(lines)
     asked = format_list(flat(goal))
     others = [t for t in scene.record.tasks.values() if t.inputs[0] == goal.name]
     if not others:
         return (f"no task {asked} was made, nor any other of `{goal.name}`",)
     lines = [f"{task.text} [{task.number}] {task.state()}" for task in others]
     return (f"no task {asked} was made, but", *_some(lines))
+
+
+def _why(task: TaskRecord) -> Happened:
+    """Return what became of one task and, if it failed, why, to the first cause."""
+    told = f"{task.text} [{task.number}] {task.state()}"
+    return (told, *_some([f"  {line}" for line in cause_lines(task.because)]))
 
 
 def _succeeds(node: nodes.Succeeds, scene: Evidence) -> Happened | None:

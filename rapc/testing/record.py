@@ -27,7 +27,8 @@ class TaskRecord:
 
     `selected` is the serial number of its first selection; `ended` how it ended:
     `succeeded`, `failed` or `removed`, None while it is live; `result` what its parent
-    sees of a failure, `reason` why it failed or was removed; `time` is that of its end.
+    sees of a failure, `reason` why it failed or was removed, `because` more of why it
+    failed; `time` is that of its end.
     """
 
     def __init__(self, number: int, goal: events.Goal) -> None:
@@ -36,6 +37,7 @@ class TaskRecord:
         self.ended: str | None = None
         self.result = ""
         self.reason = ""
+        self.because: events.Cause | None = None
         self.time: Time = 0
         self.waits = ""
         self.update(goal)
@@ -106,6 +108,7 @@ class Record:
                 task.update(event.goal)
                 task.end("failed", event, event.reason)
                 task.result = event.result
+                task.because = event.because
             case events.TaskRemoved():
                 task.end("removed", event, event.cause)
             case events.PrimitiveRequested():

@@ -248,7 +248,7 @@ def check_options(
         name = given.replace("_", "-")
         option = _known(world, known, name)
         if type(value) not in _TYPES[option.kind]:
-            raise _wrong_kind(world, option, str(value))
+            raise _wrong_kind(world, option, repr(value))
         is_text = option.kind == "text" and isinstance(value, str)
         found[name] = Text(str(value)) if is_text else value
     return found

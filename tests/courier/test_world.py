@@ -11,7 +11,7 @@ import pytest
 from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
 from rapc.library.loader import load
-from rapc.testing.world_contract.contract import try_world
+from rapc.testing.contract.trials import try_world
 from rapc.world import Finished, Reply, Signal
 from rapc.worlds.courier import CourierWorld
 from rapc.worlds.courier.building import ROOMS, passed, way

@@ -14,7 +14,8 @@ import rapc
 from rapc.compiler.program import Program
 from rapc.ir.layout import laid_out
 from rapc.library.loader import load_text
-from rapc.testing.world_contract.contract import (
+from rapc.testing.contract.declarations import declaring
+from rapc.testing.contract.trials import (
     HANDLERS,
     PICTURE,
     SAVING,
@@ -22,7 +23,6 @@ from rapc.testing.world_contract.contract import (
     Trial,
     try_world,
 )
-from rapc.testing.world_contract.declarations import declaring
 from rapc.world import (
     Datum,
     Fact,

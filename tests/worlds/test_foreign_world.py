@@ -82,7 +82,7 @@ def test_its_declarations_are_a_library(installed: Path) -> None:
 def test_it_is_listed_and_described(installed: Path) -> None:
     listed = rapc(installed, "worlds")
     assert listed.returncode == 0, listed.stderr
-    assert "lamps  A corridor of rooms with lamps" in listed.stdout
+    assert re.search("^lamps +A corridor of rooms with lamps", listed.stdout, re.M)
     described = rapc(installed, "worlds", "lamps")
     assert "press/1  okay, stuck, none" in described.stdout
     assert "every  40 time units: between visits of somebody" in described.stdout

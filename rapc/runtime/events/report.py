@@ -96,16 +96,16 @@ class RunReport:
 def cause_lines(cause: events.Cause | None) -> Iterator[str]:
     """Say why something failed, one line for each link down to the first cause."""
     while cause is not None:
-        yield f"because of {_in_words(cause)}"
+        yield f"because of {one_line(cause)}"
         for method in cause.methods:
-            yield f"  {_in_words(method)}"
+            yield f"  {one_line(method)}"
         if cause.skipped:
             yield f"... and so on, {cause.skipped} further down"
         cause = cause.because
 
 
-def _in_words(cause: events.Cause) -> str:
-    """A cause without what it came from, on one line."""
+def one_line(cause: events.Cause) -> str:
+    """Return a cause on one line, without what it came from."""
     at = f" at {cause.place}" if cause.place else ""
     said = cause.part
     if cause.bindings:

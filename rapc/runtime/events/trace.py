@@ -15,6 +15,7 @@ import msgspec
 
 from rapc.base.values import Fact, format_atom, format_list
 from rapc.runtime.events import events
+from rapc.runtime.events.report import one_line
 from rapc.world import Time
 
 
@@ -185,6 +186,10 @@ class TextTrace:
         self._stream.write(f"{stamp:>7} {text}\n")
 
 
+_CAUSE = " " * 16
+"""Where the cause of a failure stands, below the failure."""
+
+
 def _created(event: Any) -> str:
     priority = f" priority {event.priority}" if event.priority else ""
     return f"    ... creating task {event.goal} [{event.task}]{priority}"
@@ -205,10 +210,19 @@ def _blocked(event: Any) -> str:
 
 
 def _failed(event: Any) -> str:
-    return (
-        f"    ... goal failed ({event.reason}) - {event.result}: "
-        f"{event.goal} [{event.task}]"
-    )
+    told = f"    ... goal failed ({event.reason}) - {event.result}: "
+    told += f"{event.goal} [{event.task}]"
+    if event.because is None:
+        return told
+    lines = [told, f"{_CAUSE}because of {_short(event.because)}"]
+    lines += [f"{_CAUSE}  {_short(ruled_out)}" for ruled_out in event.because.methods]
+    return "\n".join(lines)
+
+
+def _short(cause: events.Cause) -> str:
+    """Return a cause on one line, with its file but not with the folders of that."""
+    file = cause.place.replace("\\", "/").rpartition("/")[2]
+    return one_line(msgspec.structs.replace(cause, place=file))
 
 
 def _run_started(event: Any) -> str:

@@ -15,8 +15,8 @@ from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.runtime.admission import misfitting, refusals
 from rapc.runtime.authors import blame, breach, is_time, wrong
-from rapc.testing.world_contract.declarations import declaring
-from rapc.testing.world_contract.driver import Driver, first_facts
+from rapc.testing.contract.declarations import declaring
+from rapc.testing.contract.driver import Driver, first_facts
 from rapc.world import NOT_KNOWN, Drawable, Savable, Text, Time, Timed, World
 
 REQUESTS = 150
