@@ -5,25 +5,32 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
 from rapc.cli.checked import load_checked
-from rapc.cli.common import PIPED_WIDTH, common_options, settings
+from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.given import Beginning, prepare, run_options
 from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
+from rapc.debug.recorded import beginnings, follow
 from rapc.debug.session import Session
+from rapc.errors import LoadError, StateError
 from rapc.host import CheckedLibrary
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
+
+RECORDED = ".jsonl"
+"""What the names of recorded runs end with."""
 
 EXAMPLES = """\b
 Examples:
   rapc repl rocks.rap --world truck --task '(rock-order red 1)'
   rapc repl rocks.rap --world truck --task '(rock-order red 1)' -c ':step 5' -c ':tree'
   rapc repl rocks.rap --world truck --agenda deliveries --json < commands
+  rapc repl run.jsonl
 """
 
 
@@ -31,7 +38,7 @@ Examples:
     epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
 )
 @click.argument("path")
-@click.option("--world", "world_name", required=True, help="World to run against.")
+@click.option("--world", "world_name", help="World to run against.")
 @run_options
 @click.option(
     "-c",
@@ -47,7 +54,7 @@ Examples:
 @common_options
 def repl(
     path: str,
-    world_name: str,
+    world_name: str | None,
     tasks: Sequence[str],
     agenda: str | None,
     seed: int,
@@ -57,7 +64,7 @@ def repl(
     given: Sequence[str],
     as_json: bool,
 ) -> None:
-    """Debug a run of the library at PATH in a world.
+    """Debug a run of the library at PATH in a world, or a recorded run.
 
     On a terminal there is a prompt, at which `:help` lists all commands. Else inputs
     are read from standard input, and the answers are written without decoration.
@@ -65,9 +72,14 @@ def repl(
     Exit status: 0, or 1 if an input of a script could not be carried out; 2 if nothing
     could be begun.
     """
-    library = load_checked(path)
-    begun = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
-    shell = Shell(_session(library, begun), commands(), [path])
+    if path.endswith(RECORDED):
+        shell = _recorded(Path(path))
+    elif world_name is None:
+        fail("a world is missing: give --world", "`rapc worlds` lists those installed")
+    else:
+        library = load_checked(path)
+        begun = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
+        shell = Shell(_session(library, begun), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
         from rapc.repl.prompt import Prompt, history_file  # noqa: PLC0415  # slow
@@ -78,6 +90,43 @@ def repl(
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPED_WIDTH
     if not run_script(shell, texts, sys.stdout, width, color=color, as_json=as_json):
         raise SystemExit(1)
+
+
+def _recorded(path: Path) -> Shell:
+    """Begin a recorded run again, and follow it as far as it goes."""
+    try:
+        begun = beginnings(path)
+        values = [
+            f"{begun.world}.{name}={_value(v)}" for name, v in begun.options.items()
+        ]
+        values += [f"rapc.{name}={_value(v)}" for name, v in begun.settings.items()]
+        library = load_checked(begun.library)
+        given = prepare(
+            library,
+            begun.world,
+            begun.tasks,
+            None,
+            begun.seed,
+            (),
+            values,
+            begun.faults,
+        )
+        session = _session(library, given)
+        parted = follow(session, path)
+    except (LoadError, StateError) as error:
+        fail(error.message)
+    if parted is not None:
+        click.echo(
+            f"the run is not the one that was recorded, from cycle {parted.cycle} on: "
+            "its library, its world or what was done in it was another",
+            err=True,
+        )
+    return Shell(session, commands(), [begun.library])
+
+
+def _value(value: str | float) -> str:
+    """Return a value of an option as it is typed."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _session(library: Program, begun: Beginning) -> Session:

@@ -220,3 +220,36 @@ def requests(run: Interpreter) -> list[Request]:
         Request(ticket, None if task is None else task.number, format_list(asked))
         for ticket, (task, asked) in sorted(run.machine.state.pending.items())
     ]
+
+
+def stack(run: Interpreter) -> list[tuple[int, int, str]]:
+    """Return the families that were chosen, with priority and goal, the top first."""
+    goals = run.goals()
+    return [
+        (priority, family, str(goals.get(family, "has ended")))
+        for priority, family in reversed(run.machine.agenda.stack)
+    ]
+
+
+class SkillsOn(msgspec.Struct, frozen=True):
+    """Skills that a method has switched on together."""
+
+    ticket: int
+    #: Who hears their signals; None if nobody does any more.
+    task: int | None
+    skills: str
+    on: bool
+
+
+def skills(run: Interpreter) -> list[SkillsOn]:
+    """Return the activations of skills that signals may still come from."""
+    activations = run.machine.state.activations
+    return [
+        SkillsOn(
+            one.ticket,
+            None if one.task is None else one.task.number,
+            " ".join(map(format_list, one.skills)),
+            one.run is not None,
+        )
+        for one in (*activations.on.values(), *activations.off.values())
+    ]

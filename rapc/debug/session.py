@@ -26,6 +26,12 @@ from rapc.runtime.events.events import TaskSelected
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import Time
 
+_RUNNING = 512
+"""How many cycles a run goes on for before its state is saved."""
+
+_FEW = 16
+"""Fewer cycles than these are sooner replayed than saved."""
+
 
 class Stop(msgspec.Struct, frozen=True):
     """Why a session has stopped."""
@@ -77,7 +83,7 @@ class Session:
         self.checks: dict[str, Callable[[], str | None]] = {}
         self._paused = False
         self._done = 0
-        self._next_save = 0
+        self._saved = 0
         self.branch = Branch("main", Saves())
         self.branches = [self.branch]
         self._save()
@@ -154,6 +160,13 @@ class Session:
             until: asked after each cycle; returns what to stop with, None to go on.
             heed: whether breakpoints stop it.
         """
+        stop = self._run(until, heed)
+        if self.cycle >= self._saved + _FEW and not self.over:
+            self._save()
+        return stop
+
+    def _run(self, until: Callable[[], str | None] | None, heed: bool) -> Stop:
+        """Run until something stops it; see `go`."""
         self._paused = False
         while True:
             if self.over:
@@ -180,10 +193,12 @@ class Session:
         """Run a cycle, and redo what the user did after it in this branch."""
         if not self.run.step():
             return False
-        self._redo()
-        branch, moment = self.branch, self.moment
-        branch.end = max(branch.end, moment)
-        if moment.cycle >= self._next_save:
+        branch, cycle = self.branch, self.cycle
+        if self._done < len(branch.acts):
+            self._redo()
+        if cycle >= branch.end.cycle:
+            branch.end = max(branch.end, Moment(cycle, self._done))
+        if cycle >= self._saved + _RUNNING:
             self._save()
         return True
 
@@ -195,7 +210,7 @@ class Session:
             self._done += 1
 
     def _save(self) -> None:
-        self._next_save = self.cycle + EVERY
+        self._saved = self.cycle
         if self.no_way_back:
             return
         try:
@@ -328,7 +343,9 @@ class Session:
                 self._replay(moment)
         finally:
             self.log.watcher = watcher
-        self._next_save = self.cycle + EVERY
+        self._saved = at.cycle
+        if self.log.elsewhere is None and self.cycle >= at.cycle + EVERY:
+            self._save()
 
     def _replay(self, moment: Moment) -> None:
         """Do the next act of the branch, or run a cycle, on the way to a moment."""
@@ -352,14 +369,14 @@ class Session:
             StateError: if the run cannot be taken back in time.
         """
         self._look_back()
-        here, done, after = self.run.save(), self._done, self._next_save
+        here, done, saved = self.run.save(), self._done, self._saved
         before, self.log.elsewhere = self.log.elsewhere, _nobody
         try:
             yield
         finally:
             self.run.machine.library = self._program_at(done)
             self.run.restore(here)
-            self._done, self._next_save = done, after
+            self._done, self._saved = done, saved
             self.log.elsewhere = before
 
     @contextmanager

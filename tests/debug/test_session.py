@@ -43,6 +43,22 @@ def test_every_moment_is_reached_again_as_it_was() -> None:
     assert len(states) > 300
 
 
+@pytest.mark.slow
+def test_a_thousand_moments_are_reached_again_as_they_were() -> None:
+    session = truck(
+        "(rock-order red 4)", "(rock-order blue 2) :at 300 :priority 1", seed=11
+    )
+    states = _states(session)
+    events = _told(session)
+    chance = random.Random(8)
+    for _ in range(1000):
+        cycle = chance.randrange(len(states))
+        session.goto(cycle)
+        assert session.run.save() == states[cycle]
+    session.go()
+    assert _told(session) == events
+
+
 def test_going_on_from_the_past_gives_the_same_events() -> None:
     session = truck()
     session.go()
@@ -143,7 +159,7 @@ def test_saves_grow_few_with_age() -> None:
     few = Saves()
     for cycle in range(0, 100_000, 64):
         few.add(Moment(cycle), b"")
-    assert 10 < len(session.branch.saves) < 40
+    assert 1 < len(session.branch.saves) < 6
     assert 60 < len(few) < 120
     at = [few.before(Moment(cycle)) for cycle in range(0, 99_000, 500)]
     gaps = [

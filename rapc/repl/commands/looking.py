@@ -168,6 +168,23 @@ def _requests(shell: Shell, args: Arguments) -> Answer:
     return table(("ticket", "task", "request"), rows, none="no request is under way")
 
 
+def _stack(shell: Shell, args: Arguments) -> Answer:
+    rows = [
+        (priority, f"[{family}]", goal)
+        for priority, family, goal in look.stack(shell.session.run)
+    ]
+    columns = ("priority", "family", "goal")
+    return table(columns, rows, none="no family has been chosen yet")
+
+
+def _skills(shell: Shell, args: Arguments) -> Answer:
+    rows = [
+        (one.ticket, one.task, one.skills, "on" if one.on else "off")
+        for one in look.skills(shell.session.run)
+    ]
+    return table(("ticket", "task", "skills", ""), rows, none="no skill is on")
+
+
 def _world(shell: Shell, args: Arguments) -> Answer:
     world = shell.session.run.machine.world
     if not isinstance(world, Drawable):
@@ -277,6 +294,20 @@ LOOKING = (
         "List the requests that the world has not answered yet.",
         _requests,
         (":requests",),
+    ),
+    Command(
+        "stack",
+        "",
+        "Show the families that were chosen, the one that is preferred now first.",
+        _stack,
+        (":stack",),
+    ),
+    Command(
+        "skills",
+        "",
+        "List the skills that methods have switched on.",
+        _skills,
+        (":skills",),
     ),
     Command(
         "world",

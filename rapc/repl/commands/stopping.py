@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from rapc.base.names import plural
-from rapc.debug import differences
+from rapc.base.values import format_atom
+from rapc.debug import differences, recorded
 from rapc.debug.breakpoints import KINDS, Breakpoint
 from rapc.debug.find import Finder, find
 from rapc.errors import ArgumentError, TextError
@@ -119,8 +121,40 @@ def _find(shell: Shell, args: Arguments) -> Answer:
     return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.session.stand())
 
 
+def _record(shell: Shell, args: Arguments) -> Answer:
+    path = Path(args.word("a file"))
+    count = recorded.write(shell.session, path)
+    done = len(shell.session.branch.acts)
+    notes = ["what was done by hand is not in it"] if done else []
+    return say(f"{plural(count, 'event')} in {path}", *notes)
+
+
+def _diff_of_runs(shell: Shell, path: Path) -> Answer:
+    found = recorded.parting(shell.session, path, decisions=True)
+    if found is None:
+        return say("all decisions are the same, as far as both have gone")
+    return say(
+        f"the first decision that differs, in cycle {found.cycle}:",
+        f"  here:  {_decision(found.here)}",
+        f"  there: {_decision(found.there)}",
+    )
+
+
+def _decision(event: dict[str, Any] | None) -> str:
+    if event is None:
+        return "nothing more"
+    at = f"at {format_atom(event['time'])}"
+    if event["event"] == "task-selected":
+        return f"{event['goal']} [{event['task']}] came up {at}"
+    bound = " ".join(f"{name} {value}" for name, value in event["bindings"].items())
+    chose = f"[{event['task']}] chose {event['method']} of {event['rap']} {at}"
+    return f"{chose} with {bound}" if bound else chose
+
+
 def _diff(shell: Shell, args: Arguments) -> Answer:
     session = shell.session
+    if args and not args.peek().isdecimal():
+        return _diff_of_runs(shell, Path(args.word("a file")))
     first = args.count("a cycle")
     second = args.count("a cycle", session.cycle)
     found = differences.between(session, first, second)
@@ -201,9 +235,19 @@ SEARCHING = (
     ),
     Command(
         "diff",
-        "CYCLE [CYCLE]",
-        "Say what differs between two moments, or between one and now.",
+        "CYCLE [CYCLE] | FILE",
+        "Say what differs between two moments, or from a run that was recorded.",
         _diff,
-        (":diff 20", ":diff 20 60"),
+        (":diff 20", ":diff 20 60", ":diff other-seed.jsonl"),
+        "Of two runs the first decision is told that differs: which task came up, or "
+        "which method was chosen.",
+    ),
+    Command(
+        "record",
+        "FILE",
+        "Write the trace of the run up to now, in the form jsonl.",
+        _record,
+        (":record run.jsonl",),
+        "`rapc repl run.jsonl` opens it again.",
     ),
 )
