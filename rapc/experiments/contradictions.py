@@ -46,6 +46,13 @@ def _misfits(part: Part, told: str) -> Iterator[str]:
         if value not in part.values:
             what = f"reference figures at {value}, which is none of its `values`"
             yield f"{told} has {what}"
+    for measure, bounds in part.reference.bounds.items():
+        for value, low, high in bounds:
+            if value not in part.values:
+                what = f"a bound of `{measure}` at {value}, which is none of its values"
+                yield f"{told} has {what}"
+            if low > high:
+                yield f"{told} has a bound of `{measure}` that ends below its beginning"
     for measure, figures in part.reference.figures.items():
         if len(figures) != many:
             yield (

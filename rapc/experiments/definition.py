@@ -29,15 +29,16 @@ class ExperimentError(Error):
 
 
 class Reference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Figures from elsewhere, to stand beside ours.
+    """Figures from elsewhere, to stand beside ours."""
 
-    `at` are values of what the part varies, `figures` as many numbers for each
-    measure, by its name; `title` says in a word whose they are.
-    """
-
+    #: Says in a word whose they are.
     title: str
+    #: For each measure, by its name, as many numbers as `at` has values.
     figures: Mapping[str, tuple[int | float, ...]]
+    #: Values of what the part varies.
     at: tuple[Value, ...] = ()
+    #: For a measure what is said in words: a value of `vary`, from how much, to what.
+    bounds: Mapping[str, tuple[tuple[Value, float, float], ...]] = {}
 
 
 class Mark(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

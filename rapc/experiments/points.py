@@ -163,7 +163,9 @@ def _unknown(
             message = f"`count`, {name}: no RAP or primitive is named `{what}`"
             yield ExperimentError(message, meant(what, known))
     measures = [*LABELS, *experiment.count, *experiment.figures]
-    for name in part.reference.figures if part.reference else ():
+    reference = part.reference
+    named = {**reference.figures, **reference.bounds} if reference else {}
+    for name in named:
         if name not in measures:
             message = f"part `{part.name}`: there is no measure `{name}`"
             yield ExperimentError(message, meant(name, measures))

@@ -123,6 +123,14 @@ def test_kinds_of_values(text: str, message: str) -> None:
             "part `drops` has reference figures at 44, which is none of its `values`",
         ),
         (
+            changed("figures =", "bounds = { time = [[44, 1, 2]] }\nfigures ="),
+            "part `drops` has a bound of `time` at 44, which is none of its values",
+        ),
+        (
+            changed("figures =", "bounds = { time = [[40, 3, 2]] }\nfigures ="),
+            "part `drops` has a bound of `time` that ends below its beginning",
+        ),
+        (
             changed("values = [2, 4]", 'values = [2, 4]\nbeside = ["drops"]'),
             "part `slow` is to be drawn beside `drops`, which is no part that varies "
             "the same",

@@ -187,6 +187,15 @@ def test_plots_are_the_same_bytes_each_time(drops: Summary, tmp_path: Path) -> N
     assert "dc:date" not in svg
 
 
+def test_bounds_told_in_words_are_drawn_as_bars(tmp_path: Path) -> None:
+    reference = msgspec.structs.replace(
+        Reference("T", {}, (0,)), bounds={"completed": ((0, 1.0, 2.0),)}
+    )
+    part = msgspec.structs.replace(PART, reference=reference)
+    svg, _ = plots.draw([summary(STILL, WILD, part=part)], tmp_path / "bounds")
+    assert "T, as told" in svg.read_text()
+
+
 def test_a_plot_of_nothing_with_an_odd_title(tmp_path: Path) -> None:
     part = msgspec.structs.replace(PART, title="$\\nothing_ \n " + "\u4eba" * 200)
     svg, png = plots.draw([summary([], [], part=part)], tmp_path / "nothing")

@@ -14,6 +14,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from rapc.console.experiments.tables import heading, show
 from rapc.console.wrapping import wrapped
@@ -34,53 +35,75 @@ _COLORS = ("#1b5e8c", "#c0561a", "#3b7d3b", "#7a4f9a")
 _THEIRS = "#555555"
 _WIDTH = 80
 _MARKERS = "osD^"
+_ACTIONS = {"effector": "-", "sensor": "--", "failed": ":"}
+"""The measures of the lowest panel, and how their lines look."""
+_CROSSES = {"effector": "x", "sensor": "+", "failed": "*"}
+"""The marks of others' figures in that panel."""
 
 
 def draw(drawn: Sequence[Summary], file: Path) -> tuple[Path, Path]:
     """Draw parts that vary the same into one plot, the first one's name for title.
 
-    Returns the files, `.svg` and `.png`: above the time for each task completed, with
-    the range of the runs as bars, below how many tasks were completed.
+    Above is the time for each task completed, then how many were completed, below the
+    actions. Bars go from the tenth to the ninetieth of a hundred runs; points are
+    means, of the time that over all runs. Figures from elsewhere are crosses, what is
+    said of them in words thick bars. Returns the files, `.svg` and `.png`.
     """
     with rc_context(_STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # no font has all characters
-        figure = Figure(figsize=(6.4, 5.6), layout="constrained")
-        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+        figure = Figure(figsize=(6.4, 8.2), layout="constrained")
+        panels = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 3))
         figure.suptitle("\n".join(wrapped(heading(drawn[0].part), _WIDTH)))
         for number, summary in enumerate(drawn):
-            _series(above, summary, number, "time-each")
-            _series(below, summary, number, "completed")
-        _frame(above, below, drawn[0])
+            _series(panels[0], summary, number, "time-each")
+            _series(panels[1], summary, number, "completed")
+            for measure, line in _ACTIONS.items():
+                _series(panels[2], summary, number, measure, line)
+        _frame(panels, drawn[0])
         files = file.with_suffix(".svg"), file.with_suffix(".png")
         figure.savefig(files[0], metadata={"Date": None, "Creator": None})
         figure.savefig(files[1], dpi=150, metadata={"Software": None})
     return files
 
 
-def _series(axes: Axes, summary: Summary, number: int, measure: str) -> None:
-    """One part's averages with their ranges, and the figures from elsewhere."""
-    places = _places(summary)
+def _series(
+    axes: Axes, summary: Summary, number: int, measure: str, line: str = "-"
+) -> None:
+    """One part's figures with their ranges, and the figures from elsewhere.
+
+    Values that are no numbers have no order: no line goes through them.
+    """
     known = [
         (place, row.figures[measure])
-        for place, row in zip(places, summary.rows, strict=True)
+        for place, row in zip(_places(summary), summary.rows, strict=True)
         if measure in row.figures
     ]
-    color = _COLORS[number % len(_COLORS)]
-    below = [spread.mean - spread.low for _, spread in known]
-    over = [spread.high - spread.mean for _, spread in known]
+    numbers = all(_numeric(row.value) for row in summary.rows)
     axes.errorbar(
         [place for place, _ in known],
         [spread.mean for _, spread in known],
-        yerr=(below, over),
-        color=color,
+        yerr=(
+            [max(spread.mean - spread.tenth, 0) for _, spread in known],
+            [max(spread.ninetieth - spread.mean, 0) for _, spread in known],
+        ),
+        color=_COLORS[number % len(_COLORS)],
         marker=_MARKERS[number % len(_MARKERS)],
         markersize=4,
         capsize=3,
+        linestyle=line if numbers else "none",
         linewidth=1.3,
         elinewidth=0.9,
-        label=f"{summary.part.name}: average, least and greatest",
+        label=_label(summary, measure),
     )
+    _bounds(axes, summary, measure)
     _theirs(axes, summary, number, measure)
+
+
+def _label(summary: Summary, measure: str) -> str:
+    name = summary.part.name
+    if measure in _ACTIONS:
+        return f"{name}: {measure}"
+    return f"{name}: 10 to 90 % of runs"
 
 
 def _theirs(axes: Axes, summary: Summary, number: int, measure: str) -> None:
@@ -94,11 +117,38 @@ def _theirs(axes: Axes, summary: Summary, number: int, measure: str) -> None:
             [place for place, _ in told],
             [figure for _, figure in told],
             color=_THEIRS,
-            marker="x+*"[number % 3],
+            marker=_CROSSES.get(measure, "x+*"[number % 3]),
             markersize=8,
             linestyle="none",
             zorder=3,
-            label=f"{summary.part.name}: {summary.part.reference.title}",
+            label=_theirs_called(summary, summary.part.reference.title, measure),
+        )
+
+
+def _theirs_called(summary: Summary, title: str, measure: str) -> str:
+    told = measure if measure in _ACTIONS else "single runs"
+    return f"{summary.part.name}: {title}, {told}"
+
+
+def _bounds(axes: Axes, summary: Summary, measure: str) -> None:
+    """Draw what is said elsewhere in words, from so much to so much, as thick bars."""
+    reference = summary.part.reference
+    if reference is None:
+        return
+    bounds = reference.bounds.get(measure, ())
+    places = {
+        row.value: place
+        for place, row in zip(_places(summary), summary.rows, strict=True)
+    }
+    for number, (value, low, high) in enumerate(bounds):
+        axes.vlines(
+            places[value],
+            low - 0.1,
+            high + 0.1,
+            color="#bbbbbb",
+            linewidth=7,
+            zorder=0,
+            label="" if number else f"{reference.title}, as told",
         )
 
 
@@ -114,17 +164,26 @@ def _numeric(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _frame(above: Axes, below: Axes, summary: Summary) -> None:
+def _whole() -> MaxNLocator:
+    """Ticks at whole numbers, in round steps."""
+    return MaxNLocator(integer=True, steps=[1, 2, 5, 10])
+
+
+def _frame(panels: Sequence[Axes], summary: Summary) -> None:
     """Axes, their names, the mark, and the legend."""
+    above, middle, below = panels
     _, _, name = (summary.part.vary or "").partition(".")
     below.set_xlabel(f"{name} ({summary.unit})" if summary.unit else name)
     above.set_ylabel("time for each task completed")
-    below.set_ylabel("tasks completed")
+    middle.set_ylabel("tasks completed")
+    below.set_ylabel("actions")
     values = [row.value for row in summary.rows]
     if not all(_numeric(value) for value in values):
         below.set_xticks(_places(summary), [show(value) for value in values])
+    elif all(isinstance(value, int) for value in values):
+        below.xaxis.set_major_locator(_whole())
     mark = summary.part.mark
-    for axes in (above, below):
+    for axes in panels:
         axes.margins(y=0.1)
         axes.set_ylim(bottom=0)
         if mark is not None:
@@ -139,4 +198,14 @@ def _frame(above: Axes, below: Axes, summary: Summary) -> None:
             linestyle="none",
             label=mark.label,
         )
-    above.legend(fontsize=8)
+    middle.yaxis.set_major_locator(_whole())
+    for axes in panels:
+        axes.legend(
+            fontsize=7,
+            loc="lower left",
+            bbox_to_anchor=(0, 1),
+            ncols=3,
+            borderpad=0,
+            columnspacing=1,
+            handlelength=1.5,
+        )
