@@ -14,6 +14,7 @@ from typing import Any
 
 import msgspec
 
+from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.analysis.selection import errors
 from rapc.base import files
@@ -227,7 +228,7 @@ def check(*paths: Path | Iterable[Path]) -> CheckReport:
     Raises:
         LoadError: for what cannot be read. Findings never raise anything.
     """
-    return check_library(loader.load(_paths(paths)))
+    return check_files(_paths(paths))
 
 
 def run(

@@ -77,7 +77,7 @@ def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckRe
     found = _suppress(loaded, rules, found, chosen.enabled, damage)
     order = {name: at for at, name in enumerate(loaded.files)}
     findings = [Finding(rules[d.rule], d) for d in found if chosen.chooses(d)]
-    findings.sort(key=lambda f: _place(order, f))
+    findings.sort(key=lambda f: place_of(order, f))
     return CheckReport(tuple(findings), loaded.library)
 
 
@@ -214,6 +214,7 @@ def _suppress(
     return left + wrong
 
 
-def _place(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:
+def place_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:
+    """Return what findings are sorted by: the `order` of their files, then the text."""
     span = finding.diagnostic.span
     return order.get(span.file, -1), span.start, span.end, finding.rule.code

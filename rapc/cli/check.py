@@ -15,6 +15,7 @@ import click
 import msgspec
 
 from rapc.analysis import driver
+from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
 from rapc.base.diagnostics import Applicability
@@ -37,7 +38,6 @@ from rapc.cli.common import (
 )
 from rapc.cli.watch import watch
 from rapc.errors import Error
-from rapc.library import loader
 from rapc.library.loader import STANDARD_INPUT
 
 EXAMPLES = """\b
@@ -98,7 +98,8 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
 def check(**given: Any) -> None:
     """Check RAP libraries: files, folders with RAP files, or - for standard input.
 
-    All paths together are one library, with the files that they require. RULES are
+    All paths together are one library, with the files that they require; a test file
+    that is named is checked by itself, each test with what it requires. RULES are
     names or codes of rules, separated by commas (see `rapc rule`). What a `rapc.toml`
     or `[tool.rapc]` in a pyproject.toml says counts where no option does.
 
@@ -167,10 +168,9 @@ def _run(options: Options) -> Done:
 
 
 def _checked(options: Options, chosen: Chosen, texts: Mapping[str, str]) -> CheckReport:
-    loaded = loader.load(options.paths, texts=texts)
-    for name in loaded.files:
+    report = check_files(options.paths, chosen.selection, texts)
+    for name in report.files:
         say(f"read {name}")
-    report = driver.check_library(loaded, chosen.selection)
     say(f"ran {len(driver.passes())} passes")
     return report
 

@@ -117,20 +117,27 @@ def load(
 
 
 @gc_paused()
-def load_for_test(source: SourceFile, requires: Iterable[nodes.Require]) -> Loaded:
+def load_for_test(
+    source: SourceFile,
+    requires: Iterable[nodes.Require],
+    texts: Mapping[str, str] | None = None,
+) -> Loaded:
     """Link what a test runs: its file, and what that and the test itself require.
 
     What other tests of the file require is left out. Raises LoadError as `load`.
     """
-    reading = _Reading(tests=False, of_tests=frozenset(form.name for form in requires))
+    names = frozenset(form.name for form in requires)
+    reading = _Reading(tests=False, of_tests=names, texts=texts)
     reading.add_first(source)
     return reading.finish()
 
 
-def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
-    """The files named, and all `*.test.rap` files below the folders named, read.
+def read_tests(
+    paths: Iterable[str | Path], texts: Mapping[str, str] | None = None
+) -> Iterator[SourceFile]:
+    """Read the files named, and all `*.test.rap` files below the folders named.
 
-    A path may be `-` for standard input.
+    A path may be `-` for standard input; `texts` stand for files of these names.
 
     Raises:
         LoadError: for what cannot be read, and as `load` for folders.
@@ -139,6 +146,9 @@ def read_tests(paths: Iterable[str | Path]) -> Iterator[SourceFile]:
     for path in dict.fromkeys(map(str, paths)):
         if path == "-":
             yield SourceFile(STANDARD_INPUT, read_standard_input())
+            continue
+        if texts is not None and path in texts:
+            yield SourceFile(path, texts[path])
             continue
         whole = named(path)
         for file in files_at(whole, tests=True):

@@ -20,6 +20,7 @@ from rapc.compiler.program import Program
 from rapc.ir.nodes import DefineTest
 from rapc.library import loader
 from rapc.library.saved import SavedLibrary
+from rapc.library.test_files import load_tests
 from rapc.testing.run import Case
 
 
@@ -63,19 +64,12 @@ def _find_in(source: SourceFile) -> Found:
 
     What is wrong with a test keeps that test alone from being run.
     """
-    whole = loader.load_for_test(source, ())
-    own = _own(whole.library.tests, source)
-    groups: dict[tuple[str, ...], list[DefineTest]] = {}
-    for test in own:
-        names = tuple([form.name for form in test.requires])
-        groups.setdefault(names, []).append(test)
+    file = load_tests(source)
+    own = file.tests
     cases: dict[Span, Case] = {}
     reports: list[CheckReport] = []
-    for names, tests in (groups or {(): []}).items():
-        loaded = loader.load_for_test(source, tests[0].requires) if names else whole
-        library = msgspec.structs.replace(loaded.library, tests=tuple(tests))
-        tested = msgspec.structs.replace(loaded, library=library)
-        report = check_library(tested, errors())
+    for loaded in file.libraries:
+        report = check_library(loaded, errors())
         faults = _by_test(report.findings, own)
         in_tests = {id(finding) for one in faults.values() for finding in one}
         found = report.findings
@@ -84,7 +78,7 @@ def _find_in(source: SourceFile) -> Found:
             _tell(report, elsewhere, reports)
             continue
         program = Program(report.library, source.name)
-        for test in tests:
+        for test in loaded.library.tests:
             cases[test.span] = Case(test, program, tuple(faults[test.span]))
     in_order = [cases[test.span] for test in own if test.span in cases]
     return Found(tuple(in_order), tuple(reports))
@@ -112,8 +106,3 @@ def _by_test(
         if at >= 0 and spans[at].file == place.file and place.start < spans[at].end:
             faults[spans[at]].append(finding)
     return faults
-
-
-def _own(tests: Iterable[DefineTest], source: SourceFile) -> list[DefineTest]:
-    """The tests that stand in a file itself, not in one that it requires."""
-    return [test for test in tests if test.span.file == source.name]

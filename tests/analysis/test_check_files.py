@@ -1,0 +1,120 @@
+"""What `rapc check` finds in files of tests: all that `rapc test` finds beforehand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rapc.analysis.check_files import check_files
+from rapc.analysis.driver import Finding
+from rapc.base.diagnostics import Severity
+from rapc.testing.discover import find
+
+LIBRARIES = {
+    "lamps.rap": """
+        (declare-memory-proposition lit (?lamp))
+        (declare-primitive switch (?lamp) (okay broken))
+        (define-rap (light ?lamp) (succeed (lit ?lamp))
+          (method (primitive (switch ?lamp))))
+    """,
+    "doors.rap": """
+        (declare-memory-property door (?door ?state) shut)
+        (declare-primitive switch (?door ?way) (okay))
+        (define-rap (light ?door) (method (primitive (switch ?door on))))
+        (define-rap (shut ?door) (method (primitive (switch ?door off))))
+    """,
+    "bad.rap": """
+        (define-rap (lost) (method (primitive (nobody knows))))
+    """,
+}
+"""Libraries that cannot be linked into one: both have `light` and `switch`."""
+
+TESTS = [
+    '(require "lamps") (script ((switch l1))) (task (light l1))',
+    '(require "doors") (script ((switch d1 on))) (task (light d1))',
+    '(require "lamps") (script ((switch l1) burnt)) (task (light l1))',
+    '(require "lamps") (script ((switch l1 on))) (task (light l1))',
+    '(require "doors") (script ((switch d1 on) broken)) (task (light d1))',
+    '(require "doors") (task (shut d1 now))',
+    '(require "lamps") (task (shut d1))',
+    '(require "lamps") (script ((turn l1))) (task (light l1))',
+    '(require "doors") (fact (lit l1)) (task (shut d1))',
+    '(require "lamps") (task (light l1)) (expect (memory (lit l1 l2)))',
+    '(require "lamps") (task (light l1)) (expect (task-lost (light l1)))',
+    '(require "nowhere") (task (light l1))',
+    '(require "bad") (task (lost))',
+    "(task (light l1))",
+    "(script ((switch l1)) (task (light l1))",
+]
+"""Clauses of tests: the first two are right, each of the others has a slip."""
+
+
+def _put(folder: Path, tests: list[str]) -> Path:
+    for name, text in LIBRARIES.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    forms = [f"(define-test t{n} {clauses})\n" for n, clauses in enumerate(tests)]
+    file = folder / "all.test.rap"
+    file.write_text("".join(forms), encoding="utf-8")
+    return file
+
+
+def _of_test(file: Path) -> set[tuple[str, str, int]]:
+    """The errors that `rapc test` tells before it runs anything."""
+    found = find([file])
+    told = [fault for case in found.cases for fault in case.faults]
+    told += [one for report in found.reports for one in report.findings]
+    return {_key(finding) for finding in told}
+
+
+def _of_check(file: Path) -> set[tuple[str, str, int]]:
+    found = check_files([str(file)]).findings
+    return {_key(one) for one in found if one.severity is Severity.ERROR}
+
+
+def _key(finding: Finding) -> tuple[str, str, int]:
+    place = finding.diagnostic.span
+    return finding.diagnostic.message, place.file, place.start
+
+
+@pytest.mark.parametrize("slip", TESTS[2:])
+def test_check_finds_in_a_test_what_the_runner_finds(tmp_path: Path, slip: str) -> None:
+    """Beside two right tests whose libraries could not be linked into one."""
+    file = _put(tmp_path, [*TESTS[:2], slip])
+    assert _of_check(file)
+    assert _of_check(file) == _of_test(file)
+
+
+def test_tests_that_require_different_libraries_are_right_side_by_side(
+    tmp_path: Path,
+) -> None:
+    file = _put(tmp_path, TESTS[:2])
+    assert _of_check(file) == _of_test(file) == set()
+
+
+def test_all_slips_of_a_file_are_found_at_once(tmp_path: Path) -> None:
+    file = _put(tmp_path, TESTS)
+    alone = set()
+    for at, slip in enumerate(TESTS[2:-1]):
+        folder = tmp_path / str(at)
+        folder.mkdir()
+        alone |= {message for message, _, _ in _of_check(_put(folder, [slip]))}
+    assert {message for message, _, _ in _of_check(file)} >= alone
+    assert _of_check(file) == _of_test(file)
+
+
+def test_a_suppression_is_used_if_one_of_the_tests_has_a_use_for_it(
+    tmp_path: Path,
+) -> None:
+    file = _put(tmp_path, TESTS[:2])
+    slip = '(define-test s (require "lamps")\n'
+    slip += "  (task (shut d1))) ; rapc: ignore[unknown-rap]\n"
+    file.write_text(file.read_text(encoding="utf-8") + slip, encoding="utf-8")
+    assert [one.rule.name for one in check_files([str(file)]).findings] == []
+
+
+def test_a_library_named_beside_its_tests_is_checked_once(tmp_path: Path) -> None:
+    file = _put(tmp_path, [TESTS[-3]])
+    found = check_files([str(tmp_path / "bad.rap"), str(file)])
+    assert [one.rule.name for one in found.findings] == ["undeclared-primitive"]
+    assert found.raps == 1
