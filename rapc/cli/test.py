@@ -205,8 +205,8 @@ def _explain(outcomes: Sequence[Outcome]) -> None:
     for outcome in outcomes:
         if outcome.failures:
             click.echo()
-            test = outcome.case.test
-            doc = f": {test.doc}" if test.doc else ""
+            shown = " ".join(outcome.case.test.doc.split())
+            doc = f": {shown}" if shown else ""
             _say(outcome.status.value, f"{explain.title(outcome)}{doc}")
             for line in explain.lines(outcome):
                 _say(line.kind, line.text)

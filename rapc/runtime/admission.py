@@ -143,7 +143,10 @@ def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator
         default = declared.default
         if default not in CONSTANT_DEFAULTS and default not in functions:
             place = _place(library, declared.span)
-            yield f"{place}no default function is registered as `{default}`"
+            yield (
+                f"{place}no default function is registered as `{default}`: a default "
+                "is `unknown`, `true`, `false` or a function"
+            )
     for function in library.functions.values():
         if function.name not in functions:
             place = _place(library, function.span)

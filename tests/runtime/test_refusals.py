@@ -80,7 +80,8 @@ def reasons(
         ),
         (
             "(declare-memory-property weight (?x ?value) weigh)",
-            "t.rap:11:1: no default function is registered as `weigh`",
+            "t.rap:11:1: no default function is registered as `weigh`: a default is "
+            "`unknown`, `true`, `false` or a function",
         ),
         (
             "(declare-indistinct-class cup looks)",

@@ -57,6 +57,13 @@ def test_a_file_that_is_named_need_not_be_called_a_test(folder: Path) -> None:
     assert done.returncode == 1
 
 
+def test_what_a_test_shows_is_told_on_one_line(folder: Path) -> None:
+    told = BAD.replace("It fails.", "It fails,\n   as it is to.")
+    (folder / "arms.rap").write_text(LIBRARY + told)
+    done = rapc("test", "arms.rap", cwd=folder)
+    assert "bad: It fails, as it is to." in done.stdout.splitlines()
+
+
 def test_tests_come_from_standard_input_too(folder: Path) -> None:
     done = rapc("test", "-", cwd=folder, stdin='(require "arms")\n' + GOOD)
     assert done.stdout.splitlines()[:2] == ["<stdin>", "  passed  good"]
