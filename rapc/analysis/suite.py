@@ -17,6 +17,7 @@ from rapc.analysis.passes import (
     bindings,
     constants,
     data,
+    dead_case,
     fact_arity,
     functions,
     kinds,
@@ -32,6 +33,7 @@ from rapc.analysis.passes import (
     resources,
     settled,
     signals,
+    skill_use,
     swapped_arguments,
     task_nets,
     times,
@@ -88,6 +90,8 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     needs_itself.ANALYZER,
     swapped_arguments.ANALYZER,
     constants.ANALYZER,
+    skill_use.ANALYZER,
+    dead_case.ANALYZER,
 )
 """Every pass."""
 

@@ -1,0 +1,138 @@
+"""RAP150 and RAP151: events that no skill around tells, skills that nobody enables.
+
+What a skill may tell stands in its declaration; one that says nothing may tell any.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.ir import nodes
+from rapc.library.library import word_span
+
+UNTOLD = Rule(
+    code="RAP150",
+    name="untold-event",
+    severity=Severity.WARNING,
+    summary="a primitive waits for an event that none of its skills tells",
+    why="""The event is one that skills tell, by their `:events`, but neither a skill of
+this primitive nor one of the `skills` of a method does. So it can only come from
+elsewhere, or never.""",
+    example="""\
+(declare-event :seen ())
+(declare-event :arrived ())
+(declare-skill :look-out () :events (:seen))
+(declare-skill :drive () :events (:arrived))
+(define-rap (go) (method (primitive (enable (:drive)) (wait-for (:seen) :succeed))))
+(define-rap (see) (method (primitive (enable (:look-out)) (wait-for (:seen) :succeed))))
+""",
+    better="""\
+(declare-event :seen ())
+(declare-event :arrived ())
+(declare-skill :look-out () :events (:seen))
+(declare-skill :drive () :events (:arrived))
+(define-rap (go) (method (primitive (enable (:drive)) (wait-for (:arrived) :succeed))))
+(define-rap (see) (method (primitive (enable (:look-out)) (wait-for (:seen) :succeed))))
+""",
+)
+
+UNUSED = Rule(
+    code="RAP151",
+    name="unused-skill",
+    severity=Severity.INFO,
+    summary="a skill is declared that nothing enables, though others are enabled",
+    why="""The world must offer every skill that is declared, or the library is refused
+in it; and a skill that nothing enables may have been forgotten.""",
+    example="""\
+(declare-event :arrived ())
+(declare-skill :drive () :events (:arrived))
+(declare-skill :look-out ())
+(define-rap (go) (method (primitive (enable (:drive)) (wait-for (:arrived) :succeed))))
+""",
+    better="""\
+(declare-event :arrived ())
+(declare-skill :drive () :events (:arrived))
+(define-rap (go) (method (primitive (enable (:drive)) (wait-for (:arrived) :succeed))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    enabled = [found.node for found in run.result(INDEX).of(nodes.Skill)]
+    _report_untold(run)
+    _report_unused(run, {skill.name for skill in enabled})
+
+
+def _report_untold(run: Pass) -> None:
+    skills = run.library.skills
+    told = {event for skill in skills.values() for event in skill.events or ()}
+    around: set[str] | None = set()
+    for method in run.result(INDEX).of(nodes.Method):
+        around = _joined(around, _told_by(run, method.node.skills))
+    for primitive in run.result(INDEX).of(nodes.Skills):
+        own = _joined(around, _told_by(run, primitive.node.enable))
+        for wait in primitive.node.waits if own is not None else ():
+            if own is not None and wait.signal in told and wait.signal not in own:
+                run.report(_untold(run, wait))
+
+
+def _told_by(run: Pass, skills: Iterable[nodes.Skill]) -> set[str] | None:
+    """Return what some skills may tell; None if one of them may tell anything."""
+    found: set[str] = set()
+    for skill in skills:
+        declared = run.library.skills.get(skill.name)
+        if declared is None or declared.events is None:
+            return None
+        found.update(declared.events)
+    return found
+
+
+def _joined(one: set[str] | None, other: set[str] | None) -> set[str] | None:
+    return None if one is None or other is None else one | other
+
+
+def _untold(run: Pass, wait: nodes.WaitFor) -> Diagnostic:
+    tellers = list(_tellers(run, wait.signal))
+    return Diagnostic(
+        rule=UNTOLD.name,
+        message=f"no skill that is on here tells `{wait.signal}`",
+        span=wait.span,
+        help=f"enable {' or '.join(tellers)}, or wait for another event",
+    )
+
+
+def _tellers(run: Pass, event: str) -> Iterator[str]:
+    for name, skill in run.library.skills.items():
+        if event in (skill.events or ()):
+            yield f"`{name}`"
+
+
+def _report_unused(run: Pass, enabled: set[str]) -> None:
+    unread = run.unsure
+    if not run.complete or not enabled & run.library.skills.keys():
+        return
+    if any(unread(form.span) for form in run.library.raps.values()):
+        return
+    for name, skill in run.library.skills.items():
+        if name not in enabled:
+            run.report(
+                Diagnostic(
+                    rule=UNUSED.name,
+                    message=f"nothing enables the skill `{name}`",
+                    span=word_span(run.library.files, skill.span, 1),
+                    help="enable it somewhere, or remove its declaration",
+                )
+            )
+
+
+ANALYZER = Analyzer(
+    name="skill-use",
+    doc="Finds events that no skill around tells, and skills that nobody enables.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(UNTOLD, UNUSED),
+    needs_whole="method",
+)
