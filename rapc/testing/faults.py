@@ -16,17 +16,20 @@ from rapc.parser.parse import parse_pattern
 from rapc.testing.patterns import end_of_list, flat
 from rapc.worlds.faults import InjectedFault
 
-_OPTIONS = {"p": "p", "from": "start", "until": "stop"}
+_OPTIONS = {"p": "p", "from": "start", "until": "stop", "by": "by"}
 
 
 def read_fault(text: str) -> InjectedFault:
-    """A fault from `(request) result p=0.3 from=100 until=200`.
+    """Return a fault from `(request) result p=0.3 from=100 until=200`.
+
+    Of a signal, `(:signal) lost`, `late by=5`, `doubled` or `spurious by=5`.
 
     Raises:
         TextError: with one line that says what is wrong.
     """
     end = end_of_list(text)
-    request = parse_pattern(text[:end])
+    of_signal = text.lstrip().startswith("(:")
+    request = parse_pattern(text[:end].replace("(:", "(", 1))
     if any(isinstance(arg, nodes.Call) for arg in request.args):
         raise TextError(f"a request holds no computed terms: {text[:end].strip()}")
     result, *options = text[end:].split() or [""]
@@ -38,7 +41,9 @@ def read_fault(text: str) -> InjectedFault:
         if name not in _OPTIONS or not equals:
             near = nearest(name, _OPTIONS)
             hint = (
-                f"; did you mean `{near}=`?" if near else "; known are p, from, until"
+                f"; did you mean `{near}=`?"
+                if near
+                else "; known are p, from, until, by"
             )
             raise TextError(f"`{option}` is no option of a fault{hint}")
         if _OPTIONS[name] in given:
@@ -48,7 +53,10 @@ def read_fault(text: str) -> InjectedFault:
         raise TextError("`from` is later than `until`")
     if not 0 <= given.get("p", 1) <= 1:
         raise TextError("`p` is a chance, from 0 to 1")
-    return InjectedFault(flat(request), result.lower(), **given)
+    pattern = flat(request)
+    if of_signal:
+        pattern = (f":{pattern[0]}", *pattern[1:])
+    return InjectedFault(pattern, result.lower(), **given)
 
 
 def _number(name: str, text: str) -> Number:

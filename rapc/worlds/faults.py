@@ -1,8 +1,9 @@
-"""Faults put into any world: chosen requests fail as told, whatever the world is.
+"""Faults put into any world: chosen requests fail, chosen signals go astray.
 
 A faulted request never reaches the world. It takes the time that the world says such
 requests usually take (`Timed.usual_time`) and holds the robot meanwhile; then its
-result, and the handler for it, are what the fault says. No data come with it.
+result, and the handler for it, are what the fault says. No data come with it. What may
+happen to signals is in `rapc.worlds.signal_faults`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Iterable, Sequence
 
 import msgspec
 
-from rapc.base.values import Fact, match, number
+from rapc.base.values import Fact, format_list, is_variable, match, number
 from rapc.library.signatures import Signatures
 from rapc.world import (
     Drawable,
@@ -26,24 +27,33 @@ from rapc.world import (
     Timed,
     World,
 )
+from rapc.worlds.signal_faults import HOW, SPURIOUS, Held, SignalFaults, Struck
 from rapc.worlds.streams import Stream, stream_in, stream_state
 
 
 class InjectedFault(msgspec.Struct, frozen=True):
-    """Requests that are to fail, and how."""
+    """Requests that are to fail, or signals that are to go astray, and how."""
 
-    #: A pattern over the requests as the world gets them, items by sensor name.
+    #: A pattern over the requests, or the signals, with items by sensor name.
     request: Fact
-    #: The result of a request that fails.
+    #: The result of a request that fails; of a signal what happens to it: `HOW`.
     result: str
     #: The chance that one fails.
     p: float = 1
     #: The first and the last time at which requests may fail.
     start: Time = 0
     stop: Time | None = None
+    #: How long after it was sent a late signal comes, or, after an activation for which
+    #: it might be told came on, a spurious one.
+    by: Time = 1
+
+    @property
+    def of_signal(self) -> bool:
+        """Whether signals are meant, not requests."""
+        return str(self.request[0]).startswith(":")
 
     def concerns(self, request: Fact, now: Time) -> bool:
-        """Whether a request made now may be hit."""
+        """Whether a request made, or a signal sent, now may be hit."""
         on_time = self.start <= now and (self.stop is None or now <= self.stop)
         return on_time and match(self.request, request) is not None
 
@@ -56,9 +66,20 @@ def problem(fault: InjectedFault, signatures: Signatures) -> str | None:
         signatures: what the world offers.
     """
     name = str(fault.request[0])
+    if fault.of_signal:
+        wrong = signatures.fault("event", name, len(fault.request) - 1)
+        if wrong is None and fault.result not in HOW:
+            return f"a signal is {', '.join(HOW[:-1])} or {HOW[-1]}, not {fault.result}"
+        if wrong is None and fault.result == SPURIOUS and _open(fault.request):
+            return f"a spurious signal has no variables: {format_list(fault.request)}"
+        return None if wrong is None else str(wrong)
     found = signatures.fault("primitive", name, len(fault.request) - 1)
     found = found or signatures.no_result(name, fault.result)
     return None if found is None else str(found)
+
+
+def _open(signal: Fact) -> bool:
+    return any(is_variable(part) for part in signal)
 
 
 class _Saved(msgspec.Struct, frozen=True):
@@ -66,6 +87,8 @@ class _Saved(msgspec.Struct, frozen=True):
 
     world: str
     rng: Stream
+    #: The signals that are still to come.
+    held: tuple[Held, ...] = ()
 
 
 class FaultyWorld(World):
@@ -90,12 +113,14 @@ class FaultyWorld(World):
         self.__wrapped__ = world
         self._faults = tuple(faults)
         self._rng = random.Random(f"{seed}:faults")
+        self._signals = SignalFaults(self._strike)
         if isinstance(world, Drawable):
             self.picture = world.picture
         if isinstance(world, Timed):
             self.usual_time = world.usual_time
         if isinstance(world, Skilled):
-            self.activate, self.deactivate = world.activate, world.deactivate
+            self._skilled = world
+            self.activate, self.deactivate = self._activate, self._deactivate
         if isinstance(world, Savable):
             self._behind = world
             self.save, self.restore = self._save, self._restore
@@ -128,16 +153,44 @@ class FaultyWorld(World):
         return fault.p >= 1 or self._rng.random() < fault.p
 
     def next_time(self) -> Time | None:
-        """Return when the world behind will send something."""
-        return self._world.next_time()
+        """Return when the world behind, or a signal held back, will send something."""
+        times = (self._world.next_time(), self._signals.next_time())
+        return min((time for time in times if time is not None), default=None)
 
     def advance(self, to: Time) -> None:
         """Move the clock on."""
         self._world.advance(to)
 
     def messages(self) -> Sequence[Message]:
-        """Return what the world behind has sent."""
-        return self._world.messages()
+        """Return what the world behind has sent, as far as it has come through."""
+        sent = self._world.messages()
+        if not (sent or self._signals.held) or not isinstance(sent, tuple | list):
+            return sent
+        return self._signals.pass_on(sent, self._world.now())
+
+    def _strike(self, signal: Fact, now: Time) -> Struck | None:
+        for fault in self._faults:
+            meant = fault.of_signal and fault.result != SPURIOUS
+            if meant and fault.concerns(signal, now) and self._hits(fault):
+                return Struck(fault.result, fault.by)
+        return None
+
+    def _activate(
+        self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
+    ) -> Refused | None:
+        """Have the world behind switch skills on; draw what will be told falsely."""
+        refused = self._skilled.activate(ticket, skills, events)
+        now = self._world.now()
+        for fault in self._faults if refused is None else ():
+            told = fault.result == SPURIOUS and fault.request[0] in events
+            if told and fault.concerns(fault.request, now) and self._hits(fault):
+                time = number(now + fault.by)
+                self._signals.hold(time, fault.request, (ticket,))
+        return refused
+
+    def _deactivate(self, ticket: int) -> None:
+        self._skilled.deactivate(ticket)
+        self._signals.deactivate(ticket)
 
     def ended(self) -> str | None:
         """Return why the world behind has ended the run, or None."""
@@ -145,7 +198,9 @@ class FaultyWorld(World):
 
     def _save(self) -> bytes:
         inner = b64encode(self._behind.save()).decode()
-        return msgspec.json.encode(_Saved(inner, stream_state(self._rng)))
+        return msgspec.json.encode(
+            _Saved(inner, stream_state(self._rng), tuple(self._signals.held))
+        )
 
     def _restore(self, state: bytes) -> None:
         try:
@@ -155,3 +210,4 @@ class FaultyWorld(World):
             raise ValueError(f"no state of a world with faults: {error}") from error
         self._behind.restore(inner)
         self._rng = rng
+        self._signals.held = list(saved.held)

@@ -87,7 +87,7 @@ def test_faults_are_read(text: str, fault: InjectedFault) -> None:
         ),
         (
             "(grab ?x) dropped always",
-            "`always` is no option of a fault; known are p, from, until",
+            "`always` is no option of a fault; known are p, from, until, by",
         ),
         ("(grab (+ 1 2)) dropped", "a request holds no computed terms: (grab (+ 1 2))"),
     ],
