@@ -2,5 +2,9 @@
 
 `map` and `plan` are the building, `robot`, `people` and `doors` what moves in it,
 `simulation` lets time pass for all of them; `channels` and `skills/` are what the robot
-can do by itself. The interpreter and its port are not known here.
+can do by itself; `world` puts all that behind the port, with the `planner` of ways.
 """
+
+from rapc.worlds.hallway.world import HallwayWorld
+
+__all__ = ["HallwayWorld"]

@@ -45,7 +45,9 @@ def facts(map: Map) -> Iterator[Fact]:
     yield ("current-location", "robot", start.landmark)
     x, y = start.front(STANDOFF)
     heading = math.remainder(start.normal + math.pi, math.tau)
-    yield ("orientation", "robot", *(number(round(v, 2)) for v in (x, y, heading)))
+    place = [number(round(v, 2)) for v in (x, y, heading)]
+    yield ("orientation", "robot", *place)
+    yield ("base", start.landmark, *place)
 
 
 def relation(start: Sign, end: Sign) -> tuple[Number, Number]:

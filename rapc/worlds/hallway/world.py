@@ -15,7 +15,7 @@ import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text, number
 from rapc.world import NOT_KNOWN, Kit, Offer, Option, Refused, Signal, Time, World
-from rapc.worlds.hallway import facts
+from rapc.worlds.hallway import facts, geometry, planner
 from rapc.worlds.hallway.default_map import MAP
 from rapc.worlds.hallway.map import Map, MapError, read_map
 from rapc.worlds.hallway.picture import Scene, scene
@@ -80,7 +80,12 @@ class HallwayWorld(World):
     """
 
     name = "hallway"
-    kit = Kit(offer(catalogue()), options=OPTIONS)
+    kit = Kit(
+        offer(catalogue()),
+        options=OPTIONS,
+        functions={"turn-between": geometry.turn_between, "far-from": geometry.far_from},
+        solvers={"travel-to-distant-space": planner.plan},
+    )
 
     def __init__(self, rng: Random, options: Mapping[str, Atom | bool]) -> None:
         given = {o.name: o.default for o in OPTIONS} | dict(options)

@@ -1,0 +1,100 @@
+"""The path planner: a breadth-first search over spaces, as a problem solver [S 3.2].
+
+It is asked when `travel-to-distant-space` has no method for where the robot is and where
+it is to go. What it finds becomes a method, which stays: from this space to that one, by
+these doorways, as long as none of them was found closed a short while ago.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection, Iterable, Sequence
+from typing import Protocol
+
+from rapc.base.values import Atom, Fact
+from rapc.ir import nodes
+
+REMEMBERED = 60
+"""For so many seconds a doorway that was found closed is taken to be so."""
+
+Joint = tuple[str, str, str]
+"""A space, a doorway of it, and the space behind that."""
+
+Doorways = Sequence[tuple[str, str]]
+"""Doorways, each with the space behind it."""
+
+
+class Asked(Protocol):
+    """Memory, as far as the planner asks it."""
+
+    def query(self, *pattern: Atom | None) -> list[Fact]:
+        """Return the facts that match; None matches anything."""
+
+
+def plan(goal: Fact, memory: Asked) -> Sequence[nodes.Method]:
+    """Return a method for `(travel-to-distant-space space)`, or none.
+
+    A doorway that was found closed is used only where there is no other way.
+
+    Args:
+        goal: what the task is to bring about.
+        memory: what the robot believes.
+    """
+    wanted = str(goal[1])
+    (here,) = (str(fact[-1]) for fact in memory.query("current-space", "robot", None))
+    joined = [
+        (str(space), str(mark), str(beyond))
+        for _, mark, space, beyond in memory.query("connects", None, None, None)
+    ]
+    closed = {str(fact[1]) for fact in memory.query("found-closed", None)}
+    way = shortest(joined, here, wanted, closed) or shortest(joined, here, wanted)
+    return [_method(here, wanted, way)] if way else []
+
+
+def shortest(
+    joined: Iterable[Joint], start: str, goal: str, closed: Collection[str] = ()
+) -> Doorways:
+    """Return the doorways of a shortest way, or none.
+
+    Args:
+        joined: what leads where.
+        start: the space where the way begins.
+        goal: the space where it ends.
+        closed: doorways that are not to be used.
+    """
+    behind: dict[str, list[tuple[str, str]]] = {}
+    for space, doorway, beyond in joined:
+        if doorway not in closed:
+            behind.setdefault(space, []).append((doorway, beyond))
+    ways: dict[str, Doorways] = {start: ()}
+    queue = deque([start])
+    while queue and goal not in ways:
+        space = queue.popleft()
+        for doorway, beyond in behind.get(space, ()):
+            if beyond not in ways:
+                ways[beyond] = (*ways[space], (doorway, beyond))
+                queue.append(beyond)
+    return ways.get(goal, ())
+
+
+def _method(start: str, goal: str, way: Doorways) -> nodes.Method:
+    """Return the method that goes a way, one space after another."""
+    const = nodes.Const
+    steps = []
+    for at, (doorway, beyond) in enumerate(way, 1):
+        step = nodes.Goal("go-to-next-space", (const(doorway), const(beyond)), ())
+        here = nodes.Proposition("current-space", (const("robot"), const(beyond)))
+        order = (nodes.For(here, f"t{at + 1}"),) if at < len(way) else ()
+        steps.append(nodes.Step(f"t{at}", 0, step, order))
+    index = nodes.Proposition("current-space", (const("robot"), const(start)))
+    wanted = nodes.Compare("=", nodes.Var("?space"), const(goal))
+    opened = [_not_closed(doorway) for doorway, _ in way]
+    context = nodes.And((wanted, index, *opened))
+    body = nodes.TaskNet(tuple(steps))
+    doorways = "-".join(doorway for doorway, _ in way)
+    return nodes.Method(f"{start}-to-{goal}-by-{doorways}", 1, context, (), body)
+
+
+def _not_closed(doorway: str) -> nodes.Formula:
+    fact = nodes.Proposition("found-closed", (nodes.Const(doorway),))
+    return nodes.Not(nodes.Believe(fact, nodes.Const(REMEMBERED)))
