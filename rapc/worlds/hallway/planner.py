@@ -1,8 +1,8 @@
 """The path planner: a breadth-first search over spaces, as a problem solver [S 3.2].
 
-It is asked when `travel-to-distant-space` has no method for where the robot is and where
-it is to go. What it finds becomes a method, which stays: from this space to that one, by
-these doorways, as long as none of them was found closed a short while ago.
+It is asked when `travel-to-distant-space` has no method for where the robot is and
+where it is to go. What it finds becomes a method, which stays: from this space to that
+one, by these doorways, as long as none of them was found closed a short while ago.
 """
 
 from __future__ import annotations

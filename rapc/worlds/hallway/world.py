@@ -15,8 +15,9 @@ import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text, number
 from rapc.world import NOT_KNOWN, Kit, Offer, Option, Refused, Signal, Time, World
-from rapc.worlds.hallway import facts, geometry, planner
+from rapc.worlds.hallway import facts, planner
 from rapc.worlds.hallway.default_map import MAP
+from rapc.worlds.hallway.geometry import far_from, turn_between
 from rapc.worlds.hallway.map import Map, MapError, read_map
 from rapc.worlds.hallway.picture import Scene, scene
 from rapc.worlds.hallway.random_map import random_map
@@ -83,7 +84,7 @@ class HallwayWorld(World):
     kit = Kit(
         offer(catalogue()),
         options=OPTIONS,
-        functions={"turn-between": geometry.turn_between, "far-from": geometry.far_from},
+        functions={"turn-between": turn_between, "far-from": far_from},
         solvers={"travel-to-distant-space": planner.plan},
     )
 
