@@ -241,6 +241,28 @@ class Offer(msgspec.Struct, frozen=True):
     #: The primitives that are not atomic: their end comes later [T 7.3.3].
     not_atomic: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        """See that the parts are what they should be; raises TypeError."""
+        for name, offered in self.primitives.items():
+            match offered:
+                case [int(), [*results]] if all(type(r) is str for r in results):
+                    continue
+            wanted = "a number of arguments and a tuple of results"
+            raise TypeError(f"an Offer has {wanted} for `{name}`, not {offered!a}")
+        for counts in (self.data, self.skills, self.events):
+            for name, count in counts.items():
+                if type(count) is not int:
+                    wanted = "a number of arguments"
+                    raise TypeError(
+                        f"an Offer has {wanted} for `{name}`, not {count!a}"
+                    )
+        for name in (*self.skills, *self.events):
+            if not name.startswith(":"):
+                raise TypeError(f"the name of `{name}` in an Offer begins with a colon")
+        for names in (self.sensors, self.not_atomic):
+            if isinstance(names, str):
+                raise TypeError(f"an Offer has a tuple of names, not {names!a}")
+
 
 class Thing(msgspec.Struct, frozen=True):
     """An item in a picture: its class, and what it looks like (`red`), if anything."""

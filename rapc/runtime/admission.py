@@ -95,6 +95,11 @@ def _lacking(library: Library, world: World) -> Iterator[str]:
             if fault is not None:
                 yield f"{place}in the world `{world.name}` {fault}"
             elif isinstance(form, nodes.DeclarePrimitive):
+                if form.atomic and form.name in world.kit.offer.not_atomic:
+                    yield (
+                        f"{place}`{form.name}` is not atomic in the world "
+                        f"`{world.name}`; declare it with `:atomic false`"
+                    )
                 offers = offered.primitives[form.name].results
                 more = [result for result in offers if result not in form.results]
                 if more:

@@ -13,9 +13,10 @@ from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
 from math import inf
 from pathlib import Path
-from types import CodeType, FrameType, FunctionType, MethodType
+from types import FrameType, FunctionType, MethodType
 from typing import NoReturn, TypeGuard
 
+from rapc.base.code_places import code_of, place_of
 from rapc.errors import PortError
 from rapc.world import Refused, Reply, Signal, Text, World
 
@@ -57,7 +58,7 @@ def misfits(what: str, code: Named, given: int) -> Iterator[str]:
             yield f"{what} `{name}` is no function"
         elif not takes(call, given):
             count = "1 argument" if given == 1 else f"{given} arguments"
-            yield f"{what} `{name}`{_defined(call)} is called with {count}"
+            yield f"{what} `{name}`{place_of(call)} is called with {count}"
 
 
 def takes(call: Callable[..., object], given: int) -> bool:
@@ -80,13 +81,6 @@ def takes(call: Callable[..., object], given: int) -> bool:
     named = code.co_kwonlyargcount - len(call.__kwdefaults__ or ())
     most = given if code.co_flags & _VARIADIC else code.co_argcount
     return required <= given <= most and not named
-
-
-def _defined(call: Callable[..., object]) -> str:
-    code = _code(call)
-    if code is None:
-        return ""
-    return f" ({Path(code.co_filename).name}:{code.co_firstlineno})"
 
 
 # --- when it breaks -------------------------------------------------------------------
@@ -115,7 +109,7 @@ def blame(error: BaseException, world: World, code: Mapping[str, Named]) -> NoRe
         found: f"{what} `{name}`"
         for what, table in code.items()
         for name, call in table.items()
-        if (found := _code(call)) is not None
+        if (found := code_of(call)) is not None
     }
     whose = f"the world `{world.name}`"
     for at, (frame, _) in enumerate(frames):
@@ -141,21 +135,7 @@ def _is_of_world(frame: FrameType) -> bool:
     return isinstance(first, World)
 
 
-def _code(call: object) -> CodeType | None:
-    """Return the code that runs first when `call` is called, if it is in Python."""
-    for name in ("func", "__func__"):  # of a partial, of a method
-        call = getattr(call, name, call)
-    if not isinstance(call, FunctionType):
-        call = vars(type(call)).get("__call__")
-    return call.__code__ if isinstance(call, FunctionType) else None
-
-
 # --- answers of another type ----------------------------------------------------------
-
-
-def place_of(call: object) -> str:
-    """Return ` (lamps.py:23)`, where the code of `call` begins, or nothing."""
-    return _defined(call) if callable(call) else ""
 
 
 def breach(world: World, call: str, said: str) -> PortError:

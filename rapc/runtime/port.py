@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rapc.base.code_places import place_of
 from rapc.base.names import nearest
 from rapc.base.values import Fact, format_atom, format_list
 from rapc.errors import PortError
@@ -21,7 +22,6 @@ from rapc.runtime.authors import (
     is_fact,
     is_reply,
     is_signal,
-    place_of,
     wrong,
 )
 from rapc.world import (

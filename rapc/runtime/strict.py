@@ -17,10 +17,10 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Fact, format_list, match
 from rapc.errors import PortError
 from rapc.ir import nodes
-from rapc.runtime.authors import place_of
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.gate import Gate

@@ -8,13 +8,16 @@ happen to signals is in `rapc.worlds.signal_faults`.
 
 from __future__ import annotations
 
+import math
 import random
 from base64 import b64decode, b64encode
 from collections.abc import Iterable, Sequence
 
 import msgspec
 
+from rapc.base.code_places import place_of
 from rapc.base.values import Fact, format_list, is_variable, match, number
+from rapc.errors import PortError
 from rapc.library.signatures import Signatures
 from rapc.world import (
     Drawable,
@@ -91,6 +94,16 @@ class _Saved(msgspec.Struct, frozen=True):
     held: tuple[Held, ...] = ()
 
 
+def _usual_time(world: Timed, request: Fact) -> Time:
+    """Return how long a request usually takes. Raises PortError for what is no time."""
+    takes = world.usual_time(request)
+    if type(takes) not in (int, float) or not 0 <= takes < math.inf:
+        place = place_of(world.usual_time)
+        said = f"the usual time of {format_list(request)} is `{takes!a}`"
+        raise PortError(f"{said}; see `usual_time`{place}")
+    return takes
+
+
 class FaultyWorld(World):
     """A world some of whose requests fail.
 
@@ -139,7 +152,7 @@ class FaultyWorld(World):
         for fault in self._faults:
             if fault.concerns(request, now) and self._hits(fault):
                 behind = self._world
-                takes = behind.usual_time(request) if isinstance(behind, Timed) else 0
+                takes = _usual_time(behind, request) if isinstance(behind, Timed) else 0
                 if takes:
                     behind.advance(number(now + takes))
                 return Reply(fault.result)

@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
+from rapc.base.code_places import place_of_error
 from rapc.base.files import named, read_text
 from rapc.base.names import nearest
 from rapc.base.values import Atom, Text, number
@@ -105,7 +106,7 @@ def _load(point: EntryPoint) -> object:
     except BaseException as error:  # whatever code from elsewhere may raise on import
         what = f"{type(error).__name__}: {error}"
         raise WorldError(
-            f"the world `{point.name}` cannot be loaded: {what}"
+            f"the world `{point.name}` cannot be loaded{place_of_error(error)}: {what}"
         ) from error
     return found
 
@@ -212,7 +213,9 @@ def build_world(
         raise
     except BaseException as error:  # whatever code from elsewhere may raise
         what = f"{type(error).__name__}: {error}"
-        raise WorldError(f"the world `{world.name}` cannot be built: {what}") from error
+        place = place_of_error(error)
+        said = f"the world `{world.name}` cannot be built{place}: {what}"
+        raise WorldError(said) from error
 
 
 def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:

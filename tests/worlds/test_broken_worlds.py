@@ -24,6 +24,7 @@ from rapc.world import (
     Signal,
     World,
 )
+from rapc.worlds.faults import FaultyWorld, InjectedFault
 from tests.cli.command import rapc as command
 
 LIBRARY = """
@@ -415,6 +416,46 @@ def test_a_kit_is_made_of_what_belongs_into_it() -> None:
             made()
 
 
+def test_an_offer_is_made_of_what_belongs_into_it() -> None:
+    wrong: Any
+    for wrong, said in (
+        ({"primitives": {"look": 1}}, "a tuple of results for `look`, not 1"),
+        ({"primitives": {"look": (1, "okay")}}, "not .1, 'okay'"),
+        ({"primitives": {"look": ("okay",)}}, "not .'okay',"),
+        ({"data": {"seen": ("a",)}}, "a number of arguments for `seen`"),
+        ({"events": {"bell": 0}}, "the name of `bell` in an Offer begins with a colon"),
+        ({"skills": {"roll": 0}}, "the name of `roll`"),
+        ({"sensors": "look"}, "a tuple of names, not 'look'"),
+        ({"not_atomic": "look"}, "a tuple of names"),
+    ):
+        with pytest.raises(TypeError, match=said):
+            Offer(**wrong)
+
+
+def test_what_is_not_atomic_is_not_declared_atomic() -> None:
+    late = with_kit(
+        offer=Offer(
+            OFFER.primitives, OFFER.data, events=OFFER.events, not_atomic=("look",)
+        )
+    )
+    said = "`look` is not atomic in the world `bad`; declare it with `:atomic false`"
+    with pytest.raises(rapc.RefusedError, match=said):
+        run(late)
+
+
+@pytest.mark.parametrize("value", ["soon", -1, nan, None])
+def test_a_usual_time_that_is_none_is_the_worlds_fault(value: Any) -> None:
+    world: Any = with_(usual_time=answers(value))
+    faulty = FaultyWorld(
+        world(None, {}), [InjectedFault(("look", "?"), "okay")], seed=0
+    )
+    with pytest.raises(
+        rapc.PortError, match=r"usual time of \(look one\) is"
+    ) as caught:
+        rapc.run(rapc.loads(LIBRARY), faulty, "(compare)", until=100)
+    assert f"see `usual_time` ({HERE}:" in caught.value.message
+
+
 MAKE: Any = Good
 GOOD: Any = MAKE(None, {})
 
@@ -438,7 +479,17 @@ def test_how_many_arguments_code_takes(call: Any, counts: set[int]) -> None:
 QUIT = "import sys\nsys.exit(0)\n"
 
 WORLDS = {
-    "quit:Any": (QUIT, "cannot be loaded: SystemExit: 0"),
+    "breaks:Any": (
+        "BEDS = {}\n\nBED = BEDS['one']\n",
+        "loaded (breaks.py:3): KeyError",
+    ),
+    "slips:Any": ("import os\ndef f(:\n", "cannot be loaded (slips.py:2): SyntaxError"),
+    "lacks:Any": ("\nimport no_such_module\n", "loaded (lacks.py:2): ModuleNotFound"),
+    "offers:Any": (
+        "from rapc.world import Offer\n\nOFFER = Offer({'look': (1, 'okay')})\n",
+        "loaded (offers.py:3): TypeError: an Offer has a number of arguments and a tup",
+    ),
+    "quit:Any": (QUIT, "cannot be loaded (quit.py:2): SystemExit: 0"),
     "bare:Bare": (
         "from rapc.world import World\nclass Bare(World): pass\n",
         "does not define",
@@ -447,7 +498,7 @@ WORLDS = {
     "makes:Makes": (
         "import sys\nfrom tests.worlds.test_broken_worlds import Good\n"
         "class Makes(Good):\n    def __init__(self, rng, options): sys.exit(0)\n",
-        "cannot be built: SystemExit: 0",
+        "cannot be built (makes.py:4): SystemExit: 0",
     ),
     "plays:Plays": (
         "import sys\nfrom tests.worlds.test_broken_worlds import Good\n"

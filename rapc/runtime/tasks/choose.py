@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
+from rapc.base.code_places import place_of
 from rapc.base.resources import frozen
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.errors import PortError
 from rapc.ir import nodes
-from rapc.runtime.authors import place_of
 from rapc.runtime.events.events import SolverCalled
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task

@@ -1,0 +1,41 @@
+"""Where Python code of other authors stands, for messages about it."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+from types import CodeType, FunctionType
+
+
+def code_of(call: object) -> CodeType | None:
+    """Return the code that runs first when `call` is called, if it is in Python."""
+    for name in ("func", "__func__"):  # of a partial, of a method
+        call = getattr(call, name, call)
+    if not isinstance(call, FunctionType):
+        call = vars(type(call)).get("__call__")
+    return call.__code__ if isinstance(call, FunctionType) else None
+
+
+def place_of(call: object) -> str:
+    """Return ` (lamps.py:23)`, where the code of `call` begins, or nothing."""
+    code = code_of(call) if callable(call) else None
+    if code is None:
+        return ""
+    return f" ({Path(code.co_filename).name}:{code.co_firstlineno})"
+
+
+def place_of_error(error: BaseException) -> str:
+    """Return ` (lamps.py:23)`, where other code than rapc's raised `error`, or nothing.
+
+    Of a syntax error that is the place of the mistake.
+    """
+    if isinstance(error, SyntaxError) and error.filename:
+        return f" ({Path(error.filename).name}:{error.lineno})"
+    places = [
+        f" ({Path(frame.f_code.co_filename).name}:{row})"
+        for frame, row in traceback.walk_tb(error.__traceback__)
+        if not frame.f_code.co_filename.startswith("<frozen ")
+        and str(frame.f_globals.get("__name__")).partition(".")[0]
+        not in ("rapc", "importlib")
+    ]
+    return places[-1] if places else ""
