@@ -91,6 +91,8 @@ def why_not(session: Session, number: int) -> TaskAnswer:
     """
     live = {task.number: task for task in session.run.machine.state.live_tasks()}
     if number in live:
+        if session.no_way_back and live[number].bound:
+            return _answer(session, number, past=False)  # nothing is left behind
         with session.aside():
             return _answer(session, number, past=False)
     with session.elsewhere(last_cycle(session, number) - 1):

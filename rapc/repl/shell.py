@@ -83,6 +83,8 @@ class Shell:
         self.commands = {command.name: command for command in commands}
         #: The last answers to queries, the newest first: `*1`, `*2`, `*3`.
         self.answers: list[list[dict[str, Value]]] = []
+        self._names: tuple[str, ...] = ()
+        self._left: list[dict[str, Value]] = []
         #: What was typed into the library, by the definitions in it.
         self.typed: dict[frozenset[tuple[str, str]], str] = {}
         #: What is shown of the events after a step: `all`, `requests` or `none`.
@@ -263,13 +265,20 @@ class Shell:
         names = list(dict.fromkeys(name for found in solutions for name in found))
         if not names:
             return say("yes")
+        self._names, self._left = tuple(names), solutions
+        return self.more()
+
+    def more(self) -> Answer:
+        """Show the next solutions of the query that was answered last."""
+        names, solutions = self._names, self._left
         rows = [
             tuple([_cell(found[name]) if name in found else None for name in names])
             for found in solutions[:MOST]
         ]
-        left = len(solutions) - MOST
-        notes = [f"and {left} more"] if left > 0 else []
-        return table(names, rows, notes=notes)
+        self._left = solutions[MOST:]
+        left = len(self._left)
+        notes = [f"and {left} more, with `:more`"] if left else []
+        return table(names, rows, none="there are no more", notes=notes)
 
 
 def _refusal(error: Error | ValueError) -> Sequence[str]:

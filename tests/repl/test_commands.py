@@ -149,3 +149,15 @@ def test_inputs_may_go_over_several_lines() -> None:
     ]
     assert is_balanced("(a ; no ) here\n)")
     assert split('12 (a (b "c)")) take') == ["12", '(a (b "c)"))', "take"]
+
+
+def test_answers_come_in_pages() -> None:
+    shell = truck_shell()
+    first = rows(shell, "(and (place ?one ?x) (place ?two ?y))")
+    assert len(first) == 50
+    second = rows(shell, ":more")
+    assert not set(first) & set(second)
+    while "and " in (text := said(shell, ":more")):
+        assert "more, with `:more`" in text
+    assert said(shell, ":more") == "there are no more\n"
+    assert rows(shell, "*1") == first

@@ -236,6 +236,10 @@ def _numbered(source: SourceFile, span: Span) -> list[str]:
     return [source.name, *(f"{row:>{width}} {source.line(row)}" for row in rows)]
 
 
+def _more(shell: Shell, args: Arguments) -> Answer:
+    return shell.more()
+
+
 LOOKING = (
     Command(
         "agenda",
@@ -271,6 +275,13 @@ LOOKING = (
         "Show facts with their ages, or the answers to a query.",
         _memory,
         (":memory", ":memory location", ":memory (location ?item depot)"),
+    ),
+    Command(
+        "more",
+        "",
+        "Show further answers to the query that was asked last.",
+        _more,
+        (":more",),
     ),
     Command("items", "", "List the items that memory knows.", _items, (":items",)),
     Command(

@@ -1,0 +1,118 @@
+"""A tour of the weapon trace of T 6.2.1: each `why` and `why-not` held against it."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc.debug.log import Told
+from rapc.debug.session import Session
+from rapc.debug.why import why
+from rapc.debug.why_not import TaskAnswer, why_not
+from rapc.host import CheckedLibrary
+from rapc.runtime.events import events
+from rapc.runtime.task_request import of_node
+from rapc.testing.discover import find
+from rapc.testing.patterns import flat
+from rapc.testing.run import row_of
+from rapc.worlds import registry
+from rapc.worlds.scripted import ScriptedWorld
+from tests.truck.runs import STDLIB
+
+
+@pytest.fixture(scope="module")
+def tour() -> Session:
+    """The run of the trace, at its end."""
+    file = STDLIB / "truck" / "weapon.test.rap"
+    [case] = [c for c in find([file]).cases if c.test.name.startswith("trace-1")]
+    test, library = case.test, case.library
+    assert test.world is not None
+    helper = registry.build_world(registry.find_world(test.world), 0, {})
+    world = ScriptedWorld(
+        [row_of(row) for row in test.script], declared=library.library, kit=helper.kit
+    )
+    session = Session.open(
+        CheckedLibrary(library),
+        world,
+        tasks=[of_node(task) for task in test.tasks],
+        facts=[flat(fact) for fact in test.facts],
+    )
+    assert session.go().kind == "over"
+    return session
+
+
+def _by_cycle(session: Session) -> dict[int, list[Told]]:
+    found: dict[int, list[Told]] = {}
+    for told in session.scan():
+        found.setdefault(told.cycle, []).append(told)
+    return found
+
+
+def _selected(told: list[Told]) -> int | None:
+    for one in told:
+        if one.kind is events.TaskSelected:
+            number: int = one.keys["task"]
+            return number
+    return None
+
+
+def test_why_tells_of_each_cycle_what_the_trace_tells(tour: Session) -> None:
+    outcomes = {
+        events.MethodChosen: "method",
+        events.TaskSucceeded: "succeeded",
+        events.TaskFailed: "failed",
+        events.TaskBlocked: "blocked",
+    }
+    seen = set()
+    for cycle, told in _by_cycle(tour).items():
+        task = _selected(told)
+        if task is None:
+            continue
+        found = why(tour, task, cycle)
+        own = [o for o in told if o.kind in outcomes and o.keys["task"] == task]
+        assert found.doing.outcome == (outcomes[own[0].kind] if own else "nothing")
+        seen.add(found.doing.outcome)
+        left = found.choice.candidates
+        for rule in found.choice.rules:
+            assert set(rule.left) < set(left)
+            left = rule.left
+        assert left == (task,)
+        if own and own[0].kind is events.MethodChosen:
+            assert found.doing.said == own[0].keys["method"]
+            assert found.doing.bindings == own[0].keys["bindings"]
+    assert seen >= {"method", "succeeded", "failed"}
+
+
+def test_why_not_agrees_with_what_was_chosen(tour: Session) -> None:
+    methods = 0
+    for cycle, told in _by_cycle(tour).items():
+        task = _selected(told)
+        if task is None:
+            continue
+        answer = _before(tour, task, cycle)
+        succeeds = any(
+            o.kind is events.TaskSucceeded and o.keys["task"] == task for o in told
+        )
+        asked = [one for one in answer.clauses if one.clause.startswith("succeed of")]
+        if asked:
+            assert asked[0].holds == succeeds
+        chosen = [
+            o for o in told if o.kind is events.MethodChosen and o.keys["task"] == task
+        ]
+        solved = any(one.kind is events.SolverCalled for one in told)
+        for one in chosen:
+            holding = [method.name for method in answer.methods if method.holds]
+            assert solved or one.keys["method"] in holding
+            methods += 1
+        failed = [
+            o for o in told if o.kind is events.TaskFailed and o.keys["task"] == task
+        ]
+        if failed and failed[0].keys["reason"] == "no-method":
+            assert not any(method.holds for method in answer.methods)
+    assert methods > 20
+
+
+def _before(session: Session, task: int, cycle: int) -> TaskAnswer:
+    """Return what is said of a task when it is about to come up."""
+    with session.elsewhere(cycle - 1):
+        session.run.come_to_choice()
+        return why_not(session, task)
