@@ -269,7 +269,10 @@ def timeline(
             request, task = next(reversed(under_way.items()), (None, None))
             family = None if task is None else families.get(task)
             said = "" if request is None else format_list(request)
-            found.append(Spell(last, told.time, family, task, said))
+            spell = Spell(last, told.time, family, task, said)
+            if found and _goes_on(found[-1], spell):
+                spell = msgspec.structs.replace(spell, start=found.pop().start)
+            found.append(spell)
             last = told.time
         if told.kind is events.PrimitiveRequested:
             under_way[keys["request"]] = keys["task"]
@@ -278,6 +281,11 @@ def timeline(
     return [
         one for one in found if one.stop > start and (stop is None or one.start < stop)
     ]
+
+
+def _goes_on(one: Spell, other: Spell) -> bool:
+    """Whether a spell is the same doing, or waiting, as the one before it."""
+    return (one.task, one.request) == (other.task, other.request)
 
 
 def time_by_family(spells: Iterable[Spell]) -> dict[int | None, Time]:

@@ -142,7 +142,9 @@ class Session:
 
     def step(self, cycles: int = 1) -> Stop:
         """Run some cycles, or fewer if something stops the run."""
-        left = max(cycles, 1)
+        left = cycles
+        if left <= 0:
+            return Stop("asked")
 
         def counted() -> str | None:
             nonlocal left
