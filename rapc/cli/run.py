@@ -17,6 +17,7 @@ from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, same_file, settings
 from rapc.cli.given import prepare, run_options
+from rapc.cli.options import Count
 from rapc.runtime.authors import blame
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.report import RunReport
@@ -34,6 +35,9 @@ Examples:
   rapc run my.rap --world truck --set truck.fuel=20 --set rapc.futile-limit=3 \\
       --task '(patrol) :priority 4 :background true' --until 500
 """
+
+
+_MOST_FRAMES = 1_000_000
 
 
 @click.command(
@@ -56,6 +60,12 @@ Examples:
     is_flag=True,
     help="Draw the world beside what the robot believes of it, instead of the trace.",
 )
+@click.option(
+    "--show-every",
+    type=Count(_MOST_FRAMES),
+    metavar="N",
+    help="With --show to a file or a pipe: every Nth frame.",
+)
 @common_options
 def run(
     path: str,
@@ -70,6 +80,7 @@ def run(
     trace: str | None,
     trace_format: str,
     show: bool,
+    show_every: int | None,
 ) -> None:
     """Run tasks of the library at PATH against a world.
 
@@ -79,6 +90,8 @@ def run(
     Exit status: 0 if every task that is not in the background succeeded and none in
     the background failed, 1 if not, 2 if nothing could be run.
     """
+    if show_every is not None and not show:
+        raise click.UsageError("--show-every says how often to --show")
     if agenda is None and not tasks:
         fail("there is nothing to do: give --task or --agenda")
     library = load_checked(path)
@@ -96,7 +109,7 @@ def run(
                 interpreter.listen(form(stream))
             interpreter.listen(report, *RunReport.kinds)
             if drawn is not None:
-                _show(stack, interpreter, drawn)
+                _show(stack, interpreter, drawn, show_every or 0)
             elif not settings().quiet:
                 interpreter.listen(TextTrace(_Shown(sys.stdout)))
             given.begin()
@@ -170,7 +183,9 @@ def _drawable(world: World, world_name: str) -> Drawable:
     return world
 
 
-def _show(stack: ExitStack, interpreter: Interpreter, world: Drawable) -> None:
+def _show(
+    stack: ExitStack, interpreter: Interpreter, world: Drawable, every: int
+) -> None:
     """Draw the run while it goes on."""
     from rapc.console.show.live import LiveView  # noqa: PLC0415  # brings rich along
 
@@ -180,5 +195,6 @@ def _show(stack: ExitStack, interpreter: Interpreter, world: Drawable) -> None:
         sys.stdout,
         shutil.get_terminal_size,
         color=settings().colored(),
+        every=every,
     )
     interpreter.listen(stack.enter_context(view))

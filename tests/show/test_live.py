@@ -32,11 +32,13 @@ class Terminal(io.StringIO):
         return True
 
 
-def _show(stream: io.StringIO, *, color: bool, until: int = 30) -> str:
+def _show(stream: io.StringIO, *, color: bool, until: int = 30, every: int = 0) -> str:
     world = rapc.open_world("truck", seed=7)
     run = rapc.Interpreter(rapc.load(EXAMPLE).program, world, 7)
     assert isinstance(world, Drawable)
-    view = LiveView(run, world.picture, stream, lambda: (80, 24), color=color, pace=0)
+    view = LiveView(
+        run, world.picture, stream, lambda: (80, 24), color=color, every=every, pace=0
+    )
     with view:
         run.listen(view)
         run.submit("(rock-order red 2)")
@@ -58,6 +60,23 @@ def test_elsewhere_there_is_the_last_frame_alone() -> None:
     assert shown.startswith("time 30 ")
     assert shown.count("\n") == 24
     assert "\x1b" not in shown
+
+
+def test_every_so_many_frames_follow_one_another() -> None:
+    every, alone = (
+        _show(io.StringIO(), color=False, until=90, every=n) for n in (3, 0)
+    )
+    times = re.findall(r"^time ([\d.]+) ", every, re.M)
+    assert len(times) > 2
+    assert times == sorted(times, key=float)
+    assert every.endswith("\n\n" + alone)
+    assert every.count("\n") == 24 * len(times) + len(times) - 1
+
+
+def test_how_often_to_show_is_said_of_a_show() -> None:
+    done = command("run", *RUN, "--show-every", "3")
+    assert done.returncode == 2
+    assert "--show-every says how often to --show" in done.stderr
 
 
 def test_colour_tells_right_from_unknown() -> None:

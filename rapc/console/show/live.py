@@ -1,7 +1,8 @@
 """The view of a run while it goes on: a listener that draws a frame for each request.
 
 On a terminal frames replace each other at a pace that a person can follow, on a screen
-of their own; when the run is over the last one is left. Elsewhere it is all there is.
+of their own; when the run is over the last one is left. Elsewhere it is all there is,
+unless every so many are asked for: then they follow one another.
 """
 
 from __future__ import annotations
@@ -38,6 +39,8 @@ class LiveView:
         stream: where to; frames follow each other only if it is a terminal.
         size: columns and rows of a frame, asked for each.
         color: whether to colour them.
+        every: where it is no terminal, a frame is written for each so many requests;
+            0: the last one alone.
         pace: seconds from one frame to the next, at least.
     """
 
@@ -49,6 +52,7 @@ class LiveView:
         size: Callable[[], tuple[int, int]],
         *,
         color: bool,
+        every: int = 0,
         pace: float = PACE,
     ) -> None:
         self._interpreter = interpreter
@@ -57,6 +61,8 @@ class LiveView:
         self._size = size
         self._color = color
         self._pace = pace
+        self._every = every
+        self._ended = 0
         self._family = ""
         self._requests: deque[str] = deque([""] * _REQUESTS, _REQUESTS)
         self._last: list[Text] = []
@@ -94,8 +100,14 @@ class LiveView:
             self._family = f"[{top.task}] {top.goal}"
 
     def _draw(self) -> None:
-        """Put a frame in place of the last one, when its time has come."""
+        """Put a frame in place of the last one, when its time has come.
+
+        Where there is no terminal, write it if it is its turn.
+        """
+        self._ended += 1
         if self._live is None:
+            if self._every and self._ended % self._every == 0:
+                write([*self._frame(), Text()], self._stream, color=self._color)
             return
         frame = Group(*self._frame())
         time.sleep(max(self._next - time.monotonic(), 0))
