@@ -35,7 +35,7 @@ PARENTHESES = "()"
 """Stands among the names of clauses where parentheses had to be guessed at."""
 
 
-class Option(NamedTuple):
+class OptionReader(NamedTuple):
     """What reads an option: a list that begins with its word."""
 
     #: How many values stand behind the word.
@@ -52,7 +52,7 @@ class Readers(Protocol):
     def group(self, rule: str) -> dict[str, Read]:
         """Return the readers of the lists in a group by the words that head them."""
 
-    def option(self, rule: str) -> Option:
+    def option(self, rule: str) -> OptionReader:
         """Return what reads an option, with the number of its values."""
 
 

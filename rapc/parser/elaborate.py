@@ -25,7 +25,7 @@ from rapc.language.grammar import RULES, TERMINALS
 from rapc.language.heads import ARROW, heads, rules_by_head, words
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
 from rapc.language.words import WORDS, spelling
-from rapc.parser.context import Context, Option, Read, head_of, kind_of
+from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 from rapc.parser.terms import term
 
@@ -127,12 +127,12 @@ class Readers(dict[str, Read]):
             return Part(lambda d: head_of(d) in known, read, True)
         return Part(lambda d: type(d) is List, read, False)
 
-    def option(self, rule: str) -> Option:
+    def option(self, rule: str) -> OptionReader:
         """Return what reads an option, with the number of its values."""
         shape = RULES[rule]
         if is_word(shape):
-            return Option(0, lambda ctx, datum: True)
-        return Option(len(shape) - 2, self[rule])
+            return OptionReader(0, lambda ctx, datum: True)
+        return OptionReader(len(shape) - 2, self[rule])
 
     def _option(self, rule: str, shape: Shape) -> Read:
         """The reader of an option with one value."""

@@ -87,7 +87,7 @@ class Machine:
         self.things = Things()
         self.held, self.waits = self.things.held, self.things.waits  # parts of them
         self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)
-        self.memory.observe(self.monitors)
+        parts.observe(self.monitors)
         #: What the host wants done at a time: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
         #: What the host wants done when the run is over, in this order.

@@ -91,6 +91,7 @@ class MemoryBench:
             comparators or {},
             max_layers,
         )
+        parts.observe()
         self._memory: Memory = parts.memory
         self._recognizer = parts.recognizer
         self._access = parts.access

@@ -15,7 +15,7 @@ from rapc.base.values import Atom
 from rapc.ir import nodes, productions
 from rapc.language.heads import heads
 from rapc.language.shapes import is_word, leaves
-from rapc.parser.context import Context, Option, Read, head_of, kind_of
+from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
 from rapc.parser.fields import Slots, filled, slots
 from rapc.parser.special.effects import effects
 from rapc.parser.special.parts import Parts, parts, surplus, symbol
@@ -148,7 +148,7 @@ _MISSING: Mapping[str, tuple[str, str, str, Any]] = {
 
 
 def _options(
-    ctx: Context, found: Parts, told: Declaration, known: Mapping[str, Option]
+    ctx: Context, found: Parts, told: Declaration, known: Mapping[str, OptionReader]
 ) -> dict[str, list[Any]]:
     """Return what was read of each option; report those that wrongly stand twice."""
     read: dict[str, list[Any]] = {}

@@ -21,9 +21,9 @@ from rapc.world import Refused, Skilled
 
 
 def activate(
-    machine: Machine, run: MethodRun, plan: ActivationPlan, spoilt: bool = False
+    machine: Machine, run: MethodRun, plan: ActivationPlan, unfilled: bool = False
 ) -> str | Refused | None:
-    """Switch on all skills of the method `run` at once; none if they are `spoilt`.
+    """Switch on all skills of the method `run` at once; none if they are `unfilled`.
 
     Returns `interference` where one of them cannot be filled in, what the world has
     said if it refuses, else None.
@@ -35,7 +35,7 @@ def activate(
             return INTERFERENCE
         skills.append(filled[0])
         sent.append(filled[1])
-    if spoilt:
+    if unfilled:
         return INTERFERENCE
     world = machine.world
     assert isinstance(world, Skilled)  # admission has looked

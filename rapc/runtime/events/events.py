@@ -281,7 +281,7 @@ class ResourceChanged(Event, frozen=True, kw_only=True):
     what: ResourceChange
 
 
-class Signal(Event, frozen=True, kw_only=True):
+class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
     """A signal came; `task` has the oldest activation under which it arose, if any."""
 
     task: int | None

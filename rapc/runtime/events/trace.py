@@ -84,7 +84,7 @@ _WORDS: Mapping[type, Sequence[tuple[str, Callable[[Any], Any]]]] = {
     events.FactAsserted: [("fact", format_list)],
     events.FactErased: [("fact", format_list)],
     events.ResourceChanged: [("what", str)],
-    events.Signal: [("what", format_list)],
+    events.SignalReceived: [("what", format_list)],
     events.ItemIntroduced: [("location", format_atom)],
     events.ItemMerged: [("location", format_atom)],
     events.ItemMoved: [("location", format_atom)],
@@ -251,7 +251,7 @@ _LINES: Mapping[type, Callable[[Any], str | None]] = {
     events.SkillDisabled: lambda e: (
         f"    ... skill {format_list(e.what)} disabled [{e.task}]"
     ),
-    events.Signal: lambda e: f"    ... signal {format_list(e.what)}",
+    events.SignalReceived: lambda e: f"    ... signal {format_list(e.what)}",
     events.TaskWoken: lambda e: f"    ... woken by {e.on} [{e.task}]",
     events.TaskSucceeded: lambda e: f"    ... task accomplished {e.goal} [{e.task}]",
     events.TaskFailed: _failed,

@@ -11,7 +11,7 @@ from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.gate import Gate
-from rapc.runtime.memory.memory import Memory
+from rapc.runtime.memory.memory import Memory, Observer
 from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS, Recognizer
 from rapc.runtime.memory.recognition.scoring import Comparator, Scores
 from rapc.runtime.memory.recognition.sets import ExpectationSet
@@ -24,6 +24,15 @@ class Assembled(msgspec.Struct, frozen=True):
     recognizer: Recognizer
     access: Gate
 
+    def observe(self, *others: Observer) -> None:
+        """Register all that is told of changes: the recogniser, then `others`.
+
+        The one place where observers of memory are registered; without indistinct
+        classes there is nothing to recognise.
+        """
+        first = () if self.memory.mentions is None else (self.recognizer,)
+        self.memory.observe(*first, *others)
+
 
 def assemble(
     library: Library,
@@ -32,7 +41,7 @@ def assemble(
     comparators: Mapping[str, Comparator],
     max_layers: int = MAX_LAYERS,
 ) -> Assembled:
-    """The memory of a linked library and its signatures.
+    """Return the memory of a linked library; nobody observes it yet.
 
     `comparators` holds every comparator in Python that the library names.
     """
@@ -42,6 +51,4 @@ def assemble(
     memory = Memory(signatures, recorder, declared, classes, sets)
     scores = Scores(classes.values(), library.comparators, comparators)
     recognizer = Recognizer(memory, recorder, tuple(classes), scores, max_layers, sets)
-    if classes:
-        memory.observe(recognizer)
     return Assembled(memory, recognizer, Gate(memory, recorder, recognizer))

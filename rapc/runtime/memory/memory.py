@@ -101,8 +101,8 @@ class Memory:
         self._fact_changed: tuple[Callable[[Fact, str], None], ...] = ()
 
     def observe(self, *observers: Observer) -> None:
-        """Tell these observers, too, of each change from now on, in this order."""
-        self._observers = (*self._observers, *observers)
+        """Tell these observers of each change from now on, in this order."""
+        self._observers = observers
         self._fact_changed = tuple([each.fact_changed for each in self._observers])
 
     # --- the two verbs -----------------------------------------------------------

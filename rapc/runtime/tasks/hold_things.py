@@ -29,7 +29,7 @@ from rapc.world import Refused
 
 HOLDS: Final = "holds"
 WAITS: Final = "waits"
-SPOILT: Final = "spoilt"
+UNFILLED: Final = "unfilled"
 """What comes of asking for things."""
 
 Asks = tuple[Ask, ...]
@@ -75,12 +75,12 @@ def hold_or_wait(
         run: the method.
         others: the methods that its choice was drawn from, with what each binds.
 
-    Returns `HOLDS`, `WAITS`, or `SPOILT` for one that is to start and end badly.
+    Returns `HOLDS`, `WAITS`, or `UNFILLED` for one that is to start and end badly.
     """
     task, method = run.task, run.plan
     asks = asks_of(machine, task, method, run.env)
     if asks is None:
-        return SPOILT
+        return UNFILLED
     obstacle = machine.things.obstacle(task, asks)
     if obstacle is None:
         give_way(machine, task, asks)

@@ -54,7 +54,7 @@ def signal(machine: Machine, content: Fact, tickets: Sequence[int] = ()) -> None
     sources = _sources(machine, tickets)
     if machine.recorder.on:
         owner = sources[0].task.number if sources else None
-        machine.recorder.emit(events.Signal, task=owner, what=content)
+        machine.recorder.emit(events.SignalReceived, task=owner, what=content)
     if machine.library.event_rules:
         run_event_rules(machine, content)
     if machine.library.hears_events:

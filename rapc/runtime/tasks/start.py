@@ -190,8 +190,8 @@ def test_or_enqueue(machine: Machine, task: Task) -> None:
     """
     if task.step is not None and task.step.computes:
         read_inputs(machine, task)
-    spoilt = task.wait is not None and task.wait.setup_failed
-    if task.plan.monitored and task.bound and not spoilt:
+    broken = task.wait is not None and task.wait.setup_failed
+    if task.plan.monitored and task.bound and not broken:
         machine.monitors.first_test(task)
     else:
         task.state = ELIGIBLE

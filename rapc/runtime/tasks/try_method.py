@@ -21,7 +21,7 @@ from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.choose import Held, choose, choose_sole
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
-    SPOILT,
+    UNFILLED,
     WAITS,
     can_claim,
     hold_or_wait,
@@ -73,7 +73,7 @@ def _start_if_free(machine: Machine, run: MethodRun, others: Sequence[Held]) -> 
     """Start a method that asks for things, unless its task has to wait for them."""
     come = hold_or_wait(machine, run, others)
     if come is not WAITS:
-        start_method(machine, run, spoilt=come is SPOILT)
+        start_method(machine, run, unfilled=come is UNFILLED)
 
 
 def _spawn(machine: Machine, run: MethodRun) -> Task | None:
@@ -94,10 +94,10 @@ def _spawn(machine: Machine, run: MethodRun) -> Task | None:
     return None
 
 
-def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None:
+def start_method(machine: Machine, run: MethodRun, unfilled: bool = False) -> None:
     """Start the method of `run`; its task waits for it until it ends.
 
-    One that is `spoilt` ends badly at once: what it asks for cannot be filled in.
+    With `unfilled`, something that it asks for has no value: it ends badly at once.
     """
     task, method = run.task, run.plan
     task.run = run
@@ -119,11 +119,11 @@ def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None
             method=method.name,
             bindings=as_told(run.env),
         )
-    if (spoilt or method.notations) and not _begins_well(machine, run, spoilt):
+    if (unfilled or method.notations) and not _begins_well(machine, run, unfilled):
         return
     if method.request is None:
         if method.activation is not None:
-            _switch_on(machine, run, method.activation, spoilt)
+            _switch_on(machine, run, method.activation, unfilled)
             return
         _release_steps(machine, run)
         return
@@ -134,12 +134,12 @@ def start_method(machine: Machine, run: MethodRun, spoilt: bool = False) -> None
         end_method(machine, run, result)
 
 
-def _begins_well(machine: Machine, run: MethodRun, spoilt: bool) -> bool:
+def _begins_well(machine: Machine, run: MethodRun, unfilled: bool) -> bool:
     """Make notations; whether the method goes on: else it has ended badly."""
     method, because = run.plan, None
-    claimed = not spoilt or can_claim(machine, run)
+    claimed = not unfilled or can_claim(machine, run)
     noted = claimed and (not method.notations or _note(machine, run, method))
-    if noted and (not spoilt or method.request is None):
+    if noted and (not unfilled or method.request is None):
         return True
     if noted and method.request is not None:
         ground(machine, run, method.request)  # traces what it lacks
@@ -151,10 +151,10 @@ def _begins_well(machine: Machine, run: MethodRun, spoilt: bool) -> bool:
 
 
 def _switch_on(
-    machine: Machine, run: MethodRun, plan: ActivationPlan, spoilt: bool
+    machine: Machine, run: MethodRun, plan: ActivationPlan, unfilled: bool
 ) -> None:
     """Switch the skills of a method on; what awaits nothing goes on or ends."""
-    result = activate(machine, run, plan, spoilt)
+    result = activate(machine, run, plan, unfilled)
     if result is not None and not isinstance(result, str):
         result = settle_refusal(machine, run, result)
     if run.task.run is not run:
