@@ -19,6 +19,7 @@ from rapc.testing.contract.trials import (
     HANDLERS,
     PICTURE,
     SAVING,
+    SKILLS,
     TIMES,
     Trial,
     try_world,
@@ -87,7 +88,7 @@ def test_the_truck() -> None:
     requests = [request for request in REQUESTS if request]
     trials = try_world(truck, Program(truck_words()), requests)
     assert faults(trials) == []
-    assert [trial.left_out for trial in trials if trial.left_out] == []
+    assert [trial.part for trial in trials if trial.left_out] == [SKILLS]
 
 
 def test_the_truck_with_faults_put_in() -> None:
@@ -315,7 +316,7 @@ def test_handlers_do_not_run_without_a_library() -> None:
     trials = try_world(lambda seed: make(random.Random(seed), {}))
     assert faults(trials) == []
     left_out = [trial.part for trial in trials if trial.left_out]
-    assert left_out == [SAVING, PICTURE, TIMES, HANDLERS]
+    assert left_out == [SAVING, PICTURE, TIMES, SKILLS, HANDLERS]
 
 
 def test_handlers_are_held_to_what_is_declared() -> None:

@@ -8,7 +8,7 @@ on a real memory and are held to their declarations.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
@@ -21,7 +21,7 @@ from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.settings import Settings
 from rapc.runtime.strict import hold_handlers
-from rapc.world import NOT_KNOWN, Finished, Handlers, Refused, World
+from rapc.world import NOT_KNOWN, Finished, Handlers, Refused, Signal, World
 
 _STRANGER = "nobody"
 """What requests are about as long as the world has told nothing."""
@@ -195,6 +195,24 @@ class Driver:
         if form is not None:
             args = form.args
         return (name, *[self._value(arg) for arg in args])
+
+    def skills(self) -> list[Fact]:
+        """Return one skill or two of those on offer, with arguments at random."""
+        offer = self.world.kit.offer.skills
+        names = self._rng.sample(list(offer), min(self._rng.randint(1, 2), len(offer)))
+        return [(n, *[self._value(None) for _ in range(offer[n])]) for n in names]
+
+    def check_signals(self, on: Collection[int]) -> None:
+        """See that what was sent are signals on offer, of activations that are on.
+
+        Raises:
+            PortError: if not.
+        """
+        for message in self.world.messages():
+            self._machine.port.check_message(message)
+            if isinstance(message, Signal) and not set(message.tickets) <= set(on):
+                said = f"sent {format_list(message.content)} for an activation that is"
+                raise breach(self.world, "messages", f"{said} not on")
 
     def _value(self, arg: nodes.Argument | None) -> Atom:
         """Return a value for an argument, of its kind where that is known."""

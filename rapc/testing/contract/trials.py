@@ -5,7 +5,7 @@ What is wrong is told in lines, by the author's file and row where a call shows 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -14,13 +14,16 @@ from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.runtime.admission import misfitting, refusals
-from rapc.runtime.authors import blame, breach, is_time, wrong
+from rapc.runtime.authors import blame, breach, is_refusal, is_time, wrong
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver, first_facts
-from rapc.world import NOT_KNOWN, Drawable, Savable, Text, Time, Timed, World
+from rapc.world import NOT_KNOWN, Drawable, Savable, Skilled, Text, Time, Timed, World
 
 REQUESTS = 150
 """How many requests a world is tried with under one seed."""
+
+ACTIVATIONS = 12
+"""How often skills are switched on under one seed."""
 
 SEEDS = (0, 1, 2)
 """The seeds under which a world is tried."""
@@ -122,6 +125,8 @@ def _left_out(part: str, world: World, handled: bool) -> str:
         return "it has no picture"
     if part == TIMES and not isinstance(world, Timed):
         return "it does not say how long requests take"
+    if part == SKILLS and not world.kit.offer.skills:
+        return "it has none"
     if part == HANDLERS and not handled:
         return "they need a library that declares their words: `--test LIBRARY`"
     return ""
@@ -328,6 +333,46 @@ def _usual_times(tried: _Tried) -> Iterator[str]:
             return
 
 
+def _skills(tried: _Tried) -> Iterator[str]:
+    """Skills come on or are refused, and what is off tells nothing."""
+    for seed in SEEDS:
+        driver = tried.driver(seed)
+        world, on = driver.world, set[int]()
+        if not isinstance(world, Skilled):
+            yield f"the world `{world.name}` offers skills, and has no `activate`"
+            return
+        events = list(world.kit.offer.events)
+        for ticket in range(1, ACTIVATIONS + 1):
+            skills = driver.skills()
+            answer = world.activate(ticket, skills, events)
+            if answer is None:
+                on.add(ticket)
+            elif not is_refusal(answer):
+                raise wrong(driver.world, "activate", "the answer to skills", answer)
+            elif not set(answer.conflicts) <= on:
+                said = "refuses skills beside an activation that is not on"
+                yield f"{breach(driver.world, 'activate', said)}"
+            _let_live(driver, on)
+            if ticket % 2 and on:
+                world.deactivate(min(on))
+                on.remove(min(on))
+                _let_live(driver, on)
+        for ticket in on:
+            world.deactivate(ticket)
+        world.deactivate(10**6)
+        _let_live(driver, ())
+
+
+def _let_live(driver: Driver, on: Collection[int]) -> None:
+    """Let some time pass; see that only what is on tells anything."""
+    driver.check_signals(on)
+    world = driver.world
+    for _ in range(5):
+        if world.ended() is None:
+            world.advance(_now(world) + 1)
+            driver.check_signals(on)
+
+
 def _handlers(tried: _Tried) -> Iterator[str]:
     """Handlers put declared facts into memory, and keep to `:on` and `:tells`."""
     for seed in SEEDS:
@@ -340,6 +385,7 @@ def _handlers(tried: _Tried) -> Iterator[str]:
 CODE = "its code"
 SAVING = "it is saved and restored"
 PICTURE = "its picture"
+SKILLS = "its skills"
 TIMES = "how long requests take"
 HANDLERS = "its handlers"
 
@@ -352,5 +398,6 @@ _PARTS: Mapping[str, Callable[[_Tried], Iterator[str]]] = {
     SAVING: _saving,
     PICTURE: _picture,
     TIMES: _usual_times,
+    SKILLS: _skills,
     HANDLERS: _handlers,
 }
