@@ -7,6 +7,7 @@ from collections import deque
 
 import pytest
 
+import rapc
 from rapc.debug.acts import AssertFact, FailTask, SubmitTask
 from rapc.debug.log import Told
 from rapc.debug.saves import Moment, Saves
@@ -41,6 +42,34 @@ def test_every_moment_is_reached_again_as_it_was() -> None:
     session.go()
     assert _told(session) == events
     assert len(states) > 300
+
+
+@pytest.mark.parametrize(
+    ("library", "world", "given"),
+    [
+        ("examples/courier", "courier", {"agenda": "shift"}),
+        ("stdlib/truck", "truck", {"tasks": ["(ready-weapon)"]}),
+        (
+            "stdlib/hallway",
+            "rapc.worlds.hallway:HallwayWorld",
+            {"tasks": ["(get-bearings)"]},
+        ),
+    ],
+)
+def test_other_worlds_are_taken_back_as_well(
+    library: str, world: str, given: dict[str, object]
+) -> None:
+    session = Session.open(rapc.load(library), world, seed=3, **given)
+    states = _states(session)
+    events = _told(session)
+    chance = random.Random(6)
+    for _ in range(20):
+        cycle = chance.randrange(len(states))
+        session.goto(cycle)
+        assert session.run.save() == states[cycle]
+    session.go()
+    assert _told(session) == events
+    assert len(states) > 20
 
 
 @pytest.mark.slow
