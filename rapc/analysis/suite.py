@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rapc.analysis import index, inferred_kinds, named, places, suppressions
+from rapc.analysis import effects, index, inferred_kinds, named, places, suppressions
 from rapc.analysis.analyzer import Analyzer
 from rapc.analysis.passes import (
     age_in_monitor,
+    agenda_bands,
     anonymous_variable,
     bindings,
     constants,
@@ -20,6 +21,8 @@ from rapc.analysis.passes import (
     dead_case,
     fact_arity,
     functions,
+    hopeless,
+    idle_resources,
     kinds,
     misspelt_variable,
     needs_itself,
@@ -92,6 +95,10 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     constants.ANALYZER,
     skill_use.ANALYZER,
     dead_case.ANALYZER,
+    effects.EFFECTS,
+    hopeless.ANALYZER,
+    idle_resources.ANALYZER,
+    agenda_bands.ANALYZER,
 )
 """Every pass."""
 

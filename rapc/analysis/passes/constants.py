@@ -39,8 +39,9 @@ MISSPELT = Rule(
     summary="a constant is used only once, and another one there is spelled almost so",
     why="""A constant that nobody else uses is a value that never comes up: a fact with
 it is never found, a test of it never passes. Where a constant that differs by one slip
-of the pen stands at the same place, or is a value of the same kind, that one was meant.
-A closed kind (`declare-kind`) makes sure.""",
+of the pen stands at the same place, or is a value of the same kind, that one was meant;
+where the form has a variable of that name, the question mark is missing. A closed kind
+(`declare-kind`) makes sure.""",
     example="""\
 (declare-memory-property door-state (?door ?state) unknown)
 (declare-primitive push (?door) (okay))
@@ -266,25 +267,29 @@ def _misspelt(run: Pass, known: _Known, one: _Standing) -> Diagnostic | None:
     value = one.const.value
     if known.counts[value] != 1 or not _is_word(value):
         return None
+    if run.result(PLACES).of(one.form, f"?{value}"):
+        return _slip(one, f"?{value}", ())
     for other in known.close.all_to(str(value)):
         keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
         together = any(key in known.at[other] for key in keys if other in known.at)
         alike = other[0] == str(value)[0] and not is_row(str(value), other)
         if together and alike and known.counts[other] > 1:
-            labels = [Label(known.first[other], "a constant with a close name")]
-            return Diagnostic(
-                rule=MISSPELT.name,
-                message=f"`{value}` is used only here",
-                span=one.const.span,
-                labels=tuple(labels) if other in known.first else (),
-                help=f"did you mean `{other}`?",
-                fix=Fix(
-                    Applicability.UNSAFE,
-                    f"write `{other}`",
-                    (Edit(one.const.span, other),),
-                ),
-            )
+            there = [known.first[other]] if other in known.first else []
+            labels = [Label(span, "a constant with a close name") for span in there]
+            return _slip(one, other, labels)
     return None
+
+
+def _slip(one: _Standing, meant: str, labels: Iterable[Label]) -> Diagnostic:
+    edit = Edit(one.const.span, meant)
+    return Diagnostic(
+        rule=MISSPELT.name,
+        message=f"`{one.const.value}` is used only here",
+        span=one.const.span,
+        labels=tuple(labels),
+        help=f"did you mean `{meant}`?",
+        fix=Fix(Applicability.UNSAFE, f"write `{meant}`", (edit,)),
+    )
 
 
 _ENOUGH = 2

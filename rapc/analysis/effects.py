@@ -1,0 +1,221 @@
+"""What RAPs may bring about, summed up from primitives, data, notations and rules.
+
+The summary of a RAP holds every fact that something below it may put into memory or
+take out of it, as far as declarations say so (`:on`, `:tells`), and whether that is all
+there is. It is not where a primitive does not say what its `okay` does, where skills
+are enabled or signals awaited, where a method is empty or a step has no RAP. Rules over
+memory add to the RAPs that they are about; with rules over events nothing is certain.
+
+Facts are told by numbers, and a summary is a set of bits: summaries are put together
+along the calls, callees first, and again as long as circles of calls add to them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import msgspec
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.ir import nodes
+from rapc.ir.walk import steps
+from rapc.library.library import Library
+
+Values = tuple[object, ...]
+"""The arguments of a fact: constants, or None where they are not known."""
+
+
+class Effect(msgspec.Struct, frozen=True, gc=False):
+    """A fact that may come or, if `gone`, go."""
+
+    name: str
+    values: Values
+    gone: bool
+
+
+class Effects:
+    """The summaries of the RAPs of a library.
+
+    Args:
+        library: the library.
+    """
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+        self._numbers: dict[Effect, int] = {}
+        self._own: dict[str, int] = {}
+        self._calls: dict[str, tuple[str, ...]] = {}
+        self._open: set[str] = set()
+        self._primitives = {
+            name: self._of_primitive(form) for name, form in library.primitives.items()
+        }
+        for rap in library.raps.values():
+            self._gather(rap)
+        for rule in library.memory_rules:
+            bits = self._of_rules(rule)
+            self._own[rule.index.name] = self._own.get(rule.index.name, 0) | bits
+        self._sums = _closure(self._own, self._calls)
+        self._unsure = _closure(
+            {name: int(name in self._open) for name in self._own}, self._calls
+        )
+        self._effects = tuple(self._numbers)
+
+    def of(self, name: str) -> Sequence[Effect] | None:
+        """Return all that a RAP may bring about; None if that is not known."""
+        if self._unsure.get(name, 1) or self._library.event_rules:
+            return None
+        bits, found = self._sums[name], []
+        while bits:
+            low = bits & -bits
+            found.append(self._effects[low.bit_length() - 1])
+            bits ^= low
+        return found
+
+    def _number(self, effect: Effect) -> int:
+        return 1 << self._numbers.setdefault(effect, len(self._numbers))
+
+    def _gather(self, rap: nodes.DefineRap) -> None:
+        bits, calls = 0, []
+        for method in rap.methods:
+            for fact in method.notations:
+                bits |= self._number(Effect(fact.name, _values(fact, {}), False))
+                bits |= self._number(Effect(fact.name, _values(fact, {}), True))
+            if isinstance(method.body, nodes.Primitive):
+                told = self._of_request(method.body.request)
+                if told is None:
+                    self._open.add(rap.name)
+                bits |= told or 0
+            elif isinstance(method.body, nodes.Skills) or method.skills:
+                self._open.add(rap.name)
+            for step in steps(method):
+                calls.append(step.goal.name)
+                if step.goal.name not in self._library.raps or _awaits(step):
+                    self._open.add(rap.name)
+        if not rap.methods or any(map(_does_nothing, rap.methods)):
+            self._open.add(rap.name)
+        self._own[rap.name] = bits
+        self._calls[rap.name] = tuple(dict.fromkeys(calls))
+
+    def _of_primitive(self, form: nodes.DeclarePrimitive) -> _Told | None:
+        """All that a primitive may do with any result; None if `okay` says nothing."""
+        if not any(on.result == "okay" for on in form.on):
+            return None
+        effects = [effect for on in form.on for effect in on.effects]
+        data: list[nodes.DeclaredEffect] = []
+        for name in form.tells:
+            datum = self._library.data.get(name)
+            if datum is None or datum.on is None:
+                return None
+            data += datum.on
+        names = [arg.variable.name for arg in form.args]
+        return _Told(tuple(names), tuple(effects), tuple(data))
+
+    def _of_request(self, request: nodes.Request) -> int | None:
+        told = self._primitives.get(request.name)
+        if told is None:
+            return None
+        given = {
+            name: term.value
+            for name, term in zip(told.names, request.args, strict=False)
+            if isinstance(term, nodes.Const)
+        }
+        bits = 0
+        for effects, known in ((told.effects, given), (told.data, {})):
+            for one in effects:
+                values = _values(one.pattern, known)
+                bits |= self._number(Effect(one.pattern.name, values, one.negated))
+                if one.possible and not one.negated:
+                    bits |= self._number(Effect(one.pattern.name, values, True))
+        return bits
+
+    def _of_rules(self, rule: nodes.MemoryRule) -> int:
+        bits = 0
+        for case in rule.cases:
+            for one in case.rules:
+                for alternative in one.alternatives:
+                    for action in alternative.actions:
+                        gone = action.op == "mem-del"
+                        values = _values(action.pattern, {})
+                        bits |= self._number(Effect(action.pattern.name, values, gone))
+        return bits
+
+
+class _Told(msgspec.Struct, frozen=True):
+    """What the declaration of a primitive says that it does."""
+
+    names: tuple[str, ...]
+    effects: tuple[nodes.DeclaredEffect, ...]
+    #: What the data that may come with it do.
+    data: tuple[nodes.DeclaredEffect, ...]
+
+
+def _values(fact: nodes.Proposition, given: Mapping[str, object]) -> Values:
+    return tuple(
+        [
+            term.value
+            if isinstance(term, nodes.Const)
+            else given.get(term.name)
+            if isinstance(term, nodes.Var)
+            else None
+            for term in fact.args
+        ]
+    )
+
+
+def _does_nothing(method: nodes.Method) -> bool:
+    """Whether a method leaves it to others, or to be written later."""
+    return isinstance(method.body, nodes.TaskNet) and not method.body.steps
+
+
+def _awaits(step: nodes.Step) -> bool:
+    return any(isinstance(note, nodes.WaitFor) for note in step.annotations)
+
+
+def _closure(
+    own: Mapping[str, int], calls: Mapping[str, Sequence[str]]
+) -> dict[str, int]:
+    """Return for each name the bits of all that can be reached from it."""
+    sums = dict(own)
+    order = list(_callees_first(calls))
+    changed = True
+    while changed:
+        changed = False
+        for name in order:
+            bits = sums.get(name, 0)
+            for callee in calls[name]:
+                bits |= sums.get(callee, 0)
+            if bits != sums.get(name, 0):
+                sums[name] = bits
+                changed = True
+    return sums
+
+
+def _callees_first(calls: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield the names so that each follows those it calls, circles aside."""
+    seen: set[str] = set()
+    for start in calls:
+        if start in seen:
+            continue
+        seen.add(start)
+        stack = [(start, iter(calls[start]))]
+        while stack:
+            name, left = stack[-1]
+            for callee in left:
+                if callee in calls and callee not in seen:
+                    seen.add(callee)
+                    stack.append((callee, iter(calls[callee])))
+                    break
+            else:
+                yield name
+                stack.pop()
+
+
+def _run(run: Pass) -> Effects:
+    return Effects(run.library)
+
+
+EFFECTS = Analyzer(
+    name="effects",
+    doc="Sums up what each RAP may bring about, from what is declared of primitives.",
+    run=_run,
+)

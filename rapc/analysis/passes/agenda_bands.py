@@ -1,0 +1,256 @@
+"""RAP130 to RAP132: agendas whose tasks get in each other's way for good.
+
+The priority of a step adds to that of its parent, so a task reaches as high as its own
+priority and the highest row of steps below it (T 5.4.1).
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes
+from rapc.ir.walk import steps
+
+LOW = Rule(
+    code="RAP130",
+    name="powerless-reaction",
+    severity=Severity.WARNING,
+    summary="a standing task is no more urgent than the work that it is to interrupt",
+    why="""A task that stands by wakes while something else is under way. It comes up
+before that only if its priority is higher; at the same priority whatever is under way
+goes on, and the reaction comes when it may be too late (T 5.4.1).""",
+    example="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive drive (?place) (okay))
+(declare-primitive plug-in () (okay))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (keep-charged) :background true)
+  (task (go home) :priority 2))
+""",
+    better="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive drive (?place) (okay))
+(declare-primitive plug-in () (okay))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (keep-charged) :priority 4 :background true)
+  (task (go home) :priority 2))
+""",
+)
+
+REACHES = Rule(
+    code="RAP131",
+    name="priority-out-of-band",
+    severity=Severity.WARNING,
+    summary="a step is more urgent than a standing task that stands above its own task",
+    why="""The priority of a step adds to that of the task above it. Where it reaches
+the priority of a standing task that was given a higher one, the work can hold up the
+reaction (T 5.4.1): leave room between the priorities of an agenda for the steps.""",
+    example="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive drive (?place) (okay))
+(declare-primitive plug-in () (okay))
+(define-rap (drive-to ?place) (method (primitive (drive ?place))))
+(define-rap (go ?place) (method (task-net (t1 9 (drive-to ?place)))))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (keep-charged) :priority 4 :background true)
+  (task (go home)))
+""",
+    better="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive drive (?place) (okay))
+(declare-primitive plug-in () (okay))
+(define-rap (drive-to ?place) (method (primitive (drive ?place))))
+(define-rap (go ?place) (method (task-net (t1 1 (drive-to ?place)))))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (keep-charged) :priority 4 :background true)
+  (task (go home)))
+""",
+)
+
+ENDS = Rule(
+    code="RAP132",
+    name="standing-task-ends",
+    severity=Severity.WARNING,
+    summary="a task that stands by in the background is done after its first method",
+    why="""A task with a monitor and without `succeed` ends when a method has ended
+well (T figure 4.3): it reacts once. One that is to stand by for good says so with
+`(succeed nil)`.""",
+    example="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive plug-in () (okay))
+(define-rap (keep-charged)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (keep-charged) :priority 4 :background true))
+""",
+    better="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive plug-in () (okay))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (keep-charged) :priority 4 :background true))
+""",
+)
+
+_ROUNDS = 20
+"""So many RAPs deep the priorities of steps are added up."""
+
+
+def _run(run: Pass) -> None:
+    if not run.library.agendas:
+        return
+    reach = _reach(run)
+    told: set[int] = set()
+    for agenda in run.library.agendas.values():
+        for found in (*_low(run, agenda), *_reaches(run, agenda, reach, told)):
+            run.report(found)
+        for task in agenda.tasks:
+            ended = _ended(run, task)
+            if ended is not None:
+                run.report(ended)
+
+
+ANALYZER = Analyzer(
+    name="agenda-bands",
+    doc="Finds tasks of an agenda whose priorities or goals defeat its standing tasks.",
+    run=_run,
+    rules=(LOW, REACHES, ENDS),
+)
+
+
+def _stands(run: Pass, task: nodes.GivenTask) -> bool:
+    """Whether a task of an agenda stands by for a state of the world."""
+    rap = run.library.raps.get(task.goal.name)
+    return task.background and rap is not None and rap.monitor_state is not None
+
+
+def _low(run: Pass, agenda: nodes.DefineAgenda) -> Iterator[Diagnostic]:
+    work = [task for task in agenda.tasks if not task.background]
+    if not work:
+        return
+    highest = max(work, key=lambda one: one.priority)
+    lowest = min(one.priority for one in work)
+    for task in agenda.tasks:
+        if lowest >= task.priority and _stands(run, task):
+            yield Diagnostic(
+                rule=LOW.name,
+                message=f"`{task.goal.name}` stands by at priority {task.priority}, "
+                "and interrupts nothing",
+                span=task.goal.span,
+                labels=(Label(highest.span, f"priority {highest.priority}"),),
+                help="give it a higher priority than the work",
+            )
+
+
+_Reach = Mapping[str, tuple[int, nodes.Step | None]]
+
+
+def _reach(run: Pass) -> _Reach:
+    """Return how high steps reach above each RAP, with the first of the highest row."""
+    reach: dict[str, tuple[int, nodes.Step | None]] = {}
+    raps = run.library.raps.values()
+    rows = [(rap.name, [s for m in rap.methods for s in steps(m)]) for rap in raps]
+    for _ in range(_ROUNDS):
+        changed = False
+        for name, there in rows:
+            best = reach.get(name, (0, None))
+            for step in there:
+                high = step.priority + reach.get(step.goal.name, (0, None))[0]
+                if high > best[0]:
+                    best = (high, step)
+                    changed = True
+            if best[1] is not None:
+                reach[name] = best
+        if not changed:
+            break
+    return reach
+
+
+def _reaches(
+    run: Pass, agenda: nodes.DefineAgenda, reach: _Reach, told: set[int]
+) -> Iterator[Diagnostic]:
+    standing = sorted(
+        [task for task in agenda.tasks if _stands(run, task)], key=_priority
+    )
+    for task in agenda.tasks:
+        high, _ = reach.get(task.goal.name, (0, None))
+        at = bisect_right(standing, task.priority, key=_priority)
+        next_ = standing[at] if at < len(standing) else None
+        if next_ is None or next_.priority > task.priority + high:
+            continue
+        step = _raised(task.goal.name, reach)
+        if step is not None and id(step) not in told:
+            told.add(id(step))
+            yield Diagnostic(
+                rule=REACHES.name,
+                message=f"step `{step.tag}` raises `{task.goal.name}` to priority "
+                f"{task.priority + high}, up to `{next_.goal.name}`",
+                span=step.span,
+                labels=(
+                    Label(task.span, f"this task has priority {task.priority}"),
+                    Label(next_.span, f"this one has {next_.priority}"),
+                ),
+                help="lower the step, or leave more room between the two tasks",
+            )
+
+
+def _priority(task: nodes.GivenTask) -> int:
+    return task.priority
+
+
+def _raised(name: str, reach: _Reach) -> nodes.Step | None:
+    """The step of the highest row below a RAP that adds most."""
+    most: nodes.Step | None = None
+    for _ in range(_ROUNDS):
+        _, step = reach.get(name, (0, None))
+        if step is None:
+            break
+        if most is None or step.priority > most.priority:
+            most = step
+        name = step.goal.name
+    return most
+
+
+def _ended(run: Pass, task: nodes.GivenTask) -> Diagnostic | None:
+    rap = run.library.raps.get(task.goal.name)
+    if rap is None or not task.background or not rap.methods:
+        return None
+    monitors = [rap.monitor_state, rap.monitor_time]
+    monitor = next((one for one in monitors if one is not None), None)
+    if monitor is None or rap.succeed is not None:
+        return None
+    return Diagnostic(
+        rule=ENDS.name,
+        message=f"`{rap.name}` is done when a method has ended well once",
+        span=rap.name_span,
+        labels=(
+            Label(monitor.span, "its monitor"),
+            Label(task.span, "given as a task that stands by"),
+        ),
+        help="write `(succeed nil)` if it is to stand by for good",
+    )
