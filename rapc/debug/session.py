@@ -17,6 +17,7 @@ import msgspec
 from rapc.base.values import format_atom
 from rapc.compiler.program import Program
 from rapc.debug.acts import Act
+from rapc.debug.forced import ForcedWorld, ForceResult
 from rapc.debug.log import EventLog, Told
 from rapc.debug.reload import TakeUp, take_up
 from rapc.debug.saves import EVERY, Moment, Saves
@@ -24,7 +25,7 @@ from rapc.errors import ArgumentError, PortError, StateError
 from rapc.host import CheckedLibrary
 from rapc.runtime.events.events import TaskSelected
 from rapc.runtime.interpreter import Interpreter
-from rapc.world import Time
+from rapc.world import Time, World
 
 _RUNNING = 512
 """How many cycles a run goes on for before its state is saved."""
@@ -76,6 +77,7 @@ class Session:
     ) -> None:
         self.run = run
         self._program = library.program
+        self._world = run.machine.world
         self.log = log
         #: Why the run cannot be taken back in time; empty if it can.
         self.no_way_back = ""
@@ -335,6 +337,7 @@ class Session:
             raise StateError("there is no saved state before that moment")
         at, state = found
         self.run.machine.library = self._program_at(at.acts)
+        self.run.machine.world = self._world_at(at.acts)
         self.run.restore(state)
         self._done = at.acts
         if self.log.elsewhere is None:
@@ -372,11 +375,13 @@ class Session:
         """
         self._look_back()
         here, done, saved = self.run.save(), self._done, self._saved
+        world = self.run.machine.world
         before, self.log.elsewhere = self.log.elsewhere, _nobody
         try:
             yield
         finally:
             self.run.machine.library = self._program_at(done)
+            self.run.machine.world = world
             self.run.restore(here)
             self._done, self._saved = done, saved
             self.log.elsewhere = before
@@ -474,6 +479,11 @@ class Session:
             if isinstance(act, TakeUp):
                 return act.program
         return self._program
+
+    def _world_at(self, acts: int) -> World:
+        """Return the world as it was put together after so many acts of the branch."""
+        forced = any(isinstance(act, ForceResult) for _, act in self.branch.acts[:acts])
+        return ForcedWorld(self._world) if forced else self._world
 
     def stand(self) -> str:
         """Return where the session stands, in a line."""

@@ -14,6 +14,7 @@ from rapc.debug.acts import (
     RetryTask,
     SendSignal,
 )
+from rapc.debug.forced import ForceResult
 from rapc.debug.log import Told
 from rapc.debug.reload import reread
 from rapc.debug.what_if import what_if
@@ -104,6 +105,12 @@ def _told(shell: Shell, told: tuple[Told, ...]) -> list[str]:
     return lines or ["  nothing"]
 
 
+def _force(shell: Shell, args: Arguments) -> Answer:
+    request = pattern(args.word("a request"))
+    result = args.word("a result").lower()
+    return _do(shell, ForceResult(request, result, max(args.count("times", 1), 1)))
+
+
 def _reload(shell: Shell, args: Arguments) -> Answer:
     """Read the library again; what was typed stays in place of what the files say."""
     if not shell.paths:
@@ -150,6 +157,15 @@ ACTING = (
         "Send a signal to the tasks that wait for it.",
         _signal,
         (":signal (door-open hall)",),
+    ),
+    Command(
+        "force",
+        "REQUEST RESULT [TIMES]",
+        "Let the next request that is like this end with a result.",
+        _force,
+        (":force (arm-grasp ? ?) arm-dropped", ":force (truck-move) okay 3"),
+        "The request does not reach the world: nothing is done there, and it takes as "
+        "long as such a request usually does. Items are those of the sensors.",
     ),
     Command(
         "fail",

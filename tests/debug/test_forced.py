@@ -1,0 +1,72 @@
+"""Results are forced as often as was said, and taken back with the run."""
+
+from __future__ import annotations
+
+import pytest
+
+from rapc.debug.forced import ForceResult
+from rapc.debug.session import Session
+from rapc.errors import ArgumentError
+from rapc.runtime.events import events
+from tests.debug.sessions import truck
+from tests.repl.shells import said, truck_shell
+
+GRASP = ForceResult(("arm-grasp", "?arm", "?thing"), "arm-dropped", 2)
+
+
+def _grasps(session: Session) -> list[str]:
+    told = session.scan(events.PrimitiveEnded)
+    return [o.keys["result"] for o in told if o.keys["request"][0] == "arm-grasp"]
+
+
+def test_the_next_requests_end_as_is_said() -> None:
+    session = truck()
+    session.go()
+    before = _grasps(session)
+    session.goto(20)
+    session.act(GRASP)
+    session.go()
+    after = _grasps(session)
+    assert after[:2] == ["arm-dropped", "arm-dropped"]
+    assert before[0] == "okay"
+    assert session.run.results()[0].outcome == "succeeded"
+
+
+def test_what_is_forced_is_taken_back_and_done_again() -> None:
+    session = truck()
+    session.goto(20)
+    session.act(GRASP)
+    states = {}
+    while session.step().kind == "asked":
+        states[session.cycle] = session.run.save()
+    results = _grasps(session)
+    for cycle in (21, 60, 90, max(states)):
+        session.goto(5)
+        assert not hasattr(session.run.machine.world, "forced")
+        session.goto(cycle)
+        assert session.run.save() == states[cycle]
+        session.goto(cycle - 1)
+        session.step()
+        assert session.run.save() == states[cycle]
+    session.go()
+    assert _grasps(session) == results
+
+
+def test_what_the_world_does_not_offer_is_not_forced() -> None:
+    session = truck()
+    for act, why in (
+        (ForceResult(("arm-grsp", "?", "?"), "okay"), "did you mean `arm-grasp`"),
+        (ForceResult(("arm-grasp", "?", "?"), "exploded"), "`exploded`"),
+        (ForceResult(("arm-grasp", "?"), "okay"), "2"),
+    ):
+        with pytest.raises(ArgumentError, match=why):
+            session.act(act)
+    assert session.branch.acts == []
+
+
+def test_a_result_is_forced_by_a_command() -> None:
+    shell = truck_shell()
+    assert said(shell, ":force (truck-move) okay 3") == (
+        "done: force (truck-move) okay 3 times\n"
+    )
+    assert "a result is missing" in said(shell, ":force (truck-move)")
