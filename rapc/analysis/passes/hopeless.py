@@ -178,6 +178,8 @@ def _one_can_come(library: Library, one: Literal, done: Sequence[Effect]) -> boo
     fact = one.formula
     if isinstance(fact, nodes.Believe):
         fact = fact.pattern
+    if isinstance(fact, nodes.Proposition) and not _is_declared(library, fact.name):
+        return True
     if not isinstance(fact, nodes.Proposition) or _is_computed(library, fact.name):
         if not _is_known(library, fact):
             return True
@@ -203,6 +205,11 @@ def _serves(
     if effect.gone or len(effect.values) != len(fact.args):
         return True
     return all(same) if holds else all(same[:-1])
+
+
+def _is_declared(library: Library, name: str) -> bool:
+    stored = name in library.properties or name in library.propositions
+    return stored or _is_computed(library, name)
 
 
 def _is_computed(library: Library, name: str) -> bool:
