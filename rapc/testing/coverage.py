@@ -7,7 +7,7 @@ the libraries hold. How it is told is in `rapc.console.testing.coverage_table`.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from os.path import normpath
 from typing import TypeVar
 
@@ -19,8 +19,26 @@ from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.runtime.events import events
 from rapc.testing.asked_queries import Asker, asked_with, name_of
+from rapc.testing.heard_signals import HeardSignals, waits_of
 from rapc.testing.patterns import flat
 from rapc.world import OKAY
+
+
+class WaitCoverage(msgspec.Struct, frozen=True):
+    """A signal that a method, or a step of it, waits for, and how often it came."""
+
+    signal: str
+    row: int
+    heard: int
+
+
+class RuleCoverage(msgspec.Struct, frozen=True):
+    """A query of a rule over memory, and how often it has acted."""
+
+    #: What the rule is for: a RAP, or a signal.
+    name: str
+    row: int
+    ran: int
 
 
 class MethodCoverage(msgspec.Struct, frozen=True):
@@ -35,6 +53,7 @@ class MethodCoverage(msgspec.Struct, frozen=True):
     context_false: int | None
     #: How often its constraints ended it; None without constraints.
     constraints_broken: int | None
+    waits: tuple[WaitCoverage, ...] = ()
 
 
 class MonitorCoverage(msgspec.Struct, frozen=True):
@@ -89,6 +108,7 @@ class FileCoverage(msgspec.Struct, frozen=True):
     raps: tuple[RapCoverage, ...]
     queries: tuple[QueryCoverage, ...] = ()
     agendas: tuple[AgendaCoverage, ...] = ()
+    rules: tuple[RuleCoverage, ...] = ()
 
 
 class Coverage:
@@ -108,10 +128,13 @@ class Coverage:
         self._queries: dict[tuple[str, str], tuple[nodes.DefineQuery, Library]] = {}
         self._agendas: dict[tuple[str, str], tuple[nodes.DefineAgenda, Library]] = {}
         self._asked_with: Mapping[Asker, frozenset[str]] = {}
+        self._rules: dict[tuple[str, int], str] = {}
+        self._heard: HeardSignals | None = None
 
     def begin(self, library: Library) -> None:
         """A run of this library comes next."""
         self._tasks.clear()
+        self._heard = HeardSignals(library)
         if library is self._library:
             return
         self._library = library
@@ -119,9 +142,14 @@ class Coverage:
         _gather(self._raps, library.raps, library)
         _gather(self._queries, library.queries, library)
         _gather(self._agendas, library.agendas, library)
+        for name, alternative in _alternatives(library):
+            if not alternative.span.file.endswith(TEST_SUFFIX):
+                place = normpath(alternative.span.file), _row(library, alternative)
+                self._rules.setdefault(place, name)
 
     def __call__(self, event: events.Event) -> None:
         """Take one event into account."""
+        self._hear(event)
         match event:
             case events.TaskCreated():
                 self._tasks[event.task] = event.goal.name
@@ -147,6 +175,15 @@ class Coverage:
             case _:
                 pass
 
+    def _hear(self, event: events.Event) -> None:
+        """Count what a signal has decided, and what a rule has done."""
+        heard = None if self._heard is None else self._heard.heard(event)
+        if heard is not None:
+            self._count("heard", *heard)
+        if isinstance(event, events.RuleRun):
+            file, _, row = event.at.rpartition(":")
+            self._counts["rule", normpath(file), row] += 1
+
     def context(self, rap: str, method: str, holds: bool) -> None:
         """A method's context was asked."""
         self._count("true" if holds else "false", rap, method)
@@ -167,7 +204,7 @@ class Coverage:
 
     def files(self) -> tuple[FileCoverage, ...]:
         """All files of all libraries, by name."""
-        tables = (self._raps, self._queries, self._agendas)
+        tables = (self._raps, self._queries, self._agendas, self._rules)
         names = sorted({file for table in tables for file, _ in table})
         return tuple([self._of_file(name) for name in names])
 
@@ -191,8 +228,17 @@ class Coverage:
             for (where, name), (form, library) in self._agendas.items()
             if where == file
         ]
+        rules = [
+            RuleCoverage(name, row, self._counts["rule", file, str(row)])
+            for (where, row), name in self._rules.items()
+            if where == file
+        ]
         return FileCoverage(
-            file, _in_order(raps), _in_order(queries), _in_order(agendas)
+            file,
+            _in_order(raps),
+            _in_order(queries),
+            _in_order(agendas),
+            _in_order(rules),
         )
 
     def _task(self, library: Library, task: nodes.GivenTask) -> GivenCoverage:
@@ -235,7 +281,37 @@ class Coverage:
             constraints_broken=(
                 None if method.constraints is None else self._counts["broken", *at]
             ),
+            waits=self._waits(library, at, method),
         )
+
+    def _waits(
+        self, library: Library, at: tuple[str, str, str], method: nodes.Method
+    ) -> tuple[WaitCoverage, ...]:
+        first: dict[str, nodes.WaitFor] = {}
+        for wait in waits_of(method):
+            first.setdefault(wait.signal, wait)
+        return tuple(
+            [
+                WaitCoverage(
+                    name, _row(library, wait), self._counts["heard", *at, name]
+                )
+                for name, wait in first.items()
+            ]
+        )
+
+
+def _alternatives(library: Library) -> Iterator[tuple[str, nodes.Alternative]]:
+    """Yield each query of a rule over memory with what the rule is for."""
+    found: list[tuple[str, tuple[nodes.Rule, ...]]] = [
+        (memory.index.name, case.rules)
+        for memory in library.memory_rules
+        for case in memory.cases
+    ]
+    found += [(event.signal, event.rules) for event in library.event_rules]
+    for name, rules in found:
+        for rule in rules:
+            for alternative in rule.alternatives:
+                yield name, alternative
 
 
 def _is_monitor(event: events.TaskBlocked | events.TaskWoken) -> bool:
@@ -258,7 +334,7 @@ def _gather(known: _Known[_Form], forms: Mapping[str, _Form], of: Library) -> No
             known.setdefault((_file(form), form.name), (form, of))
 
 
-_Rowed = TypeVar("_Rowed", RapCoverage, QueryCoverage, AgendaCoverage)
+_Rowed = TypeVar("_Rowed", RapCoverage, QueryCoverage, AgendaCoverage, RuleCoverage)
 
 
 def _in_order(found: Iterable[_Rowed]) -> tuple[_Rowed, ...]:
@@ -277,6 +353,8 @@ _Placed = (
     | nodes.DefineQuery
     | nodes.DefineAgenda
     | nodes.GivenTask
+    | nodes.WaitFor
+    | nodes.Alternative
 )
 
 

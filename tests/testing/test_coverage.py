@@ -227,3 +227,65 @@ def test_pytest_tells_coverage_too(tmp_path: Path) -> None:
         assert done.returncode == status, done.stdout
         assert "coverage: 83.3 % (10 of 12)" in done.stdout
         assert json.loads((tmp_path / "all.json").read_text())["format"] == 1
+
+
+HALL = """\
+(declare-skill :drive () :events (:arrived :stuck))
+(declare-event :arrived ())
+(declare-event :stuck ())
+(declare-event :bump ())
+(declare-memory-proposition at (?where))
+(define-rap (go)
+  (method (primitive (enable (:drive))
+    (wait-for (:arrived) :succeed) (wait-for (:stuck) :fail))))
+(define-rap (trip)
+  (method (task-net (t1 (go) (wait-for (:bump) :fail) (wait-for (:arrived) :succeed)))))
+(define-memory-rule (go) :finish
+  (match-result
+    (succeed (rule (true (mem-add (at home)))))
+    (stuck (rule (true (mem-add (at wall)))))))
+(define-event-rule (:bump)
+  (rule ((at home) (mem-del (at)))
+        (true (mem-add (at nowhere)))))
+"""
+
+HALL_TESTS = """\
+(require "hall")
+(define-test arrives
+  (script ((enable (:drive)) :after 2 :signals ((:arrived))))
+  (task (trip))
+  (expect (succeeds (trip))))
+(define-test bumps
+  (task (trip)) (at 1 (signals (:bump))) (until 2)
+  (expect (memory (at nowhere))))
+"""
+
+
+def test_waits_that_heard_something_and_rules_that_acted_are_counted(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "hall.rap").write_text(HALL, encoding="utf-8")
+    (tmp_path / "hall.test.rap").write_text(HALL_TESTS, encoding="utf-8")
+    gathered = Coverage()
+    found = discover.find([tmp_path])
+    outcomes = list(TestSession(coverage=gathered).run(found.cases))
+    assert [outcome.failures for outcome in outcomes] == [(), ()]
+    (file,) = gathered.files()
+    heard = {
+        (rap.name, wait.signal): wait.heard
+        for rap in file.raps
+        for method in rap.methods
+        for wait in method.waits
+    }
+    assert heard == {
+        ("go", ":arrived"): 1,
+        ("go", ":stuck"): 0,
+        ("trip", ":bump"): 1,
+        ("trip", ":arrived"): 1,
+    }
+    ran = [(rule.name, rule.row, rule.ran) for rule in file.rules]
+    assert ran == [("go", 13, 1), ("go", 14, 0), (":bump", 16, 0), (":bump", 17, 1)]
+    lines = list(table(gathered.files()))
+    assert "awaited signals heard: 3/4; rules run: 2/4" in lines
+    assert any(line.endswith("hall.rap:6 go: never heard :stuck") for line in lines)
+    assert any(line.endswith("hall.rap:16 rule for :bump: never run") for line in lines)

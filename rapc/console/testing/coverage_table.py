@@ -26,6 +26,8 @@ OTHERS = {
     "queries_asked": "queries asked",
     "agenda_tasks_given": "tasks of agendas given",
     "constraints_broken": "constraints of methods broken",
+    "waits_heard": "awaited signals heard",
+    "rules_run": "rules run",
 }
 """What is summed up besides, by its name in JSON, with its name below the table."""
 
@@ -36,6 +38,8 @@ _COUNTED = (
     "monitors_woken",
     "queries_asked",
     "agenda_tasks_given",
+    "waits_heard",
+    "rules_run",
 )
 """What a test should show, and `--coverage-min` counts; nothing has to fail."""
 
@@ -77,6 +81,10 @@ def _counts(file: FileCoverage) -> Iterator[tuple[str, int | None]]:
             yield "contexts_false", method.context_false
             yield "methods_ended_badly", method.ended_badly
             yield "constraints_broken", method.constraints_broken
+            for wait in method.waits:
+                yield "waits_heard", wait.heard
+    for rule in file.rules:
+        yield "rules_run", rule.ran
     for query in file.queries:
         yield "queries_asked", query.asked
     for agenda in file.agendas:
@@ -114,6 +122,7 @@ def as_json(files: Sequence[FileCoverage]) -> bytes:
             "raps": one.raps,
             "queries": one.queries,
             "agendas": one.agendas,
+            "rules": one.rules,
         }
         for one in files
     ]
@@ -159,6 +168,9 @@ def _lacking_in(file: FileCoverage) -> Iterator[str]:
     for query in file.queries:
         if not query.asked:
             yield f"{file.file}:{query.row} {query.name}: never asked"
+    for rule in file.rules:
+        if not rule.ran:
+            yield f"{file.file}:{rule.row} rule for {rule.name}: never run"
     for agenda in file.agendas:
         for task in agenda.tasks:
             if not task.given:
@@ -187,5 +199,8 @@ def _lacking(rap: RapCoverage) -> Iterator[str]:
     for what, names in lacks:
         if names:
             yield f"{what} {' '.join(names)}"
+    unheard = [w.signal for m in rap.methods for w in m.waits if not w.heard]
+    if unheard:
+        yield f"never heard {' '.join(unheard)}"
     if rap.monitor is not None and not rap.monitor.woken:
         yield "monitor never woken"
