@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import msgspec
 
-from rapc.base.values import Atom, Fact, format_list, match, number
+from rapc.base.values import Atom, Bindings, Fact, format_list, match, number
 from rapc.errors import Error
 from rapc.world import (
     Datum,
@@ -201,10 +201,10 @@ class ScriptedWorld(World):
         """
         state = self._state
         coming = [skill for skill in skills if self._found(skill) is None]
-        found = {skill: self._answering("enable", skill) for skill in coming}
-        for index in found.values():
-            if index is not None and self._rows[index].refused:
-                state.used[index] += 1
+        found = {skill: self._row_for("enable", skill) for skill in coming}
+        for row in found.values():
+            if row is not None and self._rows[row[0]].refused:
+                self._use(row)
                 return Refused(self._under_way())
         for skill in dict.fromkeys(skills):
             on = self._found(skill)
@@ -224,12 +224,11 @@ class ScriptedWorld(World):
     def _found(self, skill: Fact) -> _On | None:
         return next((on for on in self._state.on if on.skill == skill), None)
 
-    def _start(self, skill: Fact, index: int | None) -> None:
+    def _start(self, skill: Fact, found: tuple[int, Bindings] | None) -> None:
         """Let a skill have to tell, from now on, what its row says."""
-        if index is None:
+        if found is None:
             return
-        self._state.used[index] += 1
-        row = fill(self._rows[index], match(self._rows[index].pattern, skill) or {})
+        row = self._use(found)
         self._tell_later(_Due(0, row=row, skill=skill), row.after or 0)
 
     def _tell_later(self, due: _Due, wait: Time) -> None:
@@ -250,11 +249,9 @@ class ScriptedWorld(World):
                 continue
             state.on.remove(on)
             state.coming = [due for due in state.coming if due.skill != on.skill]
-            index = self._answering("disable", on.skill)
-            if index is not None:
-                state.used[index] += 1
-                bound = match(self._rows[index].pattern, on.skill) or {}
-                row = fill(self._rows[index], bound)
+            found = self._row_for("disable", on.skill)
+            if found is not None:
+                row = self._use(found)
                 self._change_memory(row)
                 self._send(row.signals, (ticket,))
 
@@ -356,22 +353,27 @@ class ScriptedWorld(World):
         self._state = saved
 
     def _answer(self, request: Fact) -> Row:
-        index = self._answering("request", request)
-        if index is None:
+        found = self._row_for("request", request)
+        if found is None:
             raise UnansweredRequest(request)
-        self._state.used[index] += 1
-        row = self._rows[index]
-        filled = fill(row, match(row.pattern, request) or {})
-        return msgspec.structs.replace(filled, pattern=request)
+        return msgspec.structs.replace(self._use(found), pattern=request)
 
-    def _answering(self, kind: str, asked: Fact) -> int | None:
+    def _row_for(self, kind: str, asked: Fact) -> tuple[int, Bindings] | None:
         """Return the first row of a kind that matches and is not used up."""
         used = self._state.used
         for index, row in enumerate(self._rows):
-            free = row.kind == kind and used[index] != row.times
-            if free and match(row.pattern, asked) is not None:
-                return index
+            if row.kind != kind or used[index] == row.times:
+                continue
+            bound = match(row.pattern, asked)
+            if bound is not None:
+                return index, bound
         return None
+
+    def _use(self, found: tuple[int, Bindings]) -> Row:
+        """Use a row that was found, with what it binds; return it filled in."""
+        index, bound = found
+        self._state.used[index] += 1
+        return fill(self._rows[index], bound)
 
     def _handle_result(self, memory: HandlerMemory, request: Fact, _: str) -> None:
         """Handle the answer just given and what came before it, else the next end told.
