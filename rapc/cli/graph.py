@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 import click
 
 from rapc.analysis import graphs
@@ -9,6 +12,8 @@ from rapc.analysis.driver import CheckReport, check_library
 from rapc.analysis.graphs import Graph
 from rapc.base.diagnostics import Severity
 from rapc.base.names import nearest
+from rapc.base.values import format_atom, number
+from rapc.cli.checked import load_checked
 from rapc.cli.common import (
     USAGE,
     common_options,
@@ -16,13 +21,22 @@ from rapc.cli.common import (
     print_findings,
     read_paths,
 )
+from rapc.cli.given import prepare, run_options
 from rapc.library.library import Library
+from rapc.worlds.skills.drawing import (
+    Drawing,
+    Networked,
+    to_dot,
+    to_json,
+    to_mermaid,
+)
 
 EXAMPLES = """\b
 Examples:
   rapc graph my-library/ | dot -Tsvg > calls.svg
   rapc graph my-library/ --rap deliver --format mermaid
   rapc graph my-library/ --monitors --format json
+  rapc graph my-library/ --skills 20 --world my_robot:World --task '(tour)'
 """
 
 
@@ -41,16 +55,38 @@ Examples:
     show_default=True,
     help="For Graphviz, for Mermaid, or for programs.",
 )
+@click.option(
+    "--skills",
+    "moment",
+    type=click.FloatRange(min=0),
+    metavar="TIME",
+    help="The skills that are on at a time of a run of --world, and what they read.",
+)
+@click.option("--world", "world_name", metavar="WORLD", help="World of --skills.")
+@run_options
 @common_options
 def graph(
-    path: str, rap: str | None, monitors: bool, claims: bool, output_format: str
+    path: str,
+    rap: str | None,
+    monitors: bool,
+    claims: bool,
+    output_format: str,
+    moment: float | None,
+    world_name: str | None,
+    **given: Any,
 ) -> None:
     """Print a graph of a library: which RAP asks for which RAPs and primitives.
 
     Exit status: 0; 2 for a library with errors, and for what cannot be read.
     """
-    if (rap is not None) + monitors + claims > 1:
-        fail("--rap, --monitors and --claims exclude each other")
+    if (rap is not None) + monitors + claims + (moment is not None) > 1:
+        fail("--rap, --monitors, --claims and --skills exclude each other")
+    if moment is not None and world_name is not None:
+        written = _SKILLS[output_format](_network(path, world_name, moment, given))
+        click.echo(written, nl=False)
+        return
+    if moment is not None or world_name is not None or any(given.values()):
+        fail("--skills takes --world; --world, --task and the like take --skills")
     library = _library(path)
     if rap is not None:
         drawn = _task_nets(library, rap)
@@ -63,6 +99,31 @@ def graph(
     from rapc.console.graphs import WRITERS  # noqa: PLC0415  # when all is well
 
     click.echo(WRITERS[output_format](drawn), nl=False)
+
+
+_SKILLS: Mapping[str, Callable[[Drawing], str]] = {
+    "dot": to_dot,
+    "mermaid": to_mermaid,
+    "json": to_json,
+}
+
+
+def _network(
+    path: str, world_name: str, moment: float, given: Mapping[str, Any]
+) -> Drawing:
+    """Return the network of skills at a time of a run; else end the command."""
+    begun = prepare(load_checked(path), world_name, **given)
+    world = begun.world
+    if not isinstance(world, Networked):
+        fail(f"the world `{world.name}` has no network of skills to be drawn")
+    found: list[Drawing] = []
+    run, time = begun.interpreter, number(moment)
+    begun.begin()
+    run.call_at(time, lambda: found.append(world.network()))
+    reason = run.run(until=time)
+    if not found:
+        fail(f"the run was over at time {format_atom(run.now)} ({reason})")
+    return found[0]
 
 
 def _library(path: str) -> Library:

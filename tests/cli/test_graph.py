@@ -146,8 +146,78 @@ def test_bad_usage(folder: Path) -> None:
     assert done.stderr == ("error: no RAP is called `setp`\n  did you mean `step`?\n")
     done = rapc("graph", "lib.rap", "--rap", "go", "--claims", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == ("error: --rap, --monitors and --claims exclude each other\n")
+    said = "error: --rap, --monitors, --claims and --skills exclude each other\n"
+    assert done.stderr == said
     (folder / "lib.rap").write_text("(define-rap (a) (succeed (b)))")
     done = rapc("graph", "lib.rap", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
     assert "RAP015 undeclared-predicate" in done.stderr
+
+
+# --- skills -------------------------------------------------------------------------
+
+
+HALL = """\
+(declare-memory-proposition location-data (?a ?b ?c ?d ?e))
+(declare-memory-proposition connects (?a ?b ?c))
+(declare-memory-proposition relative-loc (?a ?b ?c ?d ?e))
+(declare-memory-proposition lift-door (?a ?b ?c))
+(declare-memory-proposition charger-at (?a ?b))
+(declare-memory-proposition current-space (?a ?b))
+(declare-memory-proposition current-location (?a ?b))
+(declare-memory-proposition orientation (?a ?b ?c ?d))
+(declare-skill :detect-obstacles ())
+(declare-skill :track-hallway () :events (:end-o-hall :hall-blocked))
+(declare-skill :follow-trajectory ())
+(declare-event :end-o-hall ())
+(declare-event :hall-blocked ())
+(define-rap (follow-hall)
+  (method
+    (primitive
+      (enable (:detect-obstacles) (:track-hallway) (:follow-trajectory))
+      (wait-for (:end-o-hall) :succeed)
+      (wait-for (:hall-blocked) :fail))))
+"""
+
+WORLD = ("--world", "rapc.worlds.hallway.world:HallwayWorld")
+
+
+def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
+    (tmp_path / "hall.rap").write_text(HALL, encoding="utf-8")
+    on = ("graph", "hall.rap", "--skills", "0.5", *WORLD, "--task", "(follow-hall)")
+    done = rapc(*on, "--format", "json", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    boxes = {box["key"]: box["kind"] for box in json.loads(done.stdout)["boxes"]}
+    assert boxes["track-hallway"] == boxes["detect-obstacles"] == "skill"
+    assert boxes["end-o-hall of track-hallway"] == "event"
+    assert "sensor" in boxes.values()
+    assert rapc(*on, cwd=tmp_path).stdout.startswith("digraph skills {\n")
+    done = rapc(*on, "--format", "mermaid", cwd=tmp_path)
+    assert done.stdout.startswith("flowchart LR\n")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--skills", "1"), "--skills takes --world"),
+        (WORLD, "--skills takes --world; --world, --task and the like take --skills"),
+        (("--task", "(follow-hall)"), "take --skills"),
+        (("--skills", "1", *WORLD, "--claims"), "exclude each other"),
+        (("--skills", "-1", *WORLD), "-1"),
+        (("--skills", "1", *WORLD, "--task", "(gone)"), "no RAP is called `gone`"),
+    ],
+)
+def test_what_goes_with_skills_and_what_does_not(
+    tmp_path: Path, options: tuple[str, ...], said: str
+) -> None:
+    (tmp_path / "hall.rap").write_text(HALL, encoding="utf-8")
+    done = rapc("graph", "hall.rap", *options, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+
+
+def test_a_world_without_a_network_has_none_to_be_drawn() -> None:
+    truck = ("stdlib/truck", "--world", "truck", "--skills", "1")
+    done = rapc("graph", *truck, cwd=ROOT)
+    assert done.returncode == 2
+    assert "the world `truck` has no network of skills to be drawn" in done.stderr

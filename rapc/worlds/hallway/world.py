@@ -25,6 +25,7 @@ from rapc.worlds.hallway.robot import TICK
 from rapc.worlds.hallway.simulation import Settings, Simulation
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.drawing import Drawing, draw
 from rapc.worlds.skills.runtime import Told
 
 PER_SECOND = round(1 / TICK)
@@ -187,6 +188,10 @@ class HallwayWorld(World):
             number(round(off, 2)),
             number(round(body.battery, 1)),
         )
+
+    def network(self) -> Drawing:
+        """Return the network of skills that is active now, to be drawn."""
+        return draw(self.simulation.runtime)
 
     def scene(self) -> Scene:
         """Return the truth as it is now on the robot's floor, to be drawn."""

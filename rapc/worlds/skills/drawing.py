@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol, runtime_checkable
+
 import msgspec
 
 from rapc.worlds.skills.network import Arbitration, Edge, is_event
@@ -38,6 +40,14 @@ _MERMAID_SHAPES = {
     "arbiter": ("{", "}"),
     "actuator": ("([", "])"),
 }
+
+
+@runtime_checkable
+class Networked(Protocol):
+    """A world whose network of skills can be drawn."""
+
+    def network(self) -> Drawing:
+        """Return the network that is active now; nothing changes by that."""
 
 
 def draw(runtime: SkillRuntime) -> Drawing:
@@ -82,6 +92,12 @@ def to_mermaid(drawing: Drawing) -> str:
         arrow = "-.->" if edge.delayed else "-->"
         lines.append(f"  {names[edge.start]} {arrow}|{edge.channel}| {names[edge.end]}")
     return "\n".join([*lines, ""])
+
+
+def to_json(drawing: Drawing) -> str:
+    """Return a drawing as JSON: boxes, and edges between their keys."""
+    written = msgspec.json.encode(drawing)
+    return msgspec.json.format(written, indent=2).decode() + "\n"
 
 
 def _label(key: str, kind: str) -> str:
