@@ -51,7 +51,7 @@ class HeardSignals:
                 self._parents[event.task] = event.parent
             case events.MethodChosen():
                 self._methods[event.task] = event.method
-            case events.Signal():
+            case events.SignalReceived():
                 self._signal = str(event.what[0])
             case events.TaskSelected():
                 self._signal = None
