@@ -158,19 +158,7 @@ def test_bad_usage(folder: Path) -> None:
 
 
 HALL = """\
-(declare-memory-proposition location-data (?a ?b ?c ?d ?e))
-(declare-memory-proposition connects (?a ?b ?c))
-(declare-memory-proposition relative-loc (?a ?b ?c ?d ?e))
-(declare-memory-proposition lift-door (?a ?b ?c))
-(declare-memory-proposition charger-at (?a ?b))
-(declare-memory-proposition current-space (?a ?b))
-(declare-memory-proposition current-location (?a ?b))
-(declare-memory-proposition orientation (?a ?b ?c ?d))
-(declare-skill :detect-obstacles ())
-(declare-skill :track-hallway () :events (:end-o-hall :hall-blocked))
-(declare-skill :follow-trajectory ())
-(declare-event :end-o-hall ())
-(declare-event :hall-blocked ())
+(require "hallway/world")
 (define-rap (follow-hall)
   (method
     (primitive
@@ -179,7 +167,7 @@ HALL = """\
       (wait-for (:hall-blocked) :fail))))
 """
 
-WORLD = ("--world", "rapc.worlds.hallway.world:HallwayWorld")
+WORLD = ("--world", "rapc.worlds.hallway:HallwayWorld")
 
 
 def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
