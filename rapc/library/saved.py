@@ -33,7 +33,7 @@ from rapc.library.saved_check import UnsoundError, Verifier
 from rapc.library.signatures import Signature, Signatures
 from rapc.parser.unit import SourceUnit
 
-FORMAT = 3
+FORMAT = 4
 """The version of the format; a change of the IR is one of the format."""
 
 _MOST_SAID = 200
