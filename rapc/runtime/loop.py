@@ -56,9 +56,10 @@ class Loop:
         changed = machine.things.changed
         scheduled, gone = state.scheduled, state.activations.off
         clock, receive, cost = machine.world.now, machine.world.messages, self._cost
-        ends = type(machine.world).ended is not World.ended
         limited = state.until is not None
-        idle, patience = state.idle, self._patience
+        # A world that may end the run by itself is asked in each turn.
+        may_end = type(machine.world).ended is not World.ended
+        idle, patience = state.idle, -1 if may_end else self._patience
         while left != 0 and not state.over:
             now = clock()
             if limited or now != recorder.time:
@@ -75,7 +76,7 @@ class Loop:
                 self._create_scheduled()
             if to_test or changed or recorder.time >= monitors.next_look:
                 self._wake()
-            if ends or idle > patience or not state.foreground:
+            if idle > patience or not state.foreground:
                 state.idle = idle
                 reason = self.reason()
                 if reason is not None:
