@@ -35,6 +35,7 @@ BUMP = ":bump"
 OPTIONS = (
     Option("map", "text", Text(""), "", "a map in TOML; the default one if empty"),
     Option("random-map", "integer", -1, "", "the seed of a map made at random; -1: no"),
+    Option("start", "text", Text(""), "", "the landmark where it begins; else the map's"),
     Option("doors", "number", 120, "s", "how long a door stays open on average; 0: on"),
     Option("people", "integer", 99, "", "how many of the map's people there are"),
     Option("lift", "number", 90, "s", "between calls of the lift by others; 0: none"),
@@ -219,13 +220,20 @@ class HallwayWorld(World):
 
 
 def _read_map(given: Mapping[str, Atom | bool]) -> Map:
-    text, seed = given["map"], given["random-map"]
+    """Return the map that the options ask for, with the start they ask for."""
+    text, seed, start = given["map"], given["random-map"], given["start"]
     if isinstance(seed, int) and seed >= 0:
-        return random_map(seed)
-    try:
-        return read_map(text.value if isinstance(text, Text) and text.value else MAP)
-    except MapError as error:
-        raise ValueError(f"`map`: {error}") from error
+        map = random_map(seed)
+    else:
+        try:
+            map = read_map(text.value if isinstance(text, Text) and text.value else MAP)
+        except MapError as error:
+            raise ValueError(f"`map`: {error}") from error
+    if not isinstance(start, Text) or not start.value:
+        return map
+    if start.value not in [mark.name for mark in map.landmark]:
+        raise ValueError(f"`start`: no landmark on a wall: `{start.value}`")
+    return msgspec.structs.replace(map, start=start.value)
 
 
 def _plain(value: Atom) -> Atom:
