@@ -35,7 +35,7 @@ BUMP = ":bump"
 OPTIONS = (
     Option("map", "text", Text(""), "", "a map in TOML; the default one if empty"),
     Option("random-map", "integer", -1, "", "the seed of a map made at random; -1: no"),
-    Option("start", "text", Text(""), "", "the landmark where it begins; else the map's"),
+    Option("start", "text", Text(""), "", "the landmark it begins at; else the map's"),
     Option("doors", "number", 120, "s", "how long a door stays open on average; 0: on"),
     Option("people", "integer", 99, "", "how many of the map's people there are"),
     Option("lift", "number", 90, "s", "between calls of the lift by others; 0: none"),

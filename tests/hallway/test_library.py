@@ -1,0 +1,75 @@
+"""The hallway library drives the robot: journeys, a tour, the battery, saved runs."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from rapc.runtime.events import events
+from rapc.runtime.interpreter import Interpreter
+from rapc.worlds.hallway.random_map import random_map
+from tests.hallway.runs import begin, travel
+
+
+@pytest.mark.parametrize("seed", range(1000, 1012))
+def test_the_robot_arrives_and_knows_where_it_is(seed: int) -> None:
+    journey = travel(seed)
+    assert journey.arrived, journey
+    assert journey.truth.fastest <= 0.1
+
+
+@pytest.mark.parametrize("building", [2, 5])
+def test_the_same_library_drives_a_building_made_at_random(building: int) -> None:
+    journey = travel(3, random_map(building), {"random-map": building})
+    assert journey.arrived, journey
+
+
+def test_a_tour_visits_every_landmark_and_speaks_its_name() -> None:
+    run, world = begin(1, agenda="sightseeing", options={"random-map": 3})
+    run.run(until=6000)
+    said = [words for _, words in world.simulation.state.said]
+    assert sorted(said) == sorted(m.says or m.name for m in random_map(3).landmark)
+    assert [t.outcome for t in run.results() if not t.background] == ["succeeded"]
+
+
+def test_the_robot_charges_on_its_tour_and_goes_on_with_it() -> None:
+    run, world = begin(1, agenda="sightseeing", options={"usage": 6})
+    charged: list[float] = []
+    run.listen(lambda _: charged.append(world.figures().battery), events.Signal)
+    run.run(until=6000)
+    assert min(charged) < 40
+    assert [t.outcome for t in run.results() if not t.background] == ["succeeded"]
+    assert run.memory.query("battery-low", "robot") == []
+
+
+def test_a_way_that_was_planned_once_is_not_planned_again() -> None:
+    """What the planner finds stays a method [S 3.2]."""
+    goals = ["coffee-machine", "charger", "coffee-machine", "charger"]
+    tasks = [f"(go-to {goal}) :at {300 * at + 1}" for at, goal in enumerate(goals)]
+    run, _ = begin(2, *tasks, options={"doors": 0, "people": 0})
+    asked: list[events.Event] = []
+    run.listen(asked.append, events.SolverCalled)
+    run.run(until=3000)
+    sent = [task.outcome for task in run.results() if not task.background]
+    assert sent == ["succeeded"] * len(goals)
+    assert len(asked) == 2
+
+
+def test_a_journey_that_is_saved_goes_on_the_same() -> None:
+    run, _ = begin(7, "(go-to chest) :at 1")
+    chance = Random(7)
+    for _ in range(20):
+        other, cycles = run.fork(), chance.randint(1, 8)
+        expected = _next(run, cycles)
+        assert _next(other, cycles) == expected
+        assert other.save() == run.save()
+
+
+def _next(run: Interpreter, cycles: int) -> list[events.Event]:
+    """Return what happens in the next cycles of a run."""
+    heard: list[events.Event] = []
+    run.listen(heard.append)
+    for _ in range(cycles):
+        assert run.step()
+    return heard
