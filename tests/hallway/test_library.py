@@ -9,7 +9,7 @@ import pytest
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.hallway.random_map import random_map
-from tests.hallway.runs import begin, travel
+from tests.hallway.sent import begin, travel
 
 
 @pytest.mark.parametrize("seed", range(1000, 1012))
@@ -36,7 +36,7 @@ def test_a_tour_visits_every_landmark_and_speaks_its_name() -> None:
 def test_the_robot_charges_on_its_tour_and_goes_on_with_it() -> None:
     run, world = begin(1, agenda="sightseeing", options={"usage": 6})
     charged: list[float] = []
-    run.listen(lambda _: charged.append(world.figures().battery), events.Signal)
+    run.listen(lambda _: charged.append(world.figures().battery), events.SignalReceived)
     run.run(until=6000)
     assert min(charged) < 40
     assert [t.outcome for t in run.results() if not t.background] == ["succeeded"]
