@@ -89,6 +89,46 @@ def _open(n: int) -> str:
     return "(define-rap (a) (succeed t)\n" * n
 
 
+_FACTS = """\
+(declare-memory-property p (?a ?v) unknown)
+(declare-memory-proposition q (?a))
+(declare-primitive act (?a) (okay) :on (okay (q ?a)))
+"""
+
+
+def _constants(n: int) -> str:
+    return _FACTS + "".join(
+        f"(define-rap (r{i}) (succeed (p c{i:05} w)) (method (primitive (act box))))\n"
+        for i in range(n)
+    )
+
+
+def _contexts(n: int) -> str:
+    asked = " ".join(f"(p ?x{i} {i}) (not (q ?x{i}))" for i in range(20))
+    return _FACTS + "".join(
+        f"(define-rap (r{i}) (method (context (and {asked})) (primitive (act a))))\n"
+        for i in range(n)
+    )
+
+
+def _tasks(n: int) -> str:
+    tasks = " ".join(
+        f"(task (r) :priority {i % 9} :background {'true' if i % 2 else 'false'})"
+        for i in range(n)
+    )
+    rap = "(define-rap (r) (succeed nil) (monitor-state (q a)) (method (primitive "
+    return f"{_FACTS}{rap}(act a))))\n(define-agenda d {tasks})"
+
+
+def _dense_calls(n: int) -> str:
+    return "".join(
+        f"(define-rap (r{i}) (method (task-net "
+        + " ".join(f"(t{j} (r{(i * 7 + j * 13) % n}))" for j in range(8))
+        + ")))\n"
+        for i in range(n)
+    )
+
+
 CONSTRUCTS: Mapping[str, tuple[Callable[[int], str], int]] = {
     "RAPs": (_raps, 2000),
     "`method-tried` of unknown methods": (_methods_tried, 500),
@@ -102,6 +142,10 @@ CONSTRUCTS: Mapping[str, tuple[Callable[[int], str], int]] = {
     "methods of one RAP": (_methods, 1000),
     "notations of one method": (_terms, 2000),
     "forms that are never closed": (_open, 500),
+    "constants that stand once": (_constants, 500),
+    "contexts of forty parts": (_contexts, 50),
+    "tasks of one agenda": (_tasks, 500),
+    "RAPs that call eight others": (_dense_calls, 1000),
 }
 """Each with how its text is made, and n."""
 

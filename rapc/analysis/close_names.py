@@ -8,6 +8,9 @@ from collections.abc import Iterable, Iterator
 _MOST = 60
 """How long a name may be; nobody compares longer ones by eye."""
 
+_LOOKED_AT = 10
+"""Of names that all are one letter from each other only so many are looked at."""
+
 _TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
 """What tells names apart that come in rows: `?arm1`, `?arm-b`."""
 
@@ -36,7 +39,7 @@ class Close:
         """Yield the names one slip away from another, each once."""
         seen = {name}
         for short in self._shortened(name):
-            for other in self._names.get(short, ()):
+            for other in self._names.get(short, [])[:_LOOKED_AT]:
                 if other not in seen and is_one_slip(name, other):
                     seen.add(other)
                     yield other

@@ -107,7 +107,7 @@ def _term_or_formula(node: nodes.Node, new: Mapping[str, str]) -> nodes.Node:
 
 # --- what cannot hold together -----------------------------------------------------
 
-MOST = 40
+MOST = 24
 """A conjunction with more literals than this is not looked at."""
 
 

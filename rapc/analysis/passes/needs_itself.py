@@ -39,7 +39,7 @@ top.""",
 _FAR = 6
 """So many RAPs a walk leads through at most."""
 
-_MOST = 200
+_MOST = 80
 """So many steps a walk takes at most."""
 
 
