@@ -14,7 +14,17 @@ from typing import NoReturn
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text, number
-from rapc.world import NOT_KNOWN, Kit, Offer, Option, Refused, Signal, Time, World
+from rapc.world import (
+    NOT_KNOWN,
+    Kit,
+    Offer,
+    Option,
+    Picture,
+    Refused,
+    Signal,
+    Time,
+    World,
+)
 from rapc.worlds.hallway import facts, planner
 from rapc.worlds.hallway.default_map import MAP
 from rapc.worlds.hallway.geometry import far_from, turn_between
@@ -23,6 +33,7 @@ from rapc.worlds.hallway.picture import Scene, scene
 from rapc.worlds.hallway.random_map import random_map
 from rapc.worlds.hallway.robot import TICK
 from rapc.worlds.hallway.simulation import Settings, Simulation
+from rapc.worlds.hallway.sketch import sketch
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Catalogue, Request
 from rapc.worlds.skills.drawing import Drawing, draw
@@ -193,6 +204,10 @@ class HallwayWorld(World):
     def network(self) -> Drawing:
         """Return the network of skills that is active now, to be drawn."""
         return draw(self.simulation.runtime)
+
+    def picture(self) -> Picture:
+        """Return the robot's floor as it is now, for `--show`."""
+        return sketch(self.simulation)
 
     def scene(self) -> Scene:
         """Return the truth as it is now on the robot's floor, to be drawn."""
