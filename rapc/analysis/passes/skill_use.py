@@ -45,7 +45,9 @@ UNUSED = Rule(
     severity=Severity.INFO,
     summary="a skill is declared that nothing enables, though others are enabled",
     why="""The world must offer every skill that is declared, or the library is refused
-in it; and a skill that nothing enables may have been forgotten.""",
+in it; and a skill that nothing enables may have been forgotten. A file without RAPs
+may list all that a world offers (as `rapc worlds NAME --declare` prints it) for
+libraries that use a part of it: its skills are not told of.""",
     example="""\
 (declare-event :arrived ())
 (declare-skill :drive () :events (:arrived))
@@ -116,8 +118,9 @@ def _report_unused(run: Pass, enabled: set[str]) -> None:
         return
     if any(unread(form.span) for form in run.library.raps.values()):
         return
+    with_raps = {rap.span.file for rap in run.library.raps.values()}
     for name, skill in run.library.skills.items():
-        if name not in enabled:
+        if name not in enabled and skill.span.file in with_raps:
             run.report(
                 Diagnostic(
                     rule=UNUSED.name,
