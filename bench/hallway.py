@@ -13,7 +13,7 @@ from random import Random
 from typing import Any
 
 from rapc.worlds.hallway.picture import scene
-from rapc.worlds.hallway.simulation import Settings
+from rapc.worlds.hallway.simulation import HallwaySettings
 from tests.hallway.driver import Driver
 from tests.hallway.journey import Traveller
 
@@ -45,7 +45,7 @@ def main() -> None:
 
 def drive(seed: int, seconds: float) -> tuple[Driver, Track, int]:
     """Drive from landmark to landmark for some time; return where the robot was."""
-    driver, rng = Driver(seed, Settings(usage=0)), Random(seed)
+    driver, rng = Driver(seed, HallwaySettings(usage=0)), Random(seed)
     track: Track = []
     tick = driver.tick
 

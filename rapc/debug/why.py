@@ -29,8 +29,8 @@ from rapc.runtime.tasks.start import read_inputs
 from rapc.world import Time
 
 
-class Rule(msgspec.Struct, frozen=True):
-    """A rule of choice, and the tasks that it left."""
+class AppliedRule(msgspec.Struct, frozen=True):
+    """A rule of choice that was applied, and the tasks that it left."""
 
     rule: str
     left: tuple[int, ...]
@@ -44,7 +44,7 @@ class Choice(msgspec.Struct, frozen=True):
     time: Time
     #: The tasks that could have come up.
     candidates: tuple[int, ...]
-    rules: tuple[Rule, ...]
+    rules: tuple[AppliedRule, ...]
 
 
 class Origin(msgspec.Struct, frozen=True):
@@ -123,16 +123,16 @@ def chosen(session: Session, task: int) -> Choice:
     if sole is not None:
         entries[sole] = (live[sole].priority, 0.0, False)
     left = sorted(entries)
-    rules: list[Rule] = []
+    rules: list[AppliedRule] = []
     for rule, keep in _rules(entries, agenda.stack, live):
         if len(left) < 2:
             break
         kept = keep(left)
         if len(kept) < len(left):
-            rules.append(Rule(rule, tuple(kept)))
+            rules.append(AppliedRule(rule, tuple(kept)))
             left = kept
     if len(left) > 1:
-        rules.append(Rule("chance", (task,)))
+        rules.append(AppliedRule("chance", (task,)))
     return Choice(
         task, session.cycle + 1, session.now, tuple(sorted(entries)), tuple(rules)
     )

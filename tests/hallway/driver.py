@@ -11,12 +11,12 @@ import msgspec
 from rapc.base.values import Atom
 from rapc.worlds.hallway.default_map import MAP
 from rapc.worlds.hallway.map import Map, Sign, read_map
-from rapc.worlds.hallway.simulation import STANDOFF, Settings, Simulation
+from rapc.worlds.hallway.simulation import STANDOFF, HallwaySettings, Simulation
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Request
 from rapc.worlds.skills.runtime import Told
 
-STILL = Settings(doors=0, people=0, lift=0, drift=0, usage=0)
+STILL = HallwaySettings(doors=0, people=0, lift=0, drift=0, usage=0)
 """Nothing moves but the robot, which reckons well."""
 
 
@@ -32,7 +32,7 @@ class Driver:
     """A robot in a simulation, and the activations that drive it."""
 
     def __init__(
-        self, seed: int = 0, settings: Settings = STILL, map: Map | None = None
+        self, seed: int = 0, settings: HallwaySettings = STILL, map: Map | None = None
     ) -> None:
         self.sim = Simulation(map or read_map(MAP), catalogue(), Random(seed), settings)
         self.ticket = 0

@@ -12,18 +12,18 @@ import pytest
 
 from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.random_map import random_map
-from rapc.worlds.hallway.simulation import Settings
+from rapc.worlds.hallway.simulation import HallwaySettings
 from rapc.worlds.skills.catalogue import Request
 from tests.hallway.driver import FOLLOW_HALL, STILL, Driver
 from tests.hallway.journey import Traveller
 
-CROWDED = Settings(doors=60, lift=60, usage=0)
+CROWDED = HallwaySettings(doors=60, lift=60, usage=0)
 
 GENTLE = 0.1
 """No collision may be faster, in metres a second."""
 
 
-def _journey(seed: int, settings: Settings, map: Map | None = None) -> Traveller:
+def _journey(seed: int, settings: HallwaySettings, map: Map | None = None) -> Traveller:
     """One journey between two landmarks chosen by the seed."""
     rng, driver = Random(seed), Driver(seed, settings, map)
     lift = [space.name for space in driver.sim.map.space if space.kind == "lift"]

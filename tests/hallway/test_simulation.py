@@ -13,11 +13,11 @@ import pytest
 from rapc.worlds.hallway.channels import BEARINGS, RADIUS, SONAR_RANGE
 from rapc.worlds.hallway.people import GIRTH
 from rapc.worlds.hallway.robot import laser, sonar
-from rapc.worlds.hallway.simulation import Settings
+from rapc.worlds.hallway.simulation import HallwaySettings
 from rapc.worlds.skills.catalogue import Request
 from tests.hallway.driver import FOLLOW_HALL, STILL, Driver, to_landmark
 
-LIVELY = Settings(doors=40, lift=30)
+LIVELY = HallwaySettings(doors=40, lift=30)
 
 
 def test_sonars_measure_the_walls_around_with_noise() -> None:
@@ -61,7 +61,7 @@ def test_the_laser_gives_bearings_of_tags_that_can_be_seen() -> None:
 def test_dead_reckoning_drifts_and_differs_by_seed() -> None:
     off = []
     for seed in range(4):
-        driver = Driver(seed, Settings(doors=0, people=0, lift=0))
+        driver = Driver(seed, HallwaySettings(doors=0, people=0, lift=0))
         driver.place(3.0, 14.0, 0.0)
         driver.until(*FOLLOW_HALL, events=("end-o-hall",))
         body = driver.sim.state.robot
@@ -140,7 +140,7 @@ def test_an_idle_world_senses_nothing_and_says_nothing() -> None:
 
 
 def test_an_empty_battery_stops_the_robot() -> None:
-    driver = Driver(0, Settings(doors=0, people=0, lift=0, usage=1))
+    driver = Driver(0, HallwaySettings(doors=0, people=0, lift=0, usage=1))
     driver.place(3.0, 14.0, 0.0)
     driver.sim.state.robot.battery = 0.02
     driver.on(*FOLLOW_HALL, events=())

@@ -10,7 +10,7 @@ from rapc.base.values import Text
 from rapc.world import Refused
 from rapc.worlds.hallway.channels import DRIVE, TRAJECTORY
 from rapc.worlds.hallway.map import read_map
-from rapc.worlds.hallway.simulation import Settings
+from rapc.worlds.hallway.simulation import HallwaySettings
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Request
 from rapc.worlds.skills.drawing import draw
@@ -318,7 +318,7 @@ def test_a_push_against_a_wall_is_no_collision_of_the_robots_own() -> None:
 
 
 def test_the_battery_is_charged_where_the_charger_is() -> None:
-    driver = Driver(0, Settings(doors=0, people=0, lift=0, drift=0))
+    driver = Driver(0, HallwaySettings(doors=0, people=0, lift=0, drift=0))
     driver.place_at("charger", "lab")
     driver.sim.state.robot.battery = 40.0
     events = ("charged", "not-docked")
@@ -332,7 +332,7 @@ def test_the_battery_is_charged_where_the_charger_is() -> None:
 
 
 def test_a_low_battery_is_told_of_once() -> None:
-    driver = Driver(0, Settings(doors=0, people=0, lift=0, drift=0))
+    driver = Driver(0, HallwaySettings(doors=0, people=0, lift=0, drift=0))
     driver.sim.state.robot.battery = 30.02
     driver.on(Request("watch-battery", (30,)), events=("battery-low",))
     driver.tick(300)
@@ -370,7 +370,7 @@ def test_the_lift_door_is_closed_where_the_cabin_is_not() -> None:
 
 
 def test_others_use_the_lift_too_but_not_while_the_robot_is_in_it() -> None:
-    driver = Driver(5, Settings(doors=0, people=0, lift=20))
+    driver = Driver(5, HallwaySettings(doors=0, people=0, lift=20))
     cabin, floors = driver.sim.state.lift, set()
     assert cabin is not None
     for _ in range(1500):

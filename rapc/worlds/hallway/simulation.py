@@ -49,7 +49,7 @@ DOCKED = 0.35
 """How far from its place at the charger the robot can still charge, in metres."""
 
 
-class Settings(msgspec.Struct, frozen=True):
+class HallwaySettings(msgspec.Struct, frozen=True):
     """What can be chosen about a run; times in seconds."""
 
     #: How long a door stays open on average; 0: for ever.
@@ -106,7 +106,7 @@ class State(msgspec.Struct):
 
 class _Saved(msgspec.Struct):
     map: str
-    settings: Settings
+    settings: HallwaySettings
     state: State
     skills: msgspec.Raw
     streams: dict[str, Stream]
@@ -123,7 +123,7 @@ class Simulation:
     """
 
     def __init__(
-        self, map: Map, catalogue: Catalogue, rng: Random, settings: Settings
+        self, map: Map, catalogue: Catalogue, rng: Random, settings: HallwaySettings
     ) -> None:
         self.map = map
         self.settings = settings

@@ -32,7 +32,7 @@ from rapc.worlds.hallway.map import Map, MapError, read_map
 from rapc.worlds.hallway.picture import Scene, scene
 from rapc.worlds.hallway.random_map import random_map
 from rapc.worlds.hallway.robot import TICK
-from rapc.worlds.hallway.simulation import Settings, Simulation
+from rapc.worlds.hallway.simulation import HallwaySettings, Simulation
 from rapc.worlds.hallway.sketch import sketch
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Catalogue, Request
@@ -110,7 +110,7 @@ class HallwayWorld(World):
             if not isinstance(value, int | float) or value < 0:
                 raise ValueError(f"`{name}` must not be below 0")
             numbers[name] = value
-        settings = msgspec.convert(numbers, Settings)
+        settings = msgspec.convert(numbers, HallwaySettings)
         self.simulation = Simulation(self._map, catalogue(), rng, settings)
         self._now: Number = 0
         self._sent: list[Told] = []
