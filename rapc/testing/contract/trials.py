@@ -17,7 +17,17 @@ from rapc.runtime.admission import misfitting, refusals
 from rapc.runtime.authors import blame, breach, is_refusal, is_time, wrong
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver, first_facts
-from rapc.world import NOT_KNOWN, Drawable, Savable, Skilled, Text, Time, Timed, World
+from rapc.world import (
+    NOT_KNOWN,
+    Drawable,
+    Kit,
+    Savable,
+    Skilled,
+    Text,
+    Time,
+    Timed,
+    World,
+)
 
 REQUESTS = 150
 """How many requests a world is tried with under one seed."""
@@ -97,13 +107,6 @@ def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> 
     left_out = _left_out(part, world, tried.library is not None)
     if left_out:
         return Trial(part, left_out=left_out)
-    kit = world.kit
-    code: dict[str, Mapping[str, Callable[..., Any]]] = {
-        "the handler of": kit.handlers.results,
-        "the handler of the datum": kit.handlers.data,
-        "the function": kit.functions,
-        "the comparator": kit.comparators,
-    }
     try:
         return Trial(part, tuple(dict.fromkeys(check(tried))))
     except (PortError, FactError) as error:
@@ -112,9 +115,20 @@ def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> 
         raise
     except BaseException as error:  # whatever a world's code may raise
         try:
-            blame(error, world, code)
+            blame(error, world, _code_of(world.kit))
         except PortError as told:
             return Trial(part, (told.message,))
+
+
+def _code_of(kit: Kit) -> Mapping[str, Mapping[str, Callable[..., Any]]]:
+    """Return the code of a kit by name, under what a message calls its kind."""
+    return {
+        "the handler of": kit.handlers.results,
+        "the handler of the datum": kit.handlers.data,
+        "the function": kit.functions,
+        "the solver of": kit.solvers,
+        "the comparator": kit.comparators,
+    }
 
 
 def _left_out(part: str, world: World, handled: bool) -> str:
@@ -166,14 +180,8 @@ def _code(tried: _Tried) -> Iterator[str]:
     """All code takes the arguments that it is called with; the library fits."""
     world = tried.make(0)
     kit = world.kit
-    code: dict[str, Mapping[str, Callable[..., Any]]] = {
-        "the handler of": kit.handlers.results,
-        "the handler of the datum": kit.handlers.data,
-        "the function": kit.functions,
-        "the solver of": kit.solvers,
-        "the comparator": kit.comparators,
-    }
-    yield from misfitting(tried.library or tried.offered, world, code)
+    library = tried.library or tried.offered
+    yield from misfitting(library, world, _code_of(kit))
     if tried.library is not None:
         yield from refusals(tried.library, world, kit.functions, kit.comparators)
 
