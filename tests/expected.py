@@ -1,6 +1,7 @@
 """Programs that say in comments what is to be found in them.
 
-`; expect: rule, rule` at the end of a line names the findings on that line.
+`; expect: rule, rule` at the end of a line names the findings on that line. A line
+`;;; Opt-in rules: rule, rule` names rules that report there besides the usual ones.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import re
 
 _EXPECTED = re.compile(r"; expect: (.*)$")
+_OPT_IN = re.compile(r"^;;; Opt-in rules: (.*)$", re.MULTILINE)
 
 
 def expected(text: str) -> list[tuple[int, str]]:
@@ -17,4 +19,11 @@ def expected(text: str) -> list[tuple[int, str]]:
         for row, line in enumerate(text.split("\n"), start=1)
         if (found := _EXPECTED.search(line))
         for name in found[1].split(",")
+    )
+
+
+def opted_in(text: str) -> frozenset[str]:
+    """Return the opt-in rules that a program names."""
+    return frozenset(
+        name.strip() for row in _OPT_IN.findall(text) for name in row.split(",")
     )

@@ -24,6 +24,7 @@ from rapc.analysis.passes import (
     hopeless,
     idle_resources,
     kinds,
+    leftovers,
     misspelt_variable,
     needs_itself,
     never_holds,
@@ -48,6 +49,7 @@ from rapc.analysis.passes import (
     unknown_method,
     unknown_rap,
     unknown_result,
+    until_both,
     until_itself,
     unused_claim,
 )
@@ -99,6 +101,8 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     hopeless.ANALYZER,
     idle_resources.ANALYZER,
     agenda_bands.ANALYZER,
+    until_both.ANALYZER,
+    leftovers.ANALYZER,
 )
 """Every pass."""
 

@@ -67,7 +67,7 @@ def _page(one: Rule) -> str:
     """A rule's page in Markdown."""
     return (
         f"## {one.name}\n\n"
-        f"{one.code}, {one.severity.word}: {one.summary}.\n\n"
+        f"{one.code}, {one.severity.word}{', opt-in' * one.opt_in}: {one.summary}.\n\n"
         f"{one.why}\n\n"
         f"For example:\n\n```rap\n{one.example}```\n\n"
         f"Better:\n\n```rap\n{one.better}```\n"

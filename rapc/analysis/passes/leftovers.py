@@ -1,0 +1,124 @@
+"""RAP160 and RAP161: inputs that their RAP never uses, and RAPs that nothing reaches.
+
+Both are opt-in: a library for others may well hold what it does not use itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX, Index
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.ir import nodes
+
+INPUT = Rule(
+    code="RAP160",
+    name="unused-input",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a RAP that has methods never uses one of its inputs",
+    why="""Every step that asks for the RAP has to give a value for the input, and
+nothing comes of it; a constant or another variable may stand where the input was meant.
+Where several RAPs are to be asked for in one way, an input may be left unused on
+purpose. The rule is opt-in for that reason.""",
+    example="""\
+(declare-primitive drive (?place) (okay))
+(define-rap (go ?place)
+  (method (primitive (drive dock))))
+""",
+    better="""\
+(declare-primitive drive (?place) (okay))
+(define-rap (go ?place)
+  (method (primitive (drive ?place))))
+""",
+)
+
+UNREACHED = Rule(
+    code="RAP161",
+    name="unreached-rap",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="no task of an agenda leads to a RAP, though the library has agendas",
+    why="""Agendas say what is to be done; what none of them asks for, directly or
+through other RAPs, is never carried out: it is left over, or a step is missing that
+should ask for it. Tasks of tests in the same file count too. What is given on a command
+line, by a program, or by a test file of its own is not seen here. The rule is opt-in
+for that reason.""",
+    example="""\
+(declare-primitive drive (?place) (okay))
+(declare-primitive dock () (okay))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (recharge) (method (primitive (dock))))
+(define-agenda day (task (go home)))
+""",
+    better="""\
+(declare-primitive drive (?place) (okay))
+(declare-primitive dock () (okay))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (recharge) (method (primitive (dock))))
+(define-agenda day (task (go home)) (task (recharge)))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    index = run.result(INDEX)
+    for found in _unused(run, index):
+        run.report(found)
+    read = not any(run.unsure(form.span) for form in run.library.forms)
+    if run.library.agendas and run.complete and read:
+        for found in _unreached(run, index):
+            run.report(found)
+
+
+ANALYZER = Analyzer(
+    name="leftovers",
+    doc="Finds inputs that their RAP never uses, and RAPs that nothing reaches.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(INPUT, UNREACHED),
+    needs_whole="form",
+)
+
+
+def _unused(run: Pass, index: Index) -> Iterator[Diagnostic]:
+    own = {id(v) for rap in run.library.raps.values() for v in rap.inputs}
+    used = {
+        (id(one.owner), one.node.name)
+        for one in index.of(nodes.Var)
+        if id(one.node) not in own
+    }
+    for rap in run.library.raps.values():
+        for variable in rap.inputs if rap.methods else ():
+            if not variable.anonymous and (id(rap), variable.name) not in used:
+                yield Diagnostic(
+                    rule=INPUT.name,
+                    message=f"`{rap.name}` never uses its input `{variable.name}`",
+                    span=variable.span,
+                    help="use it, or take it away here and where the RAP is asked for",
+                )
+
+
+def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
+    calls: dict[str, list[str]] = {}
+    waiting = []
+    for goal in index.of(nodes.Goal):
+        if isinstance(goal.owner, nodes.DefineRap):
+            calls.setdefault(goal.owner.name, []).append(goal.node.name)
+        else:
+            waiting.append(goal.node.name)
+    reached = set(waiting)
+    while waiting:
+        for name in calls.get(waiting.pop(), ()):
+            if name not in reached:
+                reached.add(name)
+                waiting.append(name)
+    for rap in run.library.raps.values():
+        if rap.name not in reached:
+            yield Diagnostic(
+                rule=UNREACHED.name,
+                message=f"no task that is given here leads to `{rap.name}`",
+                span=rap.name_span,
+                help="give it as a task, ask for it in a step, or take it away",
+            )
