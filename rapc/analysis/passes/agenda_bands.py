@@ -14,6 +14,21 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps
 
+_STANDING_BY = """\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive drive (?place) (okay))
+(declare-primitive plug-in () (okay))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (keep-charged){} :background true)
+  (task (go home) :priority 2))
+"""
+"""An agenda with a standing task; its priority is left open."""
+
 LOW = Rule(
     code="RAP130",
     name="powerless-reaction",
@@ -22,33 +37,25 @@ LOW = Rule(
     why="""A task that stands by wakes while something else is under way. It comes up
 before that only if its priority is higher; at the same priority whatever is under way
 goes on, and the reaction comes when it may be too late (T 5.4.1).""",
-    example="""\
+    example=_STANDING_BY.format(""),
+    better=_STANDING_BY.format(" :priority 4"),
+)
+
+_WITH_STEPS = """\
 (declare-memory-property battery (?level) unknown)
 (declare-primitive drive (?place) (okay))
 (declare-primitive plug-in () (okay))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-rap (keep-charged)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-(define-agenda day
-  (task (keep-charged) :background true)
-  (task (go home) :priority 2))
-""",
-    better="""\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive drive (?place) (okay))
-(declare-primitive plug-in () (okay))
-(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (drive-to ?place) (method (primitive (drive ?place))))
+(define-rap (go ?place) (method (task-net (t1 {} (drive-to ?place)))))
 (define-rap (keep-charged)
   (succeed nil)
   (monitor-state (and (battery ?level) (< ?level 20)))
   (method (primitive (plug-in))))
 (define-agenda day
   (task (keep-charged) :priority 4 :background true)
-  (task (go home) :priority 2))
-""",
-)
+  (task (go home)))
+"""
+"""The same with a step; its priority is left open."""
 
 REACHES = Rule(
     code="RAP131",
@@ -58,34 +65,8 @@ REACHES = Rule(
     why="""The priority of a step adds to that of the task above it. Where it reaches
 the priority of a standing task that was given a higher one, the work can hold up the
 reaction (T 5.4.1): leave room between the priorities of an agenda for the steps.""",
-    example="""\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive drive (?place) (okay))
-(declare-primitive plug-in () (okay))
-(define-rap (drive-to ?place) (method (primitive (drive ?place))))
-(define-rap (go ?place) (method (task-net (t1 9 (drive-to ?place)))))
-(define-rap (keep-charged)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-(define-agenda day
-  (task (keep-charged) :priority 4 :background true)
-  (task (go home)))
-""",
-    better="""\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive drive (?place) (okay))
-(declare-primitive plug-in () (okay))
-(define-rap (drive-to ?place) (method (primitive (drive ?place))))
-(define-rap (go ?place) (method (task-net (t1 1 (drive-to ?place)))))
-(define-rap (keep-charged)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-(define-agenda day
-  (task (keep-charged) :priority 4 :background true)
-  (task (go home)))
-""",
+    example=_WITH_STEPS.format("9"),
+    better=_WITH_STEPS.format("1"),
 )
 
 ENDS = Rule(

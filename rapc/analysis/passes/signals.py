@@ -12,6 +12,15 @@ from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_arguments
 from rapc.base.diagnostics import Rule, Severity
 from rapc.ir import nodes
 
+_AS_DECLARED = """\
+(declare-skill :follow-wall (?side))
+(declare-event :wall-ends ())
+(define-rap (follow ?side)
+  (method (primitive
+    (enable (:follow-wall ?side))
+    (wait-for (:wall-ends) :succeed))))
+"""
+
 UNDECLARED = Rule(
     code="RAP023",
     name="undeclared-signal",
@@ -28,14 +37,7 @@ ever.""",
     (enable (:follow-wall ?side))
     (wait-for (:wall-end) :succeed))))
 """,
-    better="""\
-(declare-skill :follow-wall (?side))
-(declare-event :wall-ends ())
-(define-rap (follow ?side)
-  (method (primitive
-    (enable (:follow-wall ?side))
-    (wait-for (:wall-ends) :succeed))))
-""",
+    better=_AS_DECLARED,
 )
 
 ARITY = Rule(
@@ -53,14 +55,7 @@ sent with those it was declared with: another number of them never matches.""",
     (enable (:follow-wall))
     (wait-for (:wall-ends) :succeed))))
 """,
-    better="""\
-(declare-skill :follow-wall (?side))
-(declare-event :wall-ends ())
-(define-rap (follow ?side)
-  (method (primitive
-    (enable (:follow-wall ?side))
-    (wait-for (:wall-ends) :succeed))))
-""",
+    better=_AS_DECLARED,
 )
 
 

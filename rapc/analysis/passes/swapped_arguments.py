@@ -23,6 +23,25 @@ from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.printer import format_term
 
+_BOXES = """\
+(declare-memory-proposition inside (?thing ?box))
+(declare-primitive open (?box) (okay))
+(declare-primitive lift (?thing) (okay))
+(define-rap (unpack ?thing)
+  (method (context (inside ?thing ?box)) (primitive (open ?box))))
+(define-rap (take ?thing)
+  (preconditions (inside ?thing ?))
+  (method (primitive (lift ?thing))))
+(define-rap (free ?thing)
+  (method (context (inside ?thing ?box)) (primitive (open ?box))))
+(define-rap (empty-out ?box)
+  (method one
+    (context (inside {}))
+    (task-net (t1 (unpack ?thing) (for t2)) (t2 (take ?thing))))
+  (method shake (primitive (open ?box))))
+"""
+"""Things in boxes; what one method asks is left open."""
+
 SWAPPED = Rule(
     code="RAP101",
     name="swapped-arguments",
@@ -33,40 +52,8 @@ asked and asserted, and never means what was meant. Two arguments are told of if
 of the library the first is otherwise used like the second, and the second like the
 first. Say the kinds of arguments in their declarations (`(?room room)`), and no guess
 is needed.""",
-    example="""\
-(declare-memory-proposition inside (?thing ?box))
-(declare-primitive open (?box) (okay))
-(declare-primitive lift (?thing) (okay))
-(define-rap (unpack ?thing)
-  (method (context (inside ?thing ?box)) (primitive (open ?box))))
-(define-rap (take ?thing)
-  (preconditions (inside ?thing ?))
-  (method (primitive (lift ?thing))))
-(define-rap (free ?thing)
-  (method (context (inside ?thing ?box)) (primitive (open ?box))))
-(define-rap (empty-out ?box)
-  (method one
-    (context (inside ?box ?thing))
-    (task-net (t1 (unpack ?thing) (for t2)) (t2 (take ?thing))))
-  (method shake (primitive (open ?box))))
-""",
-    better="""\
-(declare-memory-proposition inside (?thing ?box))
-(declare-primitive open (?box) (okay))
-(declare-primitive lift (?thing) (okay))
-(define-rap (unpack ?thing)
-  (method (context (inside ?thing ?box)) (primitive (open ?box))))
-(define-rap (take ?thing)
-  (preconditions (inside ?thing ?))
-  (method (primitive (lift ?thing))))
-(define-rap (free ?thing)
-  (method (context (inside ?thing ?box)) (primitive (open ?box))))
-(define-rap (empty-out ?box)
-  (method one
-    (context (inside ?thing ?box))
-    (task-net (t1 (unpack ?thing) (for t2)) (t2 (take ?thing))))
-  (method shake (primitive (open ?box))))
-""",
+    example=_BOXES.format("?box ?thing"),
+    better=_BOXES.format("?thing ?box"),
 )
 
 _MOST_PLACES = 12
