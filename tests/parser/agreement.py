@@ -9,14 +9,13 @@ import re
 import sys
 from collections import Counter
 
-from hypothesis import HealthCheck, Phase, given, settings
 from lark import Token
 from lark.exceptions import UnexpectedInput, UnexpectedToken
 
 from rapc.base.diagnostics import Diagnostic
 from rapc.language.build import parser, terminals, words
 from rapc.language.comments import blanked
-from tests.parser.programs import programs
+from tests.parser.programs import for_each_program
 from tests.parser.reading import parsed
 
 ATTRIBUTES = {
@@ -101,15 +100,6 @@ def main(count: int) -> None:
     """Print how many generated programs there were, and those without agreement."""
     seen: Counter[str] = Counter()
 
-    @settings(
-        max_examples=count,
-        deadline=None,
-        database=None,
-        derandomize=True,
-        phases=[Phase.generate],
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(programs())
     def hold(text: str) -> None:
         seen["programs"] += 1
         seen["accepted by the grammar"] += accepted(text)
@@ -118,7 +108,7 @@ def main(count: int) -> None:
             seen[f"disagree: {rule}"] += 1
             print(text)
 
-    hold()
+    for_each_program(count, hold)
     for what, number in sorted(seen.items()):
         print(f"{number:6} {what}")
 

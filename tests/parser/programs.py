@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.lark import from_lark
 from lark.lexer import PatternStr, TerminalDef
@@ -61,6 +63,24 @@ def programs() -> st.SearchStrategy[str]:
     for skipped in ("COMMENT", "WS"):
         explicit[skipped] = st.just(" ")
     return from_lark(parser(), start="start", explicit=explicit)
+
+
+def for_each_program(count: int, hold: Callable[[str], None]) -> None:
+    """Hand over so many programs, the same ones each time."""
+
+    @settings(
+        max_examples=count,
+        deadline=None,
+        database=None,
+        derandomize=True,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(programs())
+    def hand_over(text: str) -> None:
+        hold(text)
+
+    hand_over()
 
 
 def _tokens(terminal: TerminalDef) -> st.SearchStrategy[str]:

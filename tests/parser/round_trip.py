@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import sys
 
-from hypothesis import HealthCheck, Phase, given, settings
-
 from rapc.ir.layout import laid_out
 from rapc.ir.printer import format_node
-from tests.parser.programs import programs
+from tests.parser.programs import for_each_program
 from tests.parser.reading import parsed
 
 
@@ -38,15 +36,6 @@ def main(count: int) -> None:
     """Print the forms that do not read back, and how many programs there were."""
     seen = {"programs": 0, "forms that do not read back": 0}
 
-    @settings(
-        max_examples=count,
-        deadline=None,
-        database=None,
-        derandomize=True,
-        phases=[Phase.generate],
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(programs())
     def hold(text: str) -> None:
         wrong = changed(text)
         seen["programs"] += 1
@@ -54,7 +43,7 @@ def main(count: int) -> None:
         if wrong:
             print(text, *wrong, sep="\n")
 
-    hold()
+    for_each_program(count, hold)
     for what, number in seen.items():
         print(f"{number:6} {what}")
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import msgspec
 
-from rapc.base.resources import Counter, SetResource, Value, frozen
+from rapc.base.resources import frozen
 from rapc.base.values import Fact, format_atom
 from rapc.ir import nodes
 from rapc.ir.walk import variables
@@ -222,15 +222,10 @@ def note(run: Run, running: Running) -> bool:
     """Assert the notations, all or none; False if one is unbound."""
     facts: list[Fact] = []
     for pattern in running.method.notations:
-        values: list[Value] = []
-        for term in pattern.args:
-            value, why = run.value(running.task, term, running.env)
-            if value is None or isinstance(value, Counter | SetResource):
-                why = why or f"`{format_atom(value)}` is not a symbol, number or string"
-                run.fault(running.task, "notation", pattern, why)
-                return False
-            values.append(value)
-        facts.append((pattern.name, *values))  # type: ignore[arg-type]
+        fact = run.ground(running, pattern, "notation")
+        if fact is None:
+            return False
+        facts.append(fact)
     for fact in facts:
         run.memory.note(fact, running)
         running.noted.append(fact)

@@ -9,9 +9,9 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rapc.base.resources import Value
+from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.source import NOWHERE, Span
-from rapc.base.values import Fact
+from rapc.base.values import Atom, Fact, format_atom
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.runtime.events import events
@@ -147,6 +147,20 @@ class Run:
             return self.asker(task).term(term, env), ""
         except Fault as fault:
             return None, str(fault)
+
+    def ground(
+        self, running: Running, pattern: nodes.Proposition | nodes.Skill, clause: str
+    ) -> Fact | None:
+        """A pattern of a method as a fact; None, and traced, if a term has no value."""
+        values: list[Atom] = []
+        for term in pattern.args:
+            value, why = self.value(running.task, term, running.env)
+            if value is None or isinstance(value, Counter | SetResource):
+                why = why or f"`{format_atom(value)}` is not a symbol, number or string"
+                self.fault(running.task, clause, pattern, why)
+                return None
+            values.append(value)
+        return (pattern.name, *values)
 
     # --- tasks --------------------------------------------------------------------
 

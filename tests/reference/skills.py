@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rapc.base.resources import Counter, SetResource
-from rapc.base.values import Atom, Fact, format_atom, format_list
+from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.world import Skilled
@@ -34,15 +33,10 @@ def switch_on(run: Run, running: Running) -> bool:
     """Switch on all skills of a method; False, and traced, if one has no value."""
     skills: list[Fact] = []
     for pattern in skills_of(running.method):
-        values: list[Atom] = []
-        for term in pattern.args:
-            value, why = run.value(running.task, term, running.env)
-            if value is None or isinstance(value, Counter | SetResource):
-                why = why or f"`{format_atom(value)}` is not a symbol, number or string"
-                run.fault(running.task, "skill", pattern, why)
-                return False
-            values.append(value)
-        skills.append((pattern.name, *values))
+        fact = run.ground(running, pattern, "skill")
+        if fact is None:
+            return False
+        skills.append(fact)
     have_on(run, running, skills)
     tell(run, running, events.SkillEnabled, skills)
     return True
