@@ -155,9 +155,10 @@ class Conjunction:
 
     def _ruled_out(self, literal: Literal) -> Literal | None:
         """A literal from which a formula that has no solution would follow."""
-        own = self._own(literal, self.held)
         wanted = list(literals(literal.formula))
-        used = follows(wanted, self.held, own)
+        if not all(_has_a_chance(goal, self.held) for goal in wanted):
+            return None
+        used = follows(wanted, self.held, self._own(literal, self.held))
         return used[-1] if used else None
 
     def _denied(self, literal: Literal) -> Literal | None:
@@ -165,8 +166,11 @@ class Conjunction:
         everything = [*self.held, literal]
         for other in self.held:
             if not other.holds:
-                own = self._own(other, [one for one in everything if one is not other])
-                used = follows(list(literals(other.formula)), everything, own)
+                wanted = list(literals(other.formula))
+                if not any(_may_be(goal, literal) for goal in wanted):
+                    continue
+                own = self._own(other, everything)
+                used = follows(wanted, everything, own)
                 if used and literal in used:
                     return other
         return None
@@ -332,6 +336,33 @@ _TRUE_LITERALS = 8
 _Choice = dict[str, nodes.Term]
 
 
+def _has_a_chance(goal: Literal, held: Iterable[Literal]) -> bool:
+    """Whether a literal holds by itself, or one that holds looks like it."""
+    return _is_true(goal) or any(_may_be(goal, other) for other in held)
+
+
+def _is_true(goal: Literal) -> bool:
+    return isinstance(goal.formula, nodes.Truth) and goal.formula.value is goal.holds
+
+
+def _may_be(goal: Literal, other: Literal) -> bool:
+    """Whether a literal is of the kind and name that another has, whatever the rest."""
+    if goal.holds is not other.holds:
+        return False
+    one, two = goal.formula, _fact(goal, other)
+    if type(one) is not type(two):
+        return False
+    return not isinstance(one, nodes.Proposition) or one.name == two.name  # type: ignore[union-attr]
+
+
+def _fact(goal: Literal, other: Literal) -> nodes.Formula:
+    """Return what a literal says; what is believed of a fact, where one is wanted."""
+    fact = other.formula
+    if isinstance(fact, nodes.Believe) and isinstance(goal.formula, nodes.Proposition):
+        return fact.pattern
+    return fact
+
+
 class _Search:
     """A search for values of free variables, with a bound on its work."""
 
@@ -351,27 +382,21 @@ class _Search:
         if at == len(wanted):
             return True
         goal = wanted[at]
-        if isinstance(goal.formula, nodes.Truth) and goal.formula.value is goal.holds:
+        if _is_true(goal):
             return self._find(wanted, at + 1, choice, used)
         for other in self._held:
             self._left -= 1
             if self._left < 0:
                 return False
+            if not _may_be(goal, other):
+                continue
             extended = dict(choice)
-            if self._is_instance(goal, other, extended):
+            if self._alike(goal.formula, _fact(goal, other), extended):
                 used.append(other)
                 if self._find(wanted, at + 1, extended, used):
                     return True
                 used.pop()
         return False
-
-    def _is_instance(self, goal: Literal, other: Literal, choice: _Choice) -> bool:
-        if goal.holds is not other.holds:
-            return False
-        one, two = goal.formula, other.formula
-        if isinstance(two, nodes.Believe) and isinstance(one, nodes.Proposition):
-            two = two.pattern
-        return self._alike(one, two, choice)
 
     def _alike(self, one: object, two: object, choice: _Choice) -> bool:
         if isinstance(one, nodes.Var) and isinstance(two, nodes.Term):
@@ -381,10 +406,9 @@ class _Search:
             same = len(one) == len(two)
             return same and all(self._alike(a, b, choice) for a, b in pairs)
         if type(one) is type(two) and isinstance(one, nodes.Node):
-            fields = [f for f in one.__struct_fields__ if not f.endswith("span")]
             return all(
                 self._alike(getattr(one, field), getattr(two, field), choice)
-                for field in fields
+                for field in nodes.compared(type(one))
             )
         return one == two
 

@@ -10,7 +10,6 @@ be tried. Findings and results go to standard output, everything else to standar
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 from collections.abc import Iterable
 
@@ -105,6 +104,8 @@ def print_findings(
     if output_format == "full" and not statistics:
         width = PIPED_WIDTH
         if stream.isatty():
+            import shutil  # noqa: PLC0415  # brings zlib and others along
+
             width = shutil.get_terminal_size().columns
         render.write(render.full(report, width), stream, color=settings().colored())
         return

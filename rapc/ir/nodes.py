@@ -9,6 +9,7 @@ Sources: [T 4], [T A], [S 3], [S 4]; those of tests are in docs/testing.md.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Literal
 
 import msgspec
@@ -28,17 +29,21 @@ class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False, array_like
         if type(self) is not type(other):
             return NotImplemented
         return all(
-            getattr(self, name) == getattr(other, name)
-            for name in self.__struct_fields__
-            if not name.endswith("span")
+            getattr(self, name) == getattr(other, name) for name in compared(type(self))
         )
 
     def __ne__(self, other: object) -> bool:
         return not self == other
 
     def __hash__(self) -> int:
-        names = (n for n in self.__struct_fields__ if not n.endswith("span"))
-        return hash((type(self).__name__, *(getattr(self, n) for n in names)))
+        values = [getattr(self, name) for name in compared(type(self))]
+        return hash((type(self).__name__, *values))
+
+
+@cache
+def compared(kind: type[Node]) -> tuple[str, ...]:
+    """Return the fields of a kind of node that make two nodes equal."""
+    return tuple([f for f in kind.__struct_fields__ if not f.endswith("span")])
 
 
 # --- terms -------------------------------------------------------------------

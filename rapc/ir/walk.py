@@ -85,8 +85,11 @@ def terms(formula: nodes.Formula) -> Iterator[nodes.Term]:
         for field in CHILDREN[type(here)]:
             value = getattr(here, field)
             for part in value if type(value) is tuple else (value,):
-                if isinstance(part, nodes.Term):
+                if type(part) in _TERMS:
                     yield part
+
+
+_TERMS = frozenset(nodes.Term.__args__)
 
 
 def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
@@ -102,6 +105,7 @@ def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
 def variables(formula: nodes.Formula) -> Iterator[nodes.Var]:
     """The variables of a formula, those in computed terms among them."""
     for term in terms(formula):
-        for part in subterms(term):
-            if isinstance(part, nodes.Var):
-                yield part
+        if type(term) is nodes.Var:
+            yield term
+        elif type(term) is nodes.Call:
+            yield from [one for one in subterms(term) if type(one) is nodes.Var]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from importlib import resources
 from pathlib import Path
 
 import msgspec
@@ -291,7 +290,7 @@ class _Reading:
 
 
 def _stdlib() -> Path:
-    return Path(str(resources.files("rapc"))) / "stdlib"
+    return Path(__file__).parents[1] / "stdlib"
 
 
 def _resolve(name: str, requiring: Path, given: Sequence[Path]) -> Path | None:

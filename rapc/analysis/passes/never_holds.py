@@ -307,7 +307,8 @@ def _refuted(
     goals: Sequence[_Goal],
     what: str,
 ) -> bool:
-    clash = _first_clash(reports.conjunction(held), own)
+    """Report literals, none of which contradict each other, that never hold."""
+    clash = _first_clash(reports.conjunction(held), own) if held else None
     if clash is not None:
         clause = next((a.clause for a in held if a.literal is clash.first), None)
         if clause is None:
