@@ -40,6 +40,7 @@ from rapc.analysis.passes import (
     skill_use,
     swapped_arguments,
     task_nets,
+    threats,
     times,
     unbindable_output,
     unbound_variable,
@@ -102,6 +103,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     idle_resources.ANALYZER,
     agenda_bands.ANALYZER,
     until_both.ANALYZER,
+    threats.ANALYZER,
     leftovers.ANALYZER,
 )
 """Every pass."""
