@@ -222,7 +222,7 @@ def note(run: Run, running: Running) -> bool:
     """Assert the notations, all or none; False if one is unbound."""
     facts: list[Fact] = []
     for pattern in running.method.notations:
-        fact = run.ground(running, pattern, "notation")
+        fact = run.ground(running.task, pattern, running.env, "notation")
         if fact is None:
             return False
         facts.append(fact)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rapc.base.resources import Counter, SetResource
-from rapc.base.values import Atom, Fact, format_atom, format_list
+from rapc.base.values import Atom, format_list
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.world import OKAY, Datum, Finished, Reply
@@ -35,16 +34,10 @@ class Access:
 
 def request(run: Run, running: Running, body: nodes.Primitive) -> None:
     """Ask the world for a primitive; an atomic one holds the interpreter."""
-    values: list[Any] = []
-    for term in body.request.args:
-        value, why = run.value(running.task, term, running.env)
-        if value is None or isinstance(value, Counter | SetResource):
-            why = why or f"`{format_atom(value)}` is not a symbol, number or string"
-            run.fault(running.task, "primitive", body.request, why)
-            method_badly(run, running, "interference", "sibling-failed")
-            return
-        values.append(value)
-    fact: Fact = (body.request.name, *values)
+    fact = run.ground(running.task, body.request, running.env, "primitive")
+    if fact is None:
+        method_badly(run, running, "interference", "sibling-failed")
+        return
     text = format_list(fact)
     number = running.task.number
     run.tell(events.PrimitiveRequested, task=number, request=text, sent=text)
@@ -61,14 +54,10 @@ def request(run: Run, running: Running, body: nodes.Primitive) -> None:
 
 def claim(run: Run, running: Running) -> bool:
     """Whether all that a method claims can be filled in; what cannot is traced."""
-    for pattern in running.method.claims:
-        for term in pattern.args:
-            value, why = run.value(running.task, term, running.env)
-            if value is None or isinstance(value, Counter | SetResource):
-                why = why or f"`{format_atom(value)}` is not a symbol, number or string"
-                run.fault(running.task, "claim", pattern, why)
-                return False
-    return True
+    return all(
+        run.ground(running.task, pattern, running.env, "claim") is not None
+        for pattern in running.method.claims
+    )
 
 
 def finish(run: Run, ticket: int, reply: Reply) -> None:

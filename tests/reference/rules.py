@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rapc.base.resources import Counter, SetResource, Value
-from rapc.base.values import Fact, format_atom, format_list
+from rapc.base.resources import Value
+from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from tests.reference.run import Run
@@ -124,15 +124,9 @@ def act(
 
 def change(run: Run, task: Task | None, action: nodes.RuleAction, env: Env) -> None:
     """One action: a fact is asserted, or all that begin so are erased."""
-    values: list[Any] = []
-    for term in action.pattern.args:
-        value, why = run.value(task, term, env)
-        if value is None or isinstance(value, Counter | SetResource):
-            why = why or f"`{format_atom(value)}` is not a symbol, number or string"
-            run.fault(task, action.op, action.pattern, why)
-            return
-        values.append(value)
-    fact: Fact = (action.pattern.name, *values)
+    fact = run.ground(task, action.pattern, env, action.op)
+    if fact is None:
+        return
     if action.op == "mem-add":
         run.memory.assert_fact(fact, "rule")
     else:

@@ -149,15 +149,18 @@ class Run:
             return None, str(fault)
 
     def ground(
-        self, running: Running, pattern: nodes.Proposition | nodes.Skill, clause: str
+        self, task: Task | None, pattern: nodes.Pattern, env: Bindings, clause: str
     ) -> Fact | None:
-        """A pattern of a method as a fact; None, and traced, if a term has no value."""
+        """A pattern that a task states, as a fact; None if a term has no value.
+
+        What the term met is then traced as a fault of the clause.
+        """
         values: list[Atom] = []
         for term in pattern.args:
-            value, why = self.value(running.task, term, running.env)
+            value, why = self.value(task, term, env)
             if value is None or isinstance(value, Counter | SetResource):
                 why = why or f"`{format_atom(value)}` is not a symbol, number or string"
-                self.fault(running.task, clause, pattern, why)
+                self.fault(task, clause, pattern, why)
                 return None
             values.append(value)
         return (pattern.name, *values)

@@ -33,7 +33,7 @@ def switch_on(run: Run, running: Running) -> bool:
     """Switch on all skills of a method; False, and traced, if one has no value."""
     skills: list[Fact] = []
     for pattern in skills_of(running.method):
-        fact = run.ground(running, pattern, "skill")
+        fact = run.ground(running.task, pattern, running.env, "skill")
         if fact is None:
             return False
         skills.append(fact)
