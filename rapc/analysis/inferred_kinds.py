@@ -40,7 +40,7 @@ class Learned(msgspec.Struct, frozen=True, gc=False):
     span: Span
 
 
-class Clash(msgspec.Struct, frozen=True):
+class KindClash(msgspec.Struct, frozen=True):
     """A variable of one kind that stands where another is wanted."""
 
     variable: nodes.Var
@@ -61,7 +61,7 @@ class InferredKinds(msgspec.Struct, frozen=True):
 
     #: By RAP: for each input the kind that its use tells, or None.
     inputs: Mapping[str, Sequence[Learned | None]]
-    clashes: Sequence[Clash]
+    clashes: Sequence[KindClash]
 
 
 _Use = nodes.Pattern | nodes.Goal
@@ -166,7 +166,7 @@ class _Learning:
 
     def clashes(
         self, rap: nodes.DefineRap, scopes: Sequence[_Scope]
-    ) -> Iterator[Clash]:
+    ) -> Iterator[KindClash]:
         """Yield the variables that are of two kinds, one for each scope.
 
         What the clauses of the RAP tell of its inputs holds in its methods too.
@@ -188,7 +188,7 @@ class _Learning:
         scope: _Scope,
         known: dict[str, list[Learned]],
         declared: Mapping[str, Learned],
-    ) -> Clash | None:
+    ) -> KindClash | None:
         for use in scope:
             for variable, learned in self._told(use):
                 own = declared.get(variable.name)
@@ -198,7 +198,9 @@ class _Learning:
                     apart = self._kinds.apart(other.kind, learned.kind)
                     told = own is not None and self._is_declared(use)
                     if no_items or (apart and not told):
-                        return Clash(variable, learned.kind, other, use, rap, no_items)
+                        return KindClash(
+                            variable, learned.kind, other, use, rap, no_items
+                        )
                 earlier.append(learned)
         return None
 

@@ -12,7 +12,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Index, NameUse
-from rapc.analysis.inferred_kinds import INFERRED, Clash, Learned
+from rapc.analysis.inferred_kinds import INFERRED, KindClash, Learned
 from rapc.analysis.named import UnknownNames, declared_at
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
@@ -263,7 +263,7 @@ def _inferred(run: Pass, index: Index) -> None:
                 run.report(_no_such_value(run, term, known))
 
 
-def _clash(clash: Clash) -> Diagnostic:
+def _clash(clash: KindClash) -> Diagnostic:
     known = clash.known
     return Diagnostic(
         rule=APART.name,
