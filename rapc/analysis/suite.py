@@ -17,6 +17,7 @@ from rapc.analysis.passes import (
     anonymous_variable,
     bindings,
     constants,
+    crossed_claims,
     data,
     dead_case,
     fact_arity,
@@ -104,6 +105,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     agenda_bands.ANALYZER,
     until_both.ANALYZER,
     threats.ANALYZER,
+    crossed_claims.ANALYZER,
     leftovers.ANALYZER,
 )
 """Every pass."""
