@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from rapc.repl.commands.acting import ACTING
 from rapc.repl.commands.asking import ASKING
+from rapc.repl.commands.exporting import EXPORTING
 from rapc.repl.commands.helping import HELPING
 from rapc.repl.commands.looking import LOOKING
 from rapc.repl.commands.moving import MOVING, TIME
@@ -22,7 +23,7 @@ _GROUPS: Sequence[tuple[str, Sequence[Command]]] = (
     ("time", (*TIME, *SEARCHING)),
     ("looking", LOOKING),
     ("asking", ASKING),
-    ("what has been", REMEMBERING),
+    ("what has been", (*REMEMBERING, *EXPORTING)),
     ("acting", ACTING),
     ("this and that", HELPING),
 )

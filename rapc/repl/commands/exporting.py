@@ -1,0 +1,126 @@
+"""The command that writes what just happened as a test."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from rapc.base.values import format_list
+from rapc.debug.acts import CancelTasks, SubmitTask
+from rapc.errors import LoadError, StateError, TextError
+from rapc.ir.nodes import DefineTest
+from rapc.repl.answer import Answer, say
+from rapc.repl.arguments import Arguments
+from rapc.repl.shell import Command, Shell
+from rapc.runtime.events.events import Event
+from rapc.runtime.task_request import as_text
+from rapc.testing.discover import find
+from rapc.testing.exported import exported
+from rapc.testing.run import Case, Outcome, Status, run_case
+from rapc.world import Time
+
+_SUFFIX = ".test.rap"
+
+
+def _export(shell: Shell, args: Arguments) -> Answer:
+    """Make a test of the run, shorten it, write it, and run what was written."""
+    path = Path(args.word("a file"))
+    task = 1 if args.peek() in ("", "succeeds") else args.count("a task")
+    wanted = args.takes("succeeds")
+    args.end()
+    if not path.name.endswith(_SUFFIX):
+        raise TextError(f"the name of a file of tests ends with `{_SUFFIX}`")
+    if not shell.paths:
+        raise TextError("it is not known which files the library was read from")
+    told = [one.event() for one in shell.session.scan()]
+    program = shell.session.library.program
+    declared = program.library.primitives
+    test = exported(
+        re.sub(r"[^a-z0-9]+", "-", path.name.removesuffix(_SUFFIX).lower()),
+        told,
+        task,
+        acts=_acts(shell, told),
+        not_atomic=[name for name, one in declared.items() if not one.atomic],
+    )
+
+    def run(node: DefineTest) -> Outcome:
+        return run_case(Case(node, program))
+
+    _agree(run(test.node()))
+    test.shorten(lambda node: run(node).status is Status.PASSED)
+    if wanted:
+        test.want()
+    text = f"{_requires(shell.paths, path)}\n\n{test.text()}"
+    passes = _write(path, text, wanted=wanted)
+    return say(f"{path}: {test.name}, which {'passes' if passes else 'fails'} now")
+
+
+def _acts(shell: Shell, told: Sequence[Event]) -> Iterator[tuple[Time, str]]:
+    """Yield the tasks that were given and cancelled by hand, as actions of an `at`."""
+    session = shell.session
+    for cycle, act in session.branch.acts[: session.moment.acts]:
+        time = max((one.time for one in told if one.cycle <= cycle), default=0)
+        if isinstance(act, SubmitTask):
+            yield time, f"(task {as_text(act.request)})"
+        elif isinstance(act, CancelTasks):
+            yield time, f"(cancel {format_list(act.goal)})"
+
+
+def _requires(paths: Sequence[str], test: Path) -> str:
+    """Return what the file of the test has to require."""
+    names = [Path(os.path.relpath(path, test.parent)).as_posix() for path in paths]
+    return "\n".join(f'(require "{name.removesuffix(".rap")}")' for name in names)
+
+
+def _agree(outcome: Outcome) -> None:
+    """See that a script has brought the same as the world.
+
+    Raises:
+        StateError: if it has not, or if no test can name the world.
+    """
+    if outcome.status is not Status.PASSED:
+        why = outcome.failures[0].happened[0]
+        raise StateError(
+            f"a script cannot tell this run so that it comes to the same: {why}; "
+            "an earlier moment may do (`:goto`)"
+        )
+
+
+def _write(path: Path, text: str, *, wanted: bool) -> bool:
+    """Write a file and run the test in it; return whether the test passes.
+
+    Raises:
+        LoadError: if the file cannot be written, or is there already.
+        StateError: if the files of the library do not bring what the run brought; then
+            no file is left.
+    """
+    try:
+        with path.open("x", encoding="utf-8") as stream:
+            stream.write(text)
+    except OSError as error:
+        raise LoadError(f"cannot write `{path}`: {error.strerror}") from error
+    outcomes = [run_case(case) for case in find([path]).cases]
+    passes = [one.status is Status.PASSED for one in outcomes]
+    if not outcomes or outcomes[0].status is Status.ERROR or not (wanted or passes[0]):
+        path.unlink()
+        raise StateError("the files of the library are not what was run: `:reload`")
+    return passes[0]
+
+
+EXPORTING = (
+    Command(
+        "export-test",
+        "FILE [TASK] [succeeds]",
+        "Write what just happened as a define-test that passes now.",
+        _export,
+        (":export-test dropped.test.rap", ":export-test wanted.test.rap 1 succeeds"),
+        "The world is a script in it: each request with the result, the time and the "
+        "changes of memory that came with it, as far as these matter. What became of "
+        "the task is expected, the first one if none is named, and all requests. With "
+        "`succeeds` the test wants the task to succeed: one that failed makes a test "
+        "that fails now. A run that a script cannot tell is refused; an earlier "
+        "moment of it may do.",
+    ),
+)

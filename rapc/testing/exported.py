@@ -1,0 +1,337 @@
+"""A run as a test: a script that answers as the world did, and what came of the run.
+
+What handlers of the world did to memory is said by the rows of the script, one for each
+request. Not every run can be told so: whoever makes a test must run the test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import msgspec
+
+from rapc.base.source import SourceFile
+from rapc.base.values import Atom, Fact, Text, format_atom, format_list
+from rapc.errors import StateError
+from rapc.ir.layout import laid_out
+from rapc.ir.nodes import DefineTest
+from rapc.parser.parse import parse
+from rapc.runtime.events import events
+from rapc.testing.run import LATEST
+from rapc.world import Time
+
+MOST_RUNS = 300
+"""How often a test is run at most to make it shorter."""
+
+_SIDE = (
+    events.DataReceived,
+    events.ItemIntroduced,
+    events.ItemMerged,
+    events.ItemMoved,
+    events.ItemLost,
+    events.RuleRun,
+)
+"""What is told among the changes of memory that belong together."""
+
+
+_OVER = "run-over"
+"""Why a task is removed that the end of a run finds at work."""
+
+_OF_ITEMS = ("class", "location")
+"""What a script cannot assert of an item that was introduced."""
+
+
+class Change(NamedTuple):
+    """A fact that is asserted or erased."""
+
+    erases: bool
+    fact: Fact
+
+
+class Part(msgspec.Struct):
+    """Something that a test says: how it is written without and with its changes."""
+
+    #: `facts`, `row` or `at`.
+    kind: str
+    #: The request of a row with its result, the time of an `at`.
+    head: str = ""
+    #: Options of a row, other actions of an `at`.
+    more: str = ""
+    #: What happens to memory.
+    changes: tuple[Change, ...] = ()
+
+    def __str__(self) -> str:
+        erased = " ".join(format_list(c.fact) for c in self.changes if c.erases)
+        asserted = " ".join(format_list(c.fact) for c in self.changes if not c.erases)
+        if self.kind == "facts":
+            return f"(facts {asserted})" if asserted else ""
+        if self.kind == "row":
+            erases = f" :erases ({erased})" if erased else ""
+            asserts = f" :asserts ({asserted})" if asserted else ""
+            return f"({self.head}{self.more}{asserts}{erases})"
+        erases = f" (erases {erased})" if erased else ""
+        asserts = f" (asserts {asserted})" if asserted else ""
+        said = f"{erases}{asserts}{self.more}"
+        return f"(at {self.head}{said})" if said else ""
+
+
+class Exported(msgspec.Struct):
+    """A run as a test that can be shortened."""
+
+    name: str
+    #: World, options, seed, tasks and the end, as text.
+    begun: str
+    parts: list[Part]
+    #: The goal of the task that the test is about.
+    goal: str
+    #: What came of the task and was requested, as text.
+    expectations: tuple[str, ...]
+
+    def want(self) -> None:
+        """Expect that the task succeeds, in place of what happened."""
+        self.expectations = (f"(succeeds {self.goal})",)
+
+    def node(self) -> DefineTest:
+        """Return the test as it stands.
+
+        Raises:
+            StateError: if something of the run cannot be written.
+        """
+        rows = " ".join(str(part) for part in self.parts if part.kind == "row")
+        others = " ".join(str(part) for part in self.parts if part.kind != "row")
+        script = f"(script {rows})" if rows else ""
+        expect = " ".join(self.expectations)
+        text = f"(define-test {self.name} {self.begun} {others} {script}"
+        unit = parse(SourceFile("<test>", f"{text} (expect {expect}))"))
+        if unit.diagnostics or len(unit.tests) != 1:
+            said = "; ".join(found.message for found in unit.diagnostics)
+            raise StateError(f"the run cannot be written as a test: {said}")
+        return unit.tests[0]
+
+    def text(self) -> str:
+        """Return the test as text."""
+        return laid_out(self.node()) + "\n"
+
+    def shorten(self, holds: Callable[[DefineTest], bool]) -> None:
+        """Leave out changes of memory without which the test still holds.
+
+        Args:
+            holds: says whether a test comes to the same as the run.
+        """
+        size = max(self._size() // 2, 1)
+        left = MOST_RUNS
+        while left > 0:
+            at = 0
+            while at < self._size() and left > 0:
+                before, left = self.parts, left - 1
+                self.parts = self._without(at, size)
+                if not holds(self.node()):
+                    self.parts, at = before, at + size
+            if size == 1:
+                return
+            size = max(size // 2, 1)
+
+    def _size(self) -> int:
+        return sum(len(part.changes) for part in self.parts)
+
+    def _without(self, first: int, count: int) -> list[Part]:
+        """Return the parts without some of their changes, counted through all parts."""
+        found, at = [], 0
+        for part in self.parts:
+            kept = [
+                change
+                for index, change in enumerate(part.changes, at)
+                if not first <= index < first + count
+            ]
+            at += len(part.changes)
+            found.append(msgspec.structs.replace(part, changes=tuple(kept)))
+        return found
+
+
+class _Reading:
+    """Makes the parts of a test of the events of a run.
+
+    Args:
+        not_atomic: the names of the primitives that are not atomic.
+    """
+
+    def __init__(self, not_atomic: Collection[str]) -> None:
+        self._not_atomic = not_atomic
+        self._under_way: list[tuple[events.PrimitiveRequested, Part]] = []
+        self._changes: list[Change] = []
+        #: The sensor names of the items that are known.
+        self._sensors: dict[Atom, Atom] = {}
+        self.parts = [Part("facts")]
+        #: The requests and skills, as an expectation names them.
+        self.asked: list[str] = []
+
+    def take(self, event: events.Event) -> None:
+        """Take one event in."""
+        match event:
+            case events.FactAsserted() | events.FactErased():
+                if event.by != "notation":
+                    erases = isinstance(event, events.FactErased)
+                    self._changes.append(Change(erases, event.fact))
+                return
+            case events.PrimitiveEnded():
+                self._end(event)
+                return
+        if isinstance(event, events.ItemEvent) and event.sensor is not None:
+            self._sensors[event.with_ or event.item] = event.sensor
+            self._sensors[event.item] = event.sensor
+        if not isinstance(event, _SIDE):
+            self._flush(event.time, event.cycle)
+        match event:
+            case events.PrimitiveRequested():
+                part = Part("row", format_list(event.sent))
+                self.parts.append(part)
+                self.asked.append(format_list(event.request))
+                self._under_way.append((event, part))
+            case events.SkillEnabled():
+                self.asked.append(format_list(("enable", event.what)))
+            case events.RequestRefused():
+                refused = f"{format_list(event.sent)} :refused :times 1"
+                self.parts.append(Part("row", refused))
+            case events.SignalReceived():
+                signal = f" (signals {format_list(event.what)})"
+                self.parts.append(Part("at", format_atom(event.time), signal))
+
+    def _flush(self, time: Time, cycle: int) -> None:
+        """Let changes that belong to no request happen by themselves."""
+        changes = self._taken()
+        if cycle == 0:
+            self.parts[0].changes += changes
+        elif changes:
+            self.parts.append(Part("at", format_atom(time), "", changes))
+
+    def _taken(self) -> tuple[Change, ...]:
+        """Take the changes so far; places of items are left to those who see them."""
+        changes, self._changes = self._changes, []
+        return tuple(
+            change
+            for change in _net(changes)
+            if change.fact[0] not in _OF_ITEMS or change.fact[1] not in self._sensors
+        )
+
+    def _introduce(self, part: Part, data: Iterable[Fact]) -> None:
+        """Let a row introduce again the items that came with its result."""
+        told = [
+            tuple(self._sensors.get(word, word) for word in datum)
+            for datum in data
+            if not self._sensors.keys().isdisjoint(datum)
+        ]
+        if told:
+            part.more += f" :data {format_list(told)}"
+
+    def _end(self, ended: events.PrimitiveEnded) -> None:
+        """Note what became of a request."""
+        for at, (request, part) in enumerate(self._under_way):
+            if (request.task, request.request) == (ended.task, ended.request):
+                del self._under_way[at]
+                self._say(part, request, ended.result, ended.time)
+                self._introduce(part, ended.data)
+                part.changes = self._taken()
+                return
+
+    def _say(
+        self, part: Part, request: events.PrimitiveRequested, result: str, ended: Time
+    ) -> None:
+        """Let a row say how a request ended, and when."""
+        took = round(ended - request.time, 9)
+        option = ":after" if str(request.request[0]) in self._not_atomic else ":takes"
+        part.head += f" {result} :times 1"
+        if took or option == ":after":
+            part.more = f" {option} {format_atom(took)}"
+
+    def finish(self, now: Time, cycle: int) -> None:
+        """Note what is left when the run is told to its end."""
+        self._flush(now, cycle)
+        for request, part in self._under_way:
+            self._say(part, request, "okay", request.time + LATEST)
+
+
+def _net(changes: Iterable[Change]) -> Iterator[Change]:
+    """Yield the last change of each fact: what is erased goes before what comes."""
+    last: dict[Fact, bool] = {}
+    for change in changes:
+        last.pop(change.fact, None)
+        last[change.fact] = change.erases
+    return (Change(erases, fact) for fact, erases in last.items())
+
+
+def exported(
+    name: str,
+    told: Sequence[events.Event],
+    task: int,
+    *,
+    acts: Iterable[tuple[Time, str]] = (),
+    not_atomic: Collection[str] = (),
+) -> Exported:
+    """Return a run as a test of what became of a task.
+
+    Args:
+        name: what the test is called.
+        told: all events of the run.
+        task: the number of the task.
+        acts: tasks given and cancelled meanwhile: the time, and an action of an `at`.
+        not_atomic: the names of the primitives that are not atomic.
+
+    Raises:
+        StateError: if there was no such task.
+    """
+    begun, last = told[0], told[-1]
+    if not isinstance(begun, events.RunStarted):
+        raise StateError("the beginning of the run is not known")
+    goal, outcome = _outcome(told, task)
+    reading = _Reading(not_atomic)
+    for event in told:
+        reading.take(event)
+    reading.finish(last.time, last.cycle)
+    done = [Part("at", format_atom(time), f" {action}") for time, action in acts]
+    over = isinstance(last, events.RunEnded) and last.reason == "done"
+    until = "" if over else f" (until (cycles {last.cycle}))"
+    asked = f"(primitives {' '.join(reading.asked)})"
+    return Exported(
+        name, _begun(begun) + until, [*reading.parts, *done], goal, (outcome, asked)
+    )
+
+
+def _begun(event: events.RunStarted) -> str:
+    """Return the clauses that say what a run is begun with."""
+    clauses = [f"(world {event.world})"] if event.world != "scripted" else []
+    if event.options:
+        pairs = [f"({name} {_option(value)})" for name, value in event.options.items()]
+        clauses.append(f"(options {' '.join(pairs)})")
+    clauses.append(f"(seed {event.seed})")
+    clauses += [f"(task {text})" for text in event.tasks]
+    return " ".join(clauses)
+
+
+def _option(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return format_atom(Text(value) if isinstance(value, str) else value)
+
+
+def _outcome(told: Iterable[events.Event], task: int) -> tuple[str, str]:
+    """Return the goal of a task, and the expectation that says what became of it."""
+    goal, how, reason = None, "active", ""
+    for event in told:
+        match event:
+            case events.TaskCreated() | events.TaskSelected() if event.task == task:
+                goal = event.goal
+            case events.TaskSucceeded() if event.task == task:
+                how = "succeeds"
+            case events.TaskFailed() if event.task == task:
+                how, reason = "fails", f" {event.result}"
+            case events.TaskRemoved() if event.task == task and event.cause != _OVER:
+                raise StateError(f"task [{task}] was removed: no test can expect that")
+    if goal is None:
+        raise StateError(f"there is no task [{task}]")
+    inputs = [
+        format_atom(part) if isinstance(part, str | int | float | Text) else "?"
+        for part in goal.inputs
+    ]
+    said = f"({' '.join([goal.name, *inputs])})"
+    return said, f"({how} {said}{reason})"

@@ -1,0 +1,141 @@
+"""What just happened, written as a test."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import rapc
+from rapc.debug.session import Session
+from rapc.repl.commands.table import commands
+from rapc.repl.shell import Shell
+from rapc.testing.discover import find
+from rapc.testing.run import Status, run_case
+from rapc.worlds.scripted import ScriptedWorld
+from tests.debug.sessions import TRUCK, row, truck
+from tests.repl.shells import said
+
+ARMS = """
+(declare-primitive grasp (?thing) (okay dropped))
+(declare-primitive look (?thing) (okay) :atomic false)
+(declare-memory-proposition held (?thing))
+(declare-memory-proposition seen (?thing))
+(declare-memory-proposition idle (?thing))
+(define-rap (pick-up ?thing)
+  (succeed (held ?thing))
+  (method (context (seen ?thing)) (primitive (grasp ?thing)))
+  (method (context (not (seen ?thing))) (primitive (look ?thing))))
+"""
+
+DROPS = (
+    row("(look box)", "okay", 0, after=3, asserts=(("seen", "box"), ("idle", "cup"))),
+    row("(grasp box)", "dropped", 2, times=1),
+)
+
+CATCHES = (row("(grasp box)", "okay", 1, asserts=(("held", "box"),)),)
+
+
+def arms(folder: Path, *rows: object, task: str = "(pick-up box)") -> Shell:
+    """Return a shell with a library in a folder and a world that answers by rows."""
+    path = folder / "arms.rap"
+    path.write_text(ARMS, encoding="utf-8")
+    library = rapc.load(path)
+    world = ScriptedWorld(list(rows), declared=library.program.library)  # type: ignore[arg-type]
+    session = Session.open(library, world, tasks=[task] if task else [])
+    return Shell(session, commands(), [str(path)])
+
+
+def statuses(path: Path) -> list[Status]:
+    """Return what becomes of the tests in a file."""
+    return [run_case(case).status for case in find([path]).cases]
+
+
+def test_a_run_becomes_a_test_that_holds_only_what_matters(tmp_path: Path) -> None:
+    shell = arms(tmp_path, *DROPS, *CATCHES)
+    path = tmp_path / "dropped.test.rap"
+    told = said(shell, ":run", f":export-test {path}", width=400)
+    assert told.strip() == f"{path}: dropped, which passes now"
+    text = path.read_text(encoding="utf-8")
+    assert '(require "arms")' in text
+    assert "(seen box)" in text
+    assert "idle" not in text
+    assert ":after 3" in text
+    assert statuses(path) == [Status.PASSED]
+
+
+def test_it_fails_once_the_library_does_something_else(tmp_path: Path) -> None:
+    path = tmp_path / "caught.test.rap"
+    said(arms(tmp_path, *DROPS[:1], *CATCHES), ":run", f":export-test {path}")
+    assert statuses(path) == [Status.PASSED]
+    other = ARMS.replace("(primitive (look", "(primitive (grasp")
+    (tmp_path / "arms.rap").write_text(other, encoding="utf-8")
+    assert statuses(path) == [Status.FAILED]
+
+
+def test_a_failure_becomes_a_test_that_expects_it(tmp_path: Path) -> None:
+    shell = arms(tmp_path, DROPS[0], row("(grasp box)", "dropped", 2))
+    path = tmp_path / "gave-up.test.rap"
+    assert "passes now" in said(shell, ":run", f":export-test {path}", width=400)
+    assert "(fails (pick-up box) dropped)" in path.read_text(encoding="utf-8")
+    assert statuses(path) == [Status.PASSED]
+
+
+def test_what_is_wanted_fails_now(tmp_path: Path) -> None:
+    shell = arms(tmp_path, DROPS[0], row("(grasp box)", "dropped", 2))
+    path = tmp_path / "wanted.test.rap"
+    told = said(shell, ":run", f":export-test {path} succeeds", width=400)
+    assert "wanted, which fails now" in told
+    assert "(succeeds (pick-up box))" in path.read_text(encoding="utf-8")
+    assert statuses(path) == [Status.FAILED]
+
+
+def test_what_was_done_by_hand_is_in_it(tmp_path: Path) -> None:
+    shell = arms(tmp_path, *CATCHES, task="")
+    path = tmp_path / "by-hand.test.rap"
+    said(shell, ":assert (seen box)", "(pick-up box) :priority 2", ":run")
+    assert "passes now" in said(shell, f":export-test {path}", width=400)
+    text = path.read_text(encoding="utf-8")
+    assert "(seen box)" in text
+    assert "(task (pick-up box) :priority 2)" in text
+    assert statuses(path) == [Status.PASSED]
+
+
+def test_a_run_of_the_truck_with_items_becomes_a_test(tmp_path: Path) -> None:
+    shell = Shell(truck(), commands(), [TRUCK])
+    path = tmp_path / "on-the-way.test.rap"
+    assert "passes now" in said(shell, ":to 60", f":export-test {path}", width=400)
+    text = path.read_text(encoding="utf-8")
+    assert ":data ((object-seen" in text
+    assert "opposite" not in text
+    assert statuses(path) == [Status.PASSED]
+
+
+def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:
+    shell = Shell(truck(), commands(), [TRUCK])
+    path = tmp_path / "all.test.rap"
+    told = said(shell, ":run", f":export-test {path}", width=400)
+    assert "a script cannot tell this run" in told
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("run.rap", "ends with `.test.rap`"),
+        ("new.test.rap 99", "there is no task [99]"),
+        ("new.test.rap 1 often", "is too much"),
+        ("there.test.rap", "cannot write"),
+        ("", "a file is missing"),
+    ],
+)
+def test_what_cannot_be_written_is_refused(
+    tmp_path: Path, given: str, message: str
+) -> None:
+    shell = arms(tmp_path, *DROPS, *CATCHES)
+    (tmp_path / "there.test.rap").write_text("; kept\n", encoding="utf-8")
+    name = f"{tmp_path}/{given}" if given else ""
+    assert message in said(shell, ":run", f":export-test {name}", width=400)
+    assert not (tmp_path / "new.test.rap").exists()
+    kept = (tmp_path / "there.test.rap").read_text(encoding="utf-8")
+    assert kept == "; kept\n"
