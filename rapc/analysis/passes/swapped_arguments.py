@@ -81,6 +81,7 @@ class _Links:
         self._forms: dict[tuple[int, int], int] = {}
         self._rows: dict[int, dict[str, tuple[int, ...]]] = {}
         self._own: dict[int, list[set[int]]] = {}
+        self._places: dict[tuple[str, str], list[int]] = {}
         for form, variables in places.forms():
             rows = self._rows[id(form)] = {
                 name: tuple(dict.fromkeys(map(self._number, found)))[:_MOST_PLACES]
@@ -106,9 +107,13 @@ class _Links:
         for pair in pairs:
             self._forms[pair] = self._forms.get(pair, 0) + weight
 
-    def places(self, named: Iterable[Place]) -> list[int]:
-        """Return the numbers of places."""
-        return [self._number(place) for place in named]
+    def places(self, space: str, name: str) -> Sequence[int]:
+        """Return the numbers of the first places of a name."""
+        found = self._places.get((space, name))
+        if found is None:
+            places = (Place(space, name, at) for at in range(_MOST_ARGUMENTS))
+            found = self._places[space, name] = [self._number(at) for at in places]
+        return found
 
     def points(self, form: Form, term: nodes.Term, places: Sequence[int]) -> list[int]:
         """Return what speaks for a term of a form: its other places, or itself."""
@@ -177,8 +182,7 @@ ANALYZER = Analyzer(
 def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
     """Yield two arguments that were swapped, with how much speaks for that."""
     terms = used.node.args[:_MOST_ARGUMENTS]
-    space = SPACES[used.use]
-    places = links.places(Place(space, used.name, at) for at in range(len(terms)))
+    places = links.places(SPACES[used.use], used.name)
     for one in range(len(terms)):
         for other in range(one + 1, len(terms)):
             pair = (terms[one], terms[other])
