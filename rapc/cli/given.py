@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import click
 
-from rapc.base.values import Fact
+from rapc.base.values import Fact, format_list
 from rapc.cli.options import fail
 from rapc.compiler.program import Program
 from rapc.errors import (
@@ -51,7 +51,8 @@ class Beginning(NamedTuple):
 
     def begin(self) -> None:
         """Begin the run: facts first, then tasks."""
-        self.interpreter.start(self.options, self.tasks, self.faults)
+        facts = [format_list(fact) for fact in self.facts]
+        self.interpreter.start(self.options, self.tasks, self.faults, facts)
         for fact in self.facts:
             self.interpreter.assert_fact(*fact)
         for request in self.requests:

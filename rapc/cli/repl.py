@@ -107,7 +107,7 @@ def _recorded(path: Path) -> Shell:
             begun.tasks,
             None,
             begun.seed,
-            (),
+            begun.facts,
             values,
             begun.faults,
         )

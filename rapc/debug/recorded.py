@@ -68,6 +68,8 @@ class Beginnings(msgspec.Struct, frozen=True):
     seed: int
     tasks: tuple[str, ...]
     faults: tuple[str, ...]
+    #: A trace that an earlier rapc wrote does not have them.
+    facts: tuple[str, ...] = ()
 
 
 def beginnings(path: Path) -> Beginnings:

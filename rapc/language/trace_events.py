@@ -132,6 +132,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
         "seed",
         "tasks",
         "faults",
+        "facts",
     ),
     "signal": (
         "task",

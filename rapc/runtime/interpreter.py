@@ -326,6 +326,7 @@ class Interpreter:
         options: Mapping[str, Any] | None = None,
         tasks: Sequence[str] = (),
         faults: Sequence[str] = (),
+        facts: Sequence[str] = (),
     ) -> None:
         """Begin the run: emit `run-started` and assert the world's first facts.
 
@@ -335,12 +336,13 @@ class Interpreter:
             options: the world's options, for the trace.
             tasks: the tasks to come, for the trace.
             faults: the faults put into the world, for the trace.
+            facts: the facts given besides those of the world, for the trace.
         """
         if self._machine.state.started:
             return
         self._machine.state.started = True
         machine = self._machine
-        snapshot.tell_start(machine, self.seed, options or {}, tasks, faults)
+        snapshot.tell_start(machine, self.seed, options or {}, tasks, faults, facts)
         try:
             for fact in machine.world.facts():
                 self.assert_fact(*fact)

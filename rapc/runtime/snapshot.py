@@ -92,6 +92,7 @@ def tell_start(
     options: Mapping[str, Any],
     tasks: Sequence[str],
     faults: Sequence[str],
+    facts: Sequence[str],
 ) -> None:
     """The first event of a run: what is run, and with which settings."""
     if not machine.recorder.on:
@@ -110,6 +111,7 @@ def tell_start(
         seed=seed,
         tasks=tuple(tasks),
         faults=tuple(faults),
+        facts=tuple(facts),
     )
 
 

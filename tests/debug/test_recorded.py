@@ -39,6 +39,16 @@ def test_a_recorded_run_is_opened_and_can_be_taken_back(tmp_path: Path) -> None:
     assert "factory-1" in done.stdout
 
 
+def test_facts_that_were_given_are_given_again(tmp_path: Path) -> None:
+    trace = tmp_path / "run.jsonl"
+    fact = ("--fact", "(truck-fuel 3)")
+    rapc("run", *RUN, *fact, "-q", "--seed", "7", "--trace", str(trace))
+    assert '"facts":["(truck-fuel 3)"]' in trace.read_text().splitlines()[0]
+    done = rapc("repl", str(trace), "-c", ":goto 0", "-c", "(truck-fuel ?x)")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "3" in done.stdout
+
+
 def test_a_run_that_parts_from_the_recorded_one_says_where(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     rapc("run", *RUN, "-q", "--seed", "7", "--trace", str(trace))

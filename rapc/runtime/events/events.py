@@ -117,6 +117,7 @@ class RunStarted(Event, frozen=True, kw_only=True):
     seed: int
     tasks: tuple[str, ...]
     faults: tuple[str, ...]
+    facts: tuple[str, ...]
 
 
 class TaskCreated(Event, frozen=True, kw_only=True):
