@@ -20,7 +20,7 @@ from rapc.analysis.selection import errors
 from rapc.base import files
 from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile
-from rapc.base.values import Atom, Fact
+from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, Error, TextError
 from rapc.ir.nodes import DefineRap, Method
@@ -155,7 +155,8 @@ class CheckedLibrary:
         for listener in listeners:
             run.listen(listener)
         texts = [task for task in _listed(tasks, "tasks") if isinstance(task, str)]
-        run.start(given, [*map(as_text, first), *texts])
+        told = [format_list(fact) for fact in known]
+        run.start(given, [*map(as_text, first), *texts], facts=told)
         for fact in known:
             run.assert_fact(*fact)
         for request in requests:

@@ -49,6 +49,12 @@ def test_facts_that_were_given_are_given_again(tmp_path: Path) -> None:
     assert "3" in done.stdout
 
 
+def test_facts_that_a_program_gave_are_told_too(tmp_path: Path) -> None:
+    trace = tmp_path / "run.jsonl"
+    recorded.write(truck(facts=["(truck-fuel 3)"]), trace)
+    assert recorded.beginnings(trace).facts == ("(truck-fuel 3)",)
+
+
 def test_a_run_that_parts_from_the_recorded_one_says_where(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     rapc("run", *RUN, "-q", "--seed", "7", "--trace", str(trace))
