@@ -119,7 +119,7 @@ def _fault(*_: object) -> None:
 def test_internal_fault_is_one_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("rapc.analysis.driver.check_library", _fault)
+    monkeypatch.setattr("rapc.cli.check.check_files", _fault)
     monkeypatch.delenv("RAPC_DEBUG", raising=False)
     with pytest.raises(SystemExit) as ended:
         main.main(["check", str(tmp_path)])
@@ -134,7 +134,7 @@ def test_internal_fault_is_one_line(
 def test_debug_shows_the_traceback(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("rapc.analysis.driver.check_library", _fault)
+    monkeypatch.setattr("rapc.cli.check.check_files", _fault)
     monkeypatch.setenv("RAPC_DEBUG", "1")
     with pytest.raises(SystemExit) as ended:
         main.main(["check", str(tmp_path)])
@@ -149,7 +149,7 @@ def _interrupt(*_: object) -> None:
 def test_interrupt_ends_without_a_word(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("rapc.analysis.driver.check_library", _interrupt)
+    monkeypatch.setattr("rapc.cli.check.check_files", _interrupt)
     with pytest.raises(SystemExit) as ended:
         main.main(["check", str(tmp_path)])
     assert ended.value.code == 130
