@@ -108,7 +108,8 @@ def document(tree: Noted, after: str = "") -> AbstractDoc:
         said.append(NestDoc(BreakDoc(""), broken_at))
     if noted or not operands:
         said.append(TextDoc(f"){after}"))
-    broken = word in _BROKEN and any(map(_holds_list, operands[beside:]))
+    lists = sum(map(_holds_list, operands[beside:]))
+    broken = lists > (word in _JOINED) and word in _BROKEN | _JOINED
     return join(TextDoc(""), said).group(force_vertical=broken or _is_noted(tree))
 
 
@@ -236,6 +237,9 @@ _BROKEN = frozenset(
     )
 )
 """The words whose lists are never on one line, if they hold anything."""
+
+_JOINED = frozenset(("and", "or", "resources"))
+"""The words whose lists are never on one line, if they hold two lists or more."""
 
 _FILLED = frozenset(("facts", "primitives", "primitives-include"))
 """The words of lists of facts and requests, which stand side by side."""
