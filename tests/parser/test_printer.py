@@ -158,7 +158,8 @@ def test_methods_are_written_as_rap_text() -> None:
 
 LAID_OUT = """\
 (define-rap (stow-fuel-reserve (?kind symbol) => ?drum)
-  (succeed (and (location ?drum bay1) (class ?drum ?kind true)))
+  (succeed (and (location ?drum bay1)
+                (class ?drum ?kind true)))
   (repeat-while (and (location ?other external)
                      (not (quantity-held ?other 0))
                      (n= ?other ?drum)))
@@ -214,10 +215,10 @@ def test_narrow_lines_break_what_they_can() -> None:
 
 
 def test_parentheses_behind_a_list_count_for_its_line() -> None:
-    made = formula(*_datum("(not (and (p) (q)))"))
+    made = formula(*_datum("(not (p ?long ?row))"))
     assert made is not None
-    assert laid_out(made, 19) == "(not (and (p) (q)))"
-    assert laid_out(made, 18) == "(not (and (p)\n          (q)))"
+    assert laid_out(made, 20) == "(not (p ?long ?row))"
+    assert laid_out(made, 19) == "(not (p ?long\n        ?row))"
 
 
 def test_a_tree_of_nothing_is_an_empty_list() -> None:
