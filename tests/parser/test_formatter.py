@@ -75,6 +75,16 @@ def test_every_file_of_the_repository_holds_what_the_layout_promises() -> None:
     assert tried > 100
 
 
+def test_libraries_and_examples_are_laid_out() -> None:
+    changed = [
+        file
+        for folder in ("stdlib", "examples")
+        for file in sorted((ROOT / folder).rglob("*.rap"))
+        if _text(file.read_text(encoding="utf-8")) != file.read_text(encoding="utf-8")
+    ]
+    assert changed == []
+
+
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
