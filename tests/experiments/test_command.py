@@ -272,7 +272,7 @@ def naps(tmp_path: Path) -> Path:
 def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
     done = rapc("experiment", "naps.toml", "--jobs", "2", cwd=naps)
     assert done.returncode == 1
-    assert re.search(r"^well +1 +0 +1\.0 ", done.stdout, re.M)
+    assert re.search(r"^well +1 +0 +2 +1\.0 ", done.stdout, re.M)
     assert re.search(r"^killed +0/1 +0 +- ", done.stdout, re.M)
     faults = re.findall(
         r"^error: a run has no result: part `naps`, naps.how (\S+), seed 0: (.*)\n"

@@ -132,7 +132,7 @@ def test_installed_alone_it_runs_the_experiments_that_come_with_it(
     done = installed.run("rapc", *batch)
     told = "no plots: install `rapc[viz]` to have them drawn\n"
     assert (done.returncode, done.stderr) == (0, told), done.stdout
-    assert "\nT 6.2 " in done.stdout
+    assert "T 6.2 behind the stroke" in done.stdout
     done = installed.run("rapc", *batch, "--cluster", "tcp://127.0.0.1:1", "--out", "x")
     told = "error: --cluster needs Dask: install `rapc[cluster]`\n"
     assert (done.returncode, done.stderr) == (2, told)
