@@ -13,8 +13,8 @@ from pathlib import Path
 import msgspec
 
 from rapc.analysis.driver import CheckReport
-from rapc.analysis.fingerprints import fingerprints, seen_from
-from rapc.base.files import read_text
+from rapc.analysis.fingerprints import fingerprints
+from rapc.base.files import read_text, seen_from
 from rapc.errors import Error
 
 FORMAT = 1

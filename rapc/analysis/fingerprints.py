@@ -8,11 +8,10 @@ common stand before it: neither on its row nor on other lines.
 from __future__ import annotations
 
 import hashlib
-import os
 from collections import Counter
-from pathlib import Path
 
 from rapc.analysis.driver import CheckReport
+from rapc.base.files import seen_from
 
 _LENGTH = 20
 """Hexadecimal digits of a fingerprint: 80 bits."""
@@ -36,10 +35,3 @@ def fingerprints(report: CheckReport, root: str = "") -> tuple[str, ...]:
         seen[key] += 1
         prints.append(hashlib.sha256(text.encode()).hexdigest()[:_LENGTH])
     return tuple(prints)
-
-
-def seen_from(root: str, file: str) -> str:
-    """Return a path as seen from a folder, or the working one if empty, with `/`."""
-    if file.startswith("<"):
-        return file
-    return Path(os.path.relpath(file, root or os.curdir)).as_posix()

@@ -102,7 +102,7 @@ def _term_or_formula(node: nodes.Node, new: Mapping[str, str]) -> nodes.Node:
         return node if name is None else nodes.Var(name, node.span)
     if isinstance(node, nodes.Const):
         return node
-    return _renamed(node, new)  # type: ignore[arg-type]
+    return _renamed(node, new)  # type: ignore[arg-type]  # no term: a formula
 
 
 # --- what cannot hold together -----------------------------------------------------
@@ -243,7 +243,7 @@ def _turned(test: nodes.Compare) -> nodes.Compare:
     """Return a test with its constant, if it has one, to the right."""
     if isinstance(test.left, nodes.Const) and not isinstance(test.right, nodes.Const):
         op = _TURNED.get(test.op, test.op)
-        return nodes.Compare(op, test.right, test.left, test.span)  # type: ignore[arg-type]
+        return nodes.Compare(op, test.right, test.left, test.span)  # type: ignore[arg-type]  # a turned test has one of the six words
     return test
 
 
@@ -352,7 +352,7 @@ def _may_be(goal: Literal, other: Literal) -> bool:
     one, two = goal.formula, _fact(goal, other)
     if type(one) is not type(two):
         return False
-    return not isinstance(one, nodes.Proposition) or one.name == two.name  # type: ignore[union-attr]
+    return not isinstance(one, nodes.Proposition) or one.name == two.name  # type: ignore[union-attr]  # of one type
 
 
 def _fact(goal: Literal, other: Literal) -> nodes.Formula:

@@ -7,7 +7,6 @@ in one `Selection`.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from functools import cache
@@ -17,6 +16,7 @@ import msgspec
 
 from rapc.analysis import suite
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.files import seen_from
 from rapc.base.names import nearest
 from rapc.errors import Error
 
@@ -42,8 +42,8 @@ class PerFile(msgspec.Struct, frozen=True):
 
     def covers(self, file: str) -> bool:
         """Whether the pattern is one of a file, by the name that spans carry."""
-        path = PurePath(os.path.relpath(file, self.root or os.curdir))
-        return any(fnmatchcase(n, self.pattern) for n in (path.as_posix(), path.name))
+        path = seen_from(self.root, file)
+        return any(fnmatchcase(n, self.pattern) for n in (path, PurePath(path).name))
 
 
 class Selection(msgspec.Struct, frozen=True):

@@ -103,6 +103,16 @@ def _is_rap(name: str, tests: bool) -> bool:
     return name.endswith(SUFFIX) and (tests or not name.endswith(TEST_SUFFIX))
 
 
+def seen_from(root: str, file: str) -> str:
+    """Return a path as seen from a folder, or the working one if empty, with `/`.
+
+    The name of a text that is no file, such as `<stdin>`, stays.
+    """
+    if file.startswith("<"):
+        return file
+    return Path(os.path.relpath(file, root or os.curdir)).as_posix()
+
+
 # --- what is in them ------------------------------------------------------------------
 
 

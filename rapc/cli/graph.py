@@ -22,6 +22,7 @@ from rapc.cli.common import (
     read_paths,
 )
 from rapc.cli.given import prepare, run_options
+from rapc.cli.options import Amount
 from rapc.library.library import Library
 from rapc.worlds.skills.drawing import (
     Drawing,
@@ -58,7 +59,7 @@ Examples:
 @click.option(
     "--skills",
     "moment",
-    type=click.FloatRange(min=0),
+    type=Amount(min=0),
     metavar="TIME",
     help="The skills that are on at a time of a run of --world, and what they read.",
 )

@@ -31,6 +31,12 @@ class Count(click.IntRange):
         super().__init__(1, most)
 
 
+class Amount(click.FloatRange):
+    """A number within bounds."""
+
+    name = "number"
+
+
 @dataclass
 class CliSettings:
     """What the options common to all commands say; lives in click's root context."""

@@ -19,7 +19,7 @@ from rapc.cli.common import (
     settings,
     write_output,
 )
-from rapc.cli.options import Count
+from rapc.cli.options import Amount, Count
 from rapc.console.testing import coverage_table, explain
 from rapc.console.testing.junit import as_junit
 from rapc.console.wrapping import wrapped
@@ -95,7 +95,7 @@ _MOST_SEEDS = 100_000
 @click.option(
     "--coverage-min",
     "least",
-    type=click.FloatRange(0, 100),
+    type=Amount(0, 100),
     metavar="N",
     help="Fail if the tests exercise less than N per cent of the library.",
 )

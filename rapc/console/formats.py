@@ -16,8 +16,9 @@ from xml.etree import ElementTree
 
 from rapc.analysis import suite
 from rapc.analysis.driver import CheckReport, Finding
-from rapc.analysis.fingerprints import fingerprints, seen_from
+from rapc.analysis.fingerprints import fingerprints
 from rapc.base.diagnostics import Applicability, Fix, Rule, Severity
+from rapc.base.files import seen_from
 from rapc.base.source import SourceFile, Span
 from rapc.base.version import VERSION
 from rapc.console import findings as text

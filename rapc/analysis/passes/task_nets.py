@@ -166,6 +166,20 @@ TASK_NETS = Analyzer(
 )
 
 
+def sure_nets(run: Pass) -> Iterator[tuple[tuple[nodes.Step, ...], Net]]:
+    """Yield the steps of each task-net with its order, if that is sure.
+
+    Args:
+        run: the run of a pass that needs `TASK_NETS`.
+    """
+    nets = run.result(TASK_NETS)
+    for rap in run.library.raps.values():
+        for method in rap.methods:
+            net = nets.get(id(method.body))
+            if isinstance(method.body, nodes.TaskNet) and net and not net.broken:
+                yield method.body.steps, net
+
+
 def _net(run: Pass, net: nodes.TaskNet) -> Net:
     tags = _tags(run, net)
     doubled = broken = len(tags) < len(net.steps)

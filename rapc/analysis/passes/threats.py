@@ -14,7 +14,7 @@ import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.literals import Conjunction, Literal, literals, names
-from rapc.analysis.passes.task_nets import TASK_NETS, Net
+from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal
@@ -59,13 +59,9 @@ before the one that protects, or after the one that needs what is protected.""",
 
 
 def _run(run: Pass) -> None:
-    nets = run.result(TASK_NETS)
-    for rap in run.library.raps.values():
-        for method in rap.methods:
-            body = method.body
-            if isinstance(body, nodes.TaskNet) and not nets[id(body)].broken:
-                for found in _threats(run, body.steps, nets[id(body)]):
-                    run.report(found)
+    for steps, net in sure_nets(run):
+        for found in _threats(run, steps, net):
+            run.report(found)
 
 
 ANALYZER = Analyzer(

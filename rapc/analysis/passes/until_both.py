@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.passes.task_nets import TASK_NETS, Net
+from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 
@@ -39,13 +39,9 @@ be alternatives of that form.""",
 
 
 def _run(run: Pass) -> None:
-    nets = run.result(TASK_NETS)
-    for rap in run.library.raps.values():
-        for method in rap.methods:
-            body = method.body
-            if isinstance(body, nodes.TaskNet) and not nets[id(body)].broken:
-                for found in _pairs(run, body.steps, nets[id(body)]):
-                    run.report(found)
+    for steps, net in sure_nets(run):
+        for found in _pairs(run, steps, net):
+            run.report(found)
 
 
 ANALYZER = Analyzer(
