@@ -129,8 +129,8 @@ def test_layout(text: str, wanted: str) -> None:
 
 def test_lines_are_no_longer_than_they_may_be() -> None:
     for file in FILES:
-        made = formatted(SourceFile(str(file), file.read_text(encoding="utf-8")))
         if "stdlib" in file.parts:
+            made = formatted(SourceFile(str(file), file.read_text(encoding="utf-8")))
             long = [row for row in made.text.split("\n") if len(row) > WIDTH]
             assert [row for row in long if ";" not in row and '"' not in row] == []
 
