@@ -9,8 +9,8 @@ from random import Random
 import msgspec
 
 from rapc.base.values import Atom
-from rapc.worlds.hallway.default_map import MAP
-from rapc.worlds.hallway.map import Map, Sign, read_map
+from rapc.worlds.hallway.map import Map, Sign
+from rapc.worlds.hallway.map_text import named_map
 from rapc.worlds.hallway.simulation import STANDOFF, HallwaySettings, Simulation
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Request
@@ -34,7 +34,9 @@ class Driver:
     def __init__(
         self, seed: int = 0, settings: HallwaySettings = STILL, map: Map | None = None
     ) -> None:
-        self.sim = Simulation(map or read_map(MAP), catalogue(), Random(seed), settings)
+        self.sim = Simulation(
+            map or named_map("default"), catalogue(), Random(seed), settings
+        )
         self.ticket = 0
         #: Everything told, with its time.
         self.heard: list[tuple[float, Told]] = []

@@ -13,8 +13,8 @@ import rapc
 from rapc.base.values import Atom, Number, Text
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.hallway import HallwayWorld
-from rapc.worlds.hallway.default_map import MAP
-from rapc.worlds.hallway.map import Map, read_map
+from rapc.worlds.hallway.map import Map
+from rapc.worlds.hallway.map_text import named_map
 from rapc.worlds.hallway.world import Figures
 from rapc.worlds.registry import build_world
 
@@ -73,7 +73,7 @@ def travel(
         map: the map that the options ask for, if not the default one.
         options: options of the world.
     """
-    map = map or read_map(MAP)
+    map = map or named_map("default")
     start, goal = Random(seed).sample(map.landmark, 2)
     given = {**(options or {}), "start": Text(start.name)}
     run, world = begin(seed, f"(go-to {goal.name}) :at 1", options=given)

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from rapc.worlds.hallway.default_map import MAP
-from rapc.worlds.hallway.map import Map, MapError, read_map, signs
+from rapc.worlds.hallway.map import Map, MapError, signs
+from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.random_map import random_map
 from tests.hallway.journey import route
 
@@ -40,7 +40,7 @@ def _reachable(map: Map) -> bool:
 
 
 def test_the_default_map_is_a_ring_with_branches_and_a_second_floor() -> None:
-    map = read_map(MAP)
+    map = named_map("default")
     assert len(map.space) >= 12
     assert _reachable(map)
     floors = {floor for space in map.space for floor in space.floors}
@@ -77,9 +77,19 @@ def test_the_left_tag_is_to_the_left_of_who_faces_it() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "fault"),
     [
-        ("[[space]]", "[[", "no map"),
-        ('kind = "hall"', 'kind = "attic"', r"\$.space\[1\].kind"),
-        ('kind = "hall"', 'colour = "red"', "unknown field `colour`"),
+        ("[[space]]", "[[", "no TOML: .* line 3"),
+        ("[0, 0, 6, 5]", "[" * 100_000, "no TOML: "),
+        ('start = "clock"', "", "missing required field `start`"),
+        ('kind = "hall"', 'kind = "attic"', "`kind` of the space `hall`: invalid enum"),
+        ('kind = "hall"', 'colour = "red"', "the space `hall`: .*unknown field `colo"),
+        ('name = "hall"\n', "", "^space 2: object missing required field `name`"),
+        ('name = "hall"', 'name = "A hall"', "`name` of the space `A hall`: expected"),
+        ("at = 2.5", "at = nan", "`at` of the doorway `door`: expected"),
+        ("tags = [2, 3]", "tags = [-2, 3]", "`tags` of the doorway `door`: expected"),
+        ("at = 2.5", "width = 0", "`width` of the doorway `door`: expected .* >= 0.7"),
+        ("at = 2.0", "apart = -1", "`apart` of the landmark `clock`: expected"),
+        ("[[doorway]]", "[[person]]\nspeed = -1\n[[doorway]]", "`speed` of person 1"),
+        ('kind = "hall"', 'kind = "lift"\nfloors = [1, 1]', "twice on one floor"),
         ('"hall"]', '"cellar"]', "`door` names the space `cellar`"),
         ('space = "lab"', 'space = "loft"', "`clock` names the space `loft`"),
         ('start = "clock"', 'start = "door"', "`start` is no landmark on a wall"),
@@ -87,6 +97,18 @@ def test_the_left_tag_is_to_the_left_of_who_faces_it() -> None:
         ("box = [6.2,", "box = [7,", "`door` does not lie in a wall between"),
         ("box = [6.2,", "box = [5,", "`lab` and `hall` overlap"),
         ("box = [0, 0, 6, 5]", "box = [6, 0, 6, 5]", "`lab` has no area"),
+        ("at = 2.0", "at = 4.8", "`clock` does not hang on the west wall of `lab`"),
+        ('"west"', '"east"', "`clock` hangs in the doorway `door`"),
+        (
+            "[[doorway]]",
+            "[[obstacle]]\nbox = [3, 3, 3, 4]\n[[doorway]]",
+            "the obstacle .* has no area",
+        ),
+        (
+            "[[doorway]]",
+            "[[obstacle]]\nfloor = 2\nbox = [3, 3, 4, 4]\n[[doorway]]",
+            "is in no space of floor 2",
+        ),
         ("tags = [2, 3]", "tags = [2, 1]", "tag 1 is used twice"),
         ('name = "door"', 'name = "clock"', "two landmarks are named `clock`"),
         ('name = "hall"', 'name = "lab"', "two spaces are named `lab`"),

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from rapc.worlds.hallway.channels import Pose
-from rapc.worlds.hallway.default_map import MAP
-from rapc.worlds.hallway.map import read_map
+from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.skills.all import SENSORS, catalogue
 from rapc.worlds.skills.catalogue import Catalogue, Request
 from rapc.worlds.skills.declarations import Skill
@@ -59,7 +58,7 @@ def test_the_map_of_the_page_is_one() -> None:
 
 
 def test_the_default_map_is_as_described() -> None:
-    map = read_map(MAP)
+    map = named_map("default")
     assert (len(map.space), len(map.person)) == (17, 6)
     assert sum(doorway.door for doorway in map.doorway) == 8
     assert sum(s.kind == "room" and s.floors == (1,) for s in map.space) == 9

@@ -7,8 +7,8 @@ from random import Random
 
 import pytest
 
-from rapc.worlds.hallway.default_map import MAP
-from rapc.worlds.hallway.map import openings, read_map
+from rapc.worlds.hallway.map import openings
+from rapc.worlds.hallway.map_text import named_map
 from rapc.worlds.hallway.plan import Line, door_box, floor_plans, outlines
 
 Walls = tuple[list[Line], list[Line]]
@@ -39,7 +39,7 @@ def _nearest(walls: Walls, x: float, y: float) -> float:
 
 
 def test_a_grid_finds_what_a_search_of_all_walls_finds() -> None:
-    map, rng = read_map(MAP), Random(3)
+    map, rng = named_map("default"), Random(3)
     plan = floor_plans(map)[1]
     gaps = [gap for gap in openings(map) if gap.floor == 1]
     boxes = [space.box for space in map.space if 1 in space.floors]
@@ -75,7 +75,7 @@ def test_rectangles_that_touch_have_no_wall_between_them() -> None:
 
 
 def test_a_door_that_closes_stops_a_ray() -> None:
-    map = read_map(MAP)
+    map = named_map("default")
     plan = floor_plans(map)[1]
     gap = next(gap for gap in openings(map) if gap.doorway.name == "lab-door")
     assert plan.cast(5.0, 16.0, 0.0, -1.0, 4.0) == pytest.approx(3.0)

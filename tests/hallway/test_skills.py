@@ -9,7 +9,7 @@ import pytest
 from rapc.base.values import Text
 from rapc.world import Refused
 from rapc.worlds.hallway.channels import DRIVE, TRAJECTORY
-from rapc.worlds.hallway.map import read_map
+from rapc.worlds.hallway.map_text import read_map
 from rapc.worlds.hallway.simulation import HallwaySettings
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Request

@@ -9,7 +9,8 @@ import pytest
 
 from rapc.base.values import Atom, Text
 from rapc.world import NOT_KNOWN, Signal
-from rapc.worlds.hallway.map import Map, read_map
+from rapc.worlds.hallway.map import Map
+from rapc.worlds.hallway.map_text import read_map
 from rapc.worlds.hallway.world import HallwayWorld
 from tests.hallway.test_map import SMALL
 
@@ -96,7 +97,7 @@ def test_there_are_no_primitives() -> None:
         _world().perform(1, ("grasp",))
 
 
-@pytest.mark.parametrize("map", ["", SMALL])
+@pytest.mark.parametrize("map", ["default", SMALL])
 def test_facts_are_those_of_the_paper(map: str) -> None:
     world = _world(map=Text(map))
     known = list(world.facts())
@@ -139,7 +140,8 @@ def test_an_empty_battery_ends_the_run() -> None:
     ("options", "fault"),
     [
         ({"people": -1}, "`people` must not be below 0"),
-        ({"map": Text("start = 3")}, "`map`: no map"),
+        ({"map": Text("start = 3")}, "`map`: `start`: expected `str`, got `int`"),
+        ({"map": Text("cellar")}, "`map`: no map is called `cellar`; there are `"),
         ({"map": Text(SMALL.replace("[2, 3]", "[0, 3]"))}, r"`map`: the tag 0"),
     ],
 )

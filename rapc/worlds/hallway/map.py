@@ -1,9 +1,9 @@
 """The building as data: spaces, doorways, landmarks, obstacles, people.
 
-A map is a TOML text. Spaces are rectangles `[left, bottom, right, top]` in metres, with
-walls of some thickness between them; a doorway is a gap in the wall between two spaces,
-`at` its middle along the wall. A doorway is a landmark on both its sides [S 3.2]; other
-landmarks hang on one wall of a space.
+Spaces are rectangles `[left, bottom, right, top]` in metres, with walls of some
+thickness between them; a doorway is a gap in the wall between two spaces, `at` its
+middle along the wall. A doorway is a landmark on both its sides [S 3.2]; other
+landmarks hang on one wall of a space. `map_text` reads maps, in TOML:
 
     start = "charger"
 
@@ -29,12 +29,26 @@ landmarks hang on one wall of a space.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
+from msgspec import Meta
 
-Box = tuple[float, float, float, float]
+Metres = Annotated[float, Meta(ge=-1000, le=1000)]
+"""Where something is along an axis."""
+
+Name = Annotated[str, Meta(pattern=r"^[a-z][a-z0-9-]*\Z")]
+"""What a map calls something: a symbol of the language."""
+
+Code = Annotated[int, Meta(ge=0, le=9999)]
+"""What a tag says."""
+
+Apart = Annotated[float, Meta(ge=0.2, le=5)]
+"""How far it is between two tags, in metres."""
+
+FloorNumber = Annotated[int, Meta(ge=-9, le=99)]
+
+Box = tuple[Metres, Metres, Metres, Metres]
 """Left, bottom, right and top of a rectangle, in metres."""
 
 Side = Literal["north", "east", "south", "west"]
@@ -51,10 +65,6 @@ WALL = (0.1, 0.5)
 """The thinnest and the thickest wall that a doorway may lead through, in metres."""
 
 
-FREE = 0.4
-"""What is free around somebody, and around the robot before a landmark, in metres."""
-
-
 class MapError(ValueError):
     """A text that is no map, or a map that contradicts itself."""
 
@@ -62,25 +72,25 @@ class MapError(ValueError):
 class Space(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A rectangle in which the robot can be."""
 
-    name: str
+    name: Name
     box: Box
     kind: Literal["room", "hall", "lift"] = "room"
     #: The floors on which the space is; more than one for a lift only.
-    floors: tuple[int, ...] = (1,)
+    floors: Annotated[tuple[FloorNumber, ...], Meta(min_length=1)] = (1,)
 
 
 class Doorway(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A gap in the wall between two spaces, with a pair of tags on both sides."""
 
-    name: str
+    name: Name
     joins: tuple[str, str]
     #: The middle of the gap along the wall.
-    at: float
+    at: Metres
     #: The codes of the left and the right tag, as seen when facing the doorway.
-    tags: tuple[int, int]
-    width: float = 1.0
+    tags: tuple[Code, Code]
+    width: Annotated[float, Meta(ge=0.7, le=5)] = 1.0
     #: Between the two tags.
-    apart: float = 1.4
+    apart: Apart = 1.4
     #: Whether there is a door that closes now and then.
     door: bool = False
     says: str = ""
@@ -89,13 +99,13 @@ class Doorway(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Landmark(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A pair of tags on a wall of a space."""
 
-    name: str
+    name: Name
     space: str
     wall: Side
     #: The middle of the pair along the wall.
-    at: float
-    tags: tuple[int, int]
-    apart: float = 1.0
+    at: Metres
+    tags: tuple[Code, Code]
+    apart: Apart = 1.0
     #: Whether the robot can charge its battery here.
     charger: bool = False
     says: str = ""
@@ -105,7 +115,7 @@ class Obstacle(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A box that stands in a space."""
 
     box: Box
-    floor: int = 1
+    floor: FloorNumber = 1
 
 
 class Person(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -113,7 +123,7 @@ class Person(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     space: str
     #: In metres a second.
-    speed: float = 0.8
+    speed: Annotated[float, Meta(ge=0.1, le=2)] = 0.8
 
 
 class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -172,20 +182,6 @@ class Sign(msgspec.Struct, frozen=True):
             self.x + distance * math.cos(self.normal),
             self.y + distance * math.sin(self.normal),
         )
-
-
-def read_map(text: str) -> Map:
-    """Return the map that a TOML text describes.
-
-    Raises:
-        MapError: if the text is none, or the map contradicts itself.
-    """
-    try:
-        made = msgspec.toml.decode(text, type=Map)
-    except (msgspec.DecodeError, ValueError) as error:
-        raise MapError(f"no map: {error}") from error
-    _check(made)
-    return made
 
 
 def openings(map: Map) -> tuple[Opening, ...]:
@@ -274,81 +270,3 @@ def _opening(map: Map, doorway: Doorway) -> Opening:
         f"`{doorway.name}` does not lie in a wall between `{first.name}` and "
         f"`{second.name}`"
     )
-
-
-def _check(map: Map) -> None:
-    names: list[str] = [space.name for space in map.space]
-    marks: list[str] = [mark.name for mark in map.doorway]
-    marks += (mark.name for mark in map.landmark)
-    for kind, listed in (("space", names), ("landmark", marks)):
-        for twice in listed:
-            if listed.count(twice) > 1:
-                raise MapError(f"two {kind}s are named `{twice}`")
-    for owner, used in _used_spaces(map):
-        if used not in names:
-            raise MapError(f"{owner} names the space `{used}`, which is not there")
-    if map.start not in [mark.name for mark in map.landmark]:
-        raise MapError(f"`start` is no landmark on a wall: `{map.start}`")
-    for space in map.space:
-        if space.kind != "lift" and len(space.floors) != 1:
-            raise MapError(f"`{space.name}` is on several floors and is no lift")
-        if space.box[0] >= space.box[2] or space.box[1] >= space.box[3]:
-            raise MapError(f"`{space.name}` has no area")
-    if sum(space.kind == "lift" for space in map.space) > 1:
-        raise MapError("there is more than one lift")
-    _check_overlaps(map)
-    openings(map)
-    hung = signs(map)
-    _check_tags(hung)
-    _check_obstacles(map, hung)
-
-
-def _used_spaces(map: Map) -> Iterator[tuple[str, str]]:
-    for doorway in map.doorway:
-        for name in doorway.joins:
-            yield f"`{doorway.name}`", name
-    for mark in map.landmark:
-        yield f"`{mark.name}`", mark.space
-    for person in map.person:
-        yield "a person", person.space
-
-
-def _check_overlaps(map: Map) -> None:
-    for number, one in enumerate(map.space):
-        for other in map.space[number + 1 :]:
-            if set(one.floors) & set(other.floors) and _overlap(one.box, other.box):
-                raise MapError(f"`{one.name}` and `{other.name}` overlap")
-
-
-def _overlap(a: Box, b: Box) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-
-
-def _check_obstacles(map: Map, hung: Sequence[Sign]) -> None:
-    """Nothing stands where people begin, or where the robot is to stand."""
-    spots = [(f"`{s.landmark}` in `{s.space}`", s.floor, s.front(1.0)) for s in hung]
-    for person in map.person:
-        space = map.named_space(person.space)
-        left, bottom, right, top = space.box
-        middle = ((left + right) / 2, (bottom + top) / 2)
-        spots.append((f"somebody in `{space.name}`", space.floors[0], middle))
-    for obstacle in map.obstacle:
-        left, bottom, right, top = obstacle.box
-        for who, floor, (x, y) in spots:
-            off = math.hypot(x - min(max(x, left), right), y - min(max(y, bottom), top))
-            if floor == obstacle.floor and off < FREE:
-                raise MapError(
-                    f"the obstacle {list(obstacle.box)} is too near to {who}"
-                )
-
-
-def _check_tags(signs: Sequence[Sign]) -> None:
-    """Every code belongs to one landmark, on which it is left or right."""
-    owners: dict[int, tuple[str, int]] = {}
-    for sign in signs:
-        for place, code in enumerate(sign.tags):
-            if owners.setdefault(code, (sign.landmark, place)) != (
-                sign.landmark,
-                place,
-            ):
-                raise MapError(f"the tag {code} is used twice")

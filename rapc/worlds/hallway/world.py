@@ -26,9 +26,9 @@ from rapc.world import (
     World,
 )
 from rapc.worlds.hallway import facts, planner
-from rapc.worlds.hallway.default_map import MAP
 from rapc.worlds.hallway.geometry import far_from, turn_between
-from rapc.worlds.hallway.map import Map, MapError, read_map
+from rapc.worlds.hallway.map import Map, MapError
+from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.picture import Scene, scene
 from rapc.worlds.hallway.random_map import random_map
 from rapc.worlds.hallway.robot import TICK
@@ -44,7 +44,9 @@ PER_SECOND = round(1 / TICK)
 BUMP = ":bump"
 
 OPTIONS = (
-    Option("map", "text", Text(""), "", "a map in TOML; the default one if empty"),
+    Option(
+        "map", "text", Text("default"), "", "a map of rapc's by name, or one in TOML"
+    ),
     Option("random-map", "integer", -1, "", "the seed of a map made at random; -1: no"),
     Option("start", "text", Text(""), "", "the landmark it begins at; else the map's"),
     Option("doors", "number", 120, "s", "how long a door stays open on average; 0: on"),
@@ -241,7 +243,7 @@ def _read_map(given: Mapping[str, Atom | bool]) -> Map:
         map = random_map(seed)
     else:
         try:
-            map = read_map(text.value if isinstance(text, Text) and text.value else MAP)
+            map = _map_of(text.value if isinstance(text, Text) else str(text))
         except MapError as error:
             raise ValueError(f"`map`: {error}") from error
     if not isinstance(start, Text) or not start.value:
@@ -249,6 +251,11 @@ def _read_map(given: Mapping[str, Atom | bool]) -> Map:
     if start.value not in [mark.name for mark in map.landmark]:
         raise ValueError(f"`start`: no landmark on a wall: `{start.value}`")
     return msgspec.structs.replace(map, start=start.value)
+
+
+def _map_of(text: str) -> Map:
+    """Return the map of a name, or of a text, which no name looks like."""
+    return read_map(text) if "=" in text or "\n" in text else named_map(text)
 
 
 def _plain(value: Atom) -> Atom:
