@@ -9,27 +9,43 @@ from pathlib import Path
 import pytest
 
 from rapc.repl.commands.table import commands
+from rapc.repl.shell import Command
 from tests.cli.command import rapc
+from tests.effort import first
 from tests.repl.terminal import Terminal
 
 RUN = ("--task", "(rock-order red 1) :deadline 90", "--seed", "7")
-EXAMPLES = [
+EXPORTS = [e for one in commands() for e in one.examples if one.name == "export-test"]
+OTHERS = [
     example
     for command in commands()
-    if command.name != "quit"
+    if command.name not in ("quit", "export-test")
     for example in command.examples
 ]
 
 
-@pytest.mark.parametrize("columns", [40, 80, 200])
-def test_every_command_answers_on_a_terminal(columns: int, tmp_path: Path) -> None:
+ON_TERMINAL = [
+    one
+    for one in commands()
+    if one.name not in ("quit", "show", "record", "export-test")
+]
+ONE_OF_A_GROUP = list({one.group: one for one in ON_TERMINAL}.values())
+
+
+@pytest.mark.parametrize(
+    "case",
+    first(1, [(80, ONE_OF_A_GROUP), *((n, ON_TERMINAL) for n in (40, 80, 200))]),
+    ids=["80, one of each group", "40", "80", "200"],
+)
+def test_every_command_answers_on_a_terminal(
+    case: tuple[int, list[Command]], tmp_path: Path
+) -> None:
+    columns, typed = case
     terminal = Terminal(columns, tmp_path, *RUN)
     terminal.see("Ctrl-D leaves")
     terminal.ask(":show none", "after a step is shown: none")
     terminal.ask(":to 60", "cycle 60")
-    for command in commands():
-        if command.name in ("quit", "show", "record", "export-test"):
-            continue
+    for command in typed:
         terminal.ask(command.examples[0], command.examples[0])
         screen = terminal.ask(":show none", "after a step is shown: none")
         assert not any("Traceback" in line for line in screen)
@@ -37,20 +53,23 @@ def test_every_command_answers_on_a_terminal(columns: int, tmp_path: Path) -> No
     assert terminal.leave() == 0
 
 
-def test_every_example_of_the_help_answers_in_a_script(tmp_path: Path) -> None:
+@pytest.mark.parametrize("examples", first(1, [OTHERS, EXPORTS]), ids=len)
+def test_every_example_of_the_help_answers_in_a_script(
+    examples: list[str], tmp_path: Path
+) -> None:
     library = Path("examples/rock-order.rap").resolve()
-    inputs = [part for e in EXAMPLES for part in (":goto 60", e, ":unbreak all")]
+    inputs = [part for e in examples for part in (":goto 24", e, ":unbreak all")]
     done = rapc(
         *("repl", str(library), "--world", "truck", *RUN, "--json"),
-        stdin="\n".join([":show none", ":to 60", *inputs]) + "\n",
+        stdin="\n".join([":show none", ":to 24", *inputs]) + "\n",
         cwd=tmp_path,
     )
     records = [json.loads(line) for line in done.stdout.splitlines()]
     answers = {r["input"]: r for r in records}
-    assert set(EXAMPLES) <= set(answers)
+    assert set(examples) <= set(answers)
     refused = {
         text: " ".join(answers[text].get("lines", ()))
-        for text in EXAMPLES
+        for text in examples
         if answers[text]["failed"]
     }
     expected = re.compile(
@@ -60,4 +79,4 @@ def test_every_example_of_the_help_answers_in_a_script(tmp_path: Path) -> None:
     )
     strange = {text: why for text, why in refused.items() if not expected.search(why)}
     assert strange == {}
-    assert len(refused) < len(EXAMPLES) / 3
+    assert len(refused) < len(examples) / 3

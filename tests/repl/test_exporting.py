@@ -101,6 +101,7 @@ def test_what_was_done_by_hand_is_in_it(tmp_path: Path) -> None:
     assert statuses(path) == [Status.PASSED]
 
 
+@pytest.mark.slow
 def test_a_run_of_the_truck_with_items_becomes_a_test(tmp_path: Path) -> None:
     shell = Shell(truck(), commands(), [TRUCK])
     path = tmp_path / "on-the-way.test.rap"

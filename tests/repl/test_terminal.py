@@ -8,13 +8,14 @@ import pytest
 
 from rapc.repl.complete import candidates
 from rapc.repl.highlight import indentation, tokens
+from tests.effort import first
 from tests.repl.shells import truck_shell
 from tests.repl.terminal import Terminal
 
 TASK = ("--task", "(rock-order red 1)", "--seed", "7")
 
 
-@pytest.mark.parametrize("columns", [40, 80, 200])
+@pytest.mark.parametrize("columns", first(1, [40, 80, 200]))
 def test_a_session_on_a_terminal(columns: int, tmp_path: Path) -> None:
     terminal = Terminal(columns, tmp_path, *TASK)
     terminal.see("Ctrl-D leaves")
