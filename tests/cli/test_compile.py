@@ -12,6 +12,8 @@ import pytest
 from rapc.library.saved import FORMAT
 from tests.cli.command import rapc
 
+pytestmark = pytest.mark.xdist_group("compile")
+
 CHECKOUT = Path(__file__).parents[2]
 KITCHEN = CHECKOUT / "tests" / "library" / "kitchen.rap"
 PAGE = (CHECKOUT / "docs" / "compile.md").read_text(encoding="utf-8")

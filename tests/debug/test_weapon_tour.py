@@ -18,6 +18,8 @@ from rapc.worlds import registry
 from rapc.worlds.scripted import ScriptedWorld
 from tests.truck.runs import STDLIB
 
+pytestmark = pytest.mark.xdist_group("tour")
+
 
 @pytest.fixture(scope="module")
 def tour() -> Session:

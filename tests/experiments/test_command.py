@@ -20,6 +20,8 @@ from tests.effort import first
 
 from .small_experiment import TRUCK, on_a_terminal, rows, session, wait_for, watched
 
+pytestmark = pytest.mark.xdist_group("experiment")
+
 NAPS = """\
 world = "naps:Naps"
 library = "naps.rap"

@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 
 from rapc.language import build, grammar
 from rapc.parser.syntax import Datum, List
+from tests.effort import first
 from tests.parser.agreement import ATTRIBUTES, accepted, disagreement, excused
 from tests.parser.programs import programs, texts
 from tests.parser.reading import parsed, reading
@@ -23,11 +24,13 @@ def test_grammar_py_is_what_build_makes() -> None:
     assert build.rules() == grammar.RULES
 
 
-def test_every_text_of_the_repository() -> None:
-    found = {where: disagreement(text) for where, text in texts().items()}
-    assert len(found) > 400
+@pytest.mark.parametrize("share", first(1, range(8)))
+def test_every_text_of_the_repository(share: int) -> None:
+    some = dict(list(texts().items())[share::8])
+    found = {where: disagreement(text) for where, text in some.items()}
+    assert len(found) > 50
     assert {where: rules for where, rules in found.items() if rules} == {}
-    assert sum(accepted(text) for text in texts().values()) > 300
+    assert sum(accepted(text) for text in some.values()) > 35
 
 
 @settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])

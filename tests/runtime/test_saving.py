@@ -43,7 +43,7 @@ ORDER = """
 
 
 def test_a_run_of_the_truck_goes_on_as_if_nothing_had_happened() -> None:
-    assert saving.compare(seed=5, points=4, far=2) == 0
+    assert saving.compare(seed=5, points=2, far=1) == 0
 
 
 @pytest.mark.slow
@@ -76,9 +76,9 @@ def _both(case: Case, cycles: int) -> tuple[list[Event], list[Event]]:
     return events[line:], taken_up
 
 
-@pytest.mark.parametrize("chunk", first(1, range(10)))
+@pytest.mark.parametrize("chunk", first(1, range(40)))
 def test_generated_programs_go_on_as_if_nothing_had_happened(chunk: int) -> None:
-    for seed in range(chunk * 200, (chunk + 1) * 200):
+    for seed in range(chunk * 50, (chunk + 1) * 50):
         case = stepwise(generate(seed))
         cycles = random.Random(f"cycles:{seed}").randrange(1, 30)
         as_it_is, taken_up = _both(case, cycles)

@@ -27,7 +27,7 @@ OPTIONS: Mapping[str, Mapping[str, Atom | bool]] = {
 """Settings of chapter 6, and the hardest ones. Items merge under seed 0."""
 
 
-@pytest.mark.parametrize("case", first(2, product(range(4), OPTIONS)), ids=str)
+@pytest.mark.parametrize("case", first(1, product(range(4), OPTIONS)), ids=str)
 def test_handlers_keep_their_word(case: tuple[int, str]) -> None:
     seed, name = case
     run = Run(

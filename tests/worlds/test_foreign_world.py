@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.xdist_group("lamps")
+
 HERE = Path(__file__).parent
 PACKAGE = HERE / "lamps"
 DOCS = HERE.parents[1] / "docs" / "worlds.md"
