@@ -16,7 +16,7 @@ THOROUGH = "thorough"
 """The profile of hypothesis under which tests try all the examples they ask for."""
 
 SHARE = 6
-"""By default a test tries one in so many of its examples."""
+"""By default a test tries one in so many of its examples, unless the test says more."""
 
 
 def first(number: int, values: Iterable[Any]) -> list[Any]:
@@ -27,7 +27,7 @@ def first(number: int, values: Iterable[Any]) -> list[Any]:
     ]
 
 
-def examples(most: int, **others: Any) -> settings:
-    """Settings of hypothesis: `most` examples if thorough, else a sixth of them."""
+def examples(most: int, share: int = SHARE, **others: Any) -> settings:
+    """Settings of hypothesis: `most` examples if thorough, else one in `share`."""
     thorough = settings.get_current_profile_name() == THOROUGH
-    return settings(max_examples=most if thorough else most // SHARE, **others)
+    return settings(max_examples=most if thorough else most // share, **others)

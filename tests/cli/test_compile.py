@@ -89,6 +89,7 @@ def test_the_sources_are_wanted_no_more(faulty: Path) -> None:
     assert "1 test: 1 failed" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_folder_is_compiled_with_its_tests(tmp_path: Path) -> None:
     truck, file = CHECKOUT / "stdlib" / "truck", tmp_path / "truck.rapc"
     assert rapc("compile", str(truck), "-o", str(file)).returncode == 0

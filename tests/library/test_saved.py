@@ -19,6 +19,7 @@ from rapc.library import saved as saved_module
 from rapc.library.loader import load_text
 from rapc.library.saved import SavedLibrary, Suite, encode, seal
 from rapc.testing.run import Case, Outcome, run_case
+from tests.effort import first
 
 from .saved_libraries import (
     KITCHEN,
@@ -55,7 +56,7 @@ def _outcome(case: Case) -> tuple[Outcome, list[bytes]]:
     return run_case(case, 3, coverage=recorded, modules=[LANGUAGE]), recorded.trace
 
 
-@pytest.mark.parametrize("path", [KITCHEN, *FOLDERS], ids=lambda p: p.name)
+@pytest.mark.parametrize("path", first(1, [KITCHEN, *FOLDERS]), ids=lambda p: p.name)
 def test_tests_run_as_they_do_from_sources(path: Path) -> None:
     together = suites(path)
     data = saved(host.load(path), together)

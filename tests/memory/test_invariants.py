@@ -22,7 +22,7 @@ from .walking import TEXT, Step, Walk
 STEPS = 250
 
 
-@examples(40, suppress_health_check=list(HealthCheck))
+@examples(40, share=20, suppress_health_check=list(HealthCheck))
 @given(
     st.lists(
         st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),

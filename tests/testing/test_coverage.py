@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from rapc.console.testing.coverage_table import (
     Share,
     as_json,
@@ -215,6 +217,7 @@ def test_less_coverage_than_asked_for_is_told_by_the_exit_status(
     assert done.returncode == 2
 
 
+@pytest.mark.slow
 def test_pytest_tells_coverage_too(tmp_path: Path) -> None:
     _more(tmp_path)
     (tmp_path / "pytest.ini").write_text("[pytest]\naddopts =\n")

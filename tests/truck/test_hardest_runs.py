@@ -54,7 +54,7 @@ def digest(seed: int) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-@pytest.mark.parametrize("seed", first(4, SEEDS))
+@pytest.mark.parametrize("seed", first(2, SEEDS))
 def test_the_trace_is_known(seed: int) -> None:
     golden = GOLDEN.read_text(encoding="utf-8").splitlines()
     assert digest(seed) == golden[seed]

@@ -53,6 +53,7 @@ def test_a_long_walk_meets_all_there_is_and_stays_consistent() -> None:
     assert missing == []
 
 
+@pytest.mark.slow
 def test_a_thousand_walks_through_the_hardest_world_end_as_walks_do() -> None:
     ends: Counter[str] = Counter()
     for seed in range(1000):
