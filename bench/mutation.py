@@ -99,7 +99,7 @@ class Bench:
         report = check_library(self.loaded)
         if report.findings:
             raise ValueError([f.diagnostic.message for f in report.findings])
-        self.base = Base(report.library)
+        self.base = Base(self.loaded.library)
         self.units = {unit.file.name: unit for unit in self.loaded.units}
 
     def outcome(self, edit: Edit) -> Outcome | None:

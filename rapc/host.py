@@ -294,7 +294,7 @@ def checked(loaded: Loaded, name: str) -> CheckedLibrary:
     report = check_library(loaded, errors())
     if report.findings:
         raise CheckError(report)
-    return CheckedLibrary(Program(report.library, name))
+    return CheckedLibrary(Program(loaded.library, name))
 
 
 # --- arguments ------------------------------------------------------------------------

@@ -6,23 +6,31 @@ than one of these libraries has, in a file that they share, is reported once.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-
-import msgspec
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING
 
 from rapc.analysis import suppressions
 from rapc.analysis.driver import CheckReport, Finding, check_library, place_of
 from rapc.analysis.selection import Selection
 from rapc.base.files import TEST_SUFFIX
-from rapc.base.source import Span
+from rapc.base.source import SourceFile, Span
 from rapc.library import loader
+from rapc.library.loader import Loaded, Parse
 from rapc.library.test_files import load_tests
+from rapc.parser.parse import parse
+
+if TYPE_CHECKING:
+    from rapc.analysis.cache import Cache
 
 
 def check_files(
     paths: Iterable[str],
     selection: Selection | None = None,
     texts: Mapping[str, str] | None = None,
+    *,
+    parser: Parse = parse,
+    cache: Cache | None = None,
 ) -> CheckReport:
     """Check files and folders; test files that are named are checked as they are run.
 
@@ -30,21 +38,41 @@ def check_files(
         paths: files, folders (all `.rap` below but tests), `-` for standard input.
         selection: the rules that may report; those that are not opt-in if None.
         texts: what stands for the texts of some files, by name.
+        parser: what makes units of files, unless there is a cache, which has its own.
+        cache: what earlier checks of these paths came to, and where this one is kept.
 
     Raises:
         LoadError: for what cannot be read.
     """
+    check = partial(check_library, selection=selection)
+    reports: list[CheckReport] = []
+    for load in _loads(paths, texts):
+        if cache is None:
+            reports += map(check, load(parser))
+        else:
+            reports += cache.reports(load, check)
+    if cache is not None:
+        cache.save()
+    return reports[0] if len(reports) == 1 else _joined(reports)
+
+
+def _loads(
+    paths: Iterable[str], texts: Mapping[str, str] | None
+) -> Iterator[Callable[[Parse], Sequence[Loaded]]]:
+    """Yield what loads the libraries: one of all files, those of each file of tests."""
     given = list(dict.fromkeys(paths))
     named = [path for path in given if path.endswith(TEST_SUFFIX)]
     others = [path for path in given if path not in named]
-    reports = []
     if others or not named:
-        reports.append(check_library(loader.load(others, texts=texts), selection))
-    for path in named:
-        for source in loader.read_tests([path], texts):
-            for loaded in load_tests(source, texts).libraries:
-                reports.append(check_library(loaded, selection))
-    return reports[0] if len(reports) == 1 else _joined(reports)
+        yield lambda parser: [loader.load(others, texts=texts, parser=parser)]
+    for source in loader.read_tests(named, texts):
+        yield partial(_of_tests, source, texts)
+
+
+def _of_tests(
+    source: SourceFile, texts: Mapping[str, str] | None, parser: Parse
+) -> Sequence[Loaded]:
+    return load_tests(source, texts, parser).libraries
 
 
 def _joined(reports: Iterable[CheckReport]) -> CheckReport:
@@ -54,7 +82,7 @@ def _joined(reports: Iterable[CheckReport]) -> CheckReport:
     """
     every = list(reports)
     files = {name: file for one in every for name, file in one.files.items()}
-    forms = {form.span: form for one in every for form in one.library.forms}
+    raps = {name: number for one in every for name, number in one.raps_in.items()}
     found: dict[tuple[str, Span, str], Finding] = {}
     for report in every:
         for finding in report.findings:
@@ -68,6 +96,4 @@ def _joined(reports: Iterable[CheckReport]) -> CheckReport:
                 found.setdefault(key, finding)
     order = {name: at for at, name in enumerate(files)}
     findings = sorted(found.values(), key=lambda one: place_of(order, one))
-    library = every[0].library
-    joined = msgspec.structs.replace(library, files=files, forms=tuple(forms.values()))
-    return CheckReport(tuple(findings), joined)
+    return CheckReport(tuple(findings), files, raps)

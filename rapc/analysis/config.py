@@ -1,33 +1,26 @@
 """The configuration of `rapc check`: `rapc.toml`, or `[tool.rapc]` in pyproject.toml.
 
 The nearest one counts: that of the folder checked, else of the one above it, and so on.
-In one folder `rapc.toml` comes first. Nothing is merged.
+In one folder `rapc.toml` comes first. Nothing is merged. Files are read by
+`rapc.analysis.config_file`, which those who have none do without.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 
 from rapc.analysis.selection import PerFile, rule_names
-from rapc.base import toml
 from rapc.base.diagnostics import Severity
-from rapc.base.files import read_text
-from rapc.base.names import nearest
-from rapc.errors import Error
 
 OWN = "rapc.toml"
 SHARED = "pyproject.toml"
 
 Level = Literal["error", "warning", "info"]
-
-
-class ConfigError(Error):
-    """A configuration that cannot be used; the message names its file."""
 
 
 class Config(
@@ -55,6 +48,8 @@ class Config(
     output_format: str | None = None
     #: The file of findings that are known, as seen from the configuration.
     baseline: str | None = None
+    #: The folder of caches, likewise.
+    cache_dir: str | None = None
 
 
 class Configured(msgspec.Struct, frozen=True):
@@ -63,6 +58,12 @@ class Configured(msgspec.Struct, frozen=True):
     config: Config = Config()
     #: None if there is none.
     file: Path | None = None
+
+    def beside(self, name: str | None) -> Path | None:
+        """Return the path of what it names, as seen from it."""
+        if name is None or self.file is None:
+            return None
+        return self.file.parent / name
 
     def per_file(self) -> tuple[PerFile, ...]:
         """Return what its `per-file-ignores` say.
@@ -87,48 +88,14 @@ class Configured(msgspec.Struct, frozen=True):
         return found
 
 
-def find(place: Path) -> Configured:
-    """Return the nearest configuration of a file or folder, or an empty one.
+def files(place: Path) -> Iterator[Path]:
+    """Yield the files that may configure the check of a file or folder, nearest first.
 
-    Raises:
-        ConfigError: for one that cannot be used.
-        LoadError: for one that cannot be read.
+    A pyproject.toml need not have a configuration in it.
     """
     here = place.absolute()
     for folder in (here, *here.parents):
         for name in (OWN, SHARED):
             file = folder / name
             if os.path.isfile(file):
-                found = read(file)
-                if found is not None:
-                    return found
-    return Configured()
-
-
-def read(file: Path) -> Configured | None:
-    """Return the configuration in a file; None for a pyproject.toml without one.
-
-    Raises:
-        ConfigError: for one that cannot be used.
-        LoadError: for a file that cannot be read.
-    """
-    text = read_text(file)
-    try:
-        table: Any = toml.parsed(text)
-        if file.name == SHARED:
-            if "rapc" not in table.get("tool", {}):
-                return None
-            table = table["tool"]["rapc"]
-        if not isinstance(table, dict):
-            raise ConfigError(f"`{file}`: `tool.rapc` is no table")
-        known = [field.encode_name for field in msgspec.structs.fields(Config)]
-        for key in table:
-            if key not in known:
-                near = nearest(key, known)
-                help = (
-                    f"did you mean `{near}`?" if near else f"known: {', '.join(known)}"
-                )
-                raise ConfigError(f"`{file}`: there is no key `{key}`", help)
-        return Configured(toml.converted(table, Config), file)
-    except toml.TomlError as error:
-        raise ConfigError(f"`{file}`: {error.message}") from error
+                yield file

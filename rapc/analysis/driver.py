@@ -7,6 +7,7 @@ checked code is executed or imported, and nothing is printed here.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -45,17 +46,15 @@ class CheckReport(msgspec.Struct, frozen=True):
     """What checking came to: the findings in the order of files and text."""
 
     findings: tuple[Finding, ...]
-    library: Library
-
-    @property
-    def files(self) -> Mapping[str, SourceFile]:
-        """Every file that was read, by the name that spans carry."""
-        return self.library.files
+    #: Every file that was read, by the name that spans carry.
+    files: Mapping[str, SourceFile]
+    #: How many RAPs stand in each file that has some.
+    raps_in: Mapping[str, int] = {}
 
     @property
     def raps(self) -> int:
         """Return how many RAPs were checked."""
-        return sum(isinstance(f, nodes.DefineRap) for f in self.library.forms)
+        return sum(self.raps_in.values())
 
     def worst(self) -> Severity | None:
         """The gravest severity found, or None."""
@@ -78,7 +77,9 @@ def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckRe
     order = {name: at for at, name in enumerate(loaded.files)}
     findings = [Finding(rules[d.rule], d) for d in found if chosen.chooses(d)]
     findings.sort(key=lambda f: place_of(order, f))
-    return CheckReport(tuple(findings), loaded.library)
+    forms = loaded.library.forms
+    raps = Counter(f.span.file for f in forms if isinstance(f, nodes.DefineRap))
+    return CheckReport(tuple(findings), loaded.files, raps)
 
 
 def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:

@@ -15,6 +15,7 @@ import click
 import msgspec
 
 from rapc.analysis import driver
+from rapc.analysis.cache_file import file_for
 from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
@@ -39,6 +40,7 @@ from rapc.cli.common import (
 from rapc.cli.watch import watch
 from rapc.errors import Error
 from rapc.library.loader import STANDARD_INPUT
+from rapc.library.units import Units
 
 EXAMPLES = """\b
 Examples:
@@ -91,6 +93,7 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
 @click.option(
     "--stdin-filename", metavar="NAME", help="What to call the text on standard input."
 )
+@click.option("--no-cache", is_flag=True, help="Keep nothing for the next check.")
 @click.option("--watch", is_flag=True, help="Check again whenever a file changes.")
 @click.option("--config", **FILE, help="The configuration to use.")
 @click.option("--isolated", is_flag=True, help="Use no configuration.")
@@ -109,10 +112,11 @@ def check(**given: Any) -> None:
     options = msgspec.convert(given, Options)
     _contradict(options)
     if options.watch:
-        watch(options.paths, lambda: _run(options).report.files)
+        units = Units()
+        watch(options.paths, lambda: _run(options, units).report.files)
         return
     try:
-        worst = _run(_with_input(options)).grave
+        worst = _run(_with_input(options), Units()).grave
     except UnknownRuleError as error:
         fail(f"{error}{f'; {error.help}' if error.help else ''}")
     except Error as error:
@@ -156,22 +160,33 @@ class Done(msgspec.Struct, frozen=True):
     grave: bool
 
 
-def _run(options: Options) -> Done:
+def _run(options: Options, units: Units) -> Done:
     """Check, mend if that is asked for, and report."""
     chosen = choose(options)
     if options.fix or options.diff:
-        return _mend(options, chosen)
-    report = _checked(options, chosen, options.texts)
+        return _mend(options, chosen, units)
+    report = _checked(options, chosen, units)
     if options.write_baseline is not None:
         return _note(report, options.write_baseline)
     return _tell(report, options, chosen)
 
 
-def _checked(options: Options, chosen: Chosen, texts: Mapping[str, str]) -> CheckReport:
-    report = check_files(options.paths, chosen.selection, texts)
+def _checked(options: Options, chosen: Chosen, units: Units) -> CheckReport:
+    """Check, with the help of what was found before."""
+    paths, selection = options.paths, chosen.selection
+    cache = None
+    if not options.no_cache and not options.texts:
+        file = file_for(chosen.caches, paths, selection)
+        if file is not None:
+            from rapc.analysis.cache import Cache  # noqa: PLC0415  # brings hashlib
+
+            cache = Cache(file, paths, selection, units)
+            say(f"keeps what is found in {file}")
+    report = check_files(paths, selection, options.texts, parser=units, cache=cache)
     for name in report.files:
         say(f"read {name}")
-    say(f"ran {len(driver.passes())} passes")
+    if cache is None:
+        say(f"ran {len(driver.passes())} passes")
     return report
 
 
@@ -232,14 +247,15 @@ def _refuse_input(file: str, option: str, report: CheckReport) -> None:
 # --- fixes ----------------------------------------------------------------------------
 
 
-def _mend(options: Options, chosen: Chosen) -> Done:
+def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
     """Carry out fixes, or show them; a text on standard input goes to the output."""
     from rapc.analysis import fixes  # noqa: PLC0415  # for few
 
     before: dict[str, str] = {}
 
     def check(texts: Mapping[str, str]) -> CheckReport:
-        report = _checked(options, chosen, {**options.texts, **texts})
+        texts = {**options.texts, **texts}
+        report = check_files(options.paths, chosen.selection, texts, parser=units)
         for name, source in report.files.items():
             before.setdefault(name, source.text)
         return report

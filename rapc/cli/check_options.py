@@ -7,6 +7,8 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.analysis import config
+from rapc.analysis.config import Configured
 from rapc.analysis.selection import PerFile, Selection, by_default, rule_names
 from rapc.base.diagnostics import Severity
 from rapc.cli.common import FORMATS, fail, say
@@ -31,6 +33,7 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
     fail_level: str | None
     exit_zero: bool
     stdin_filename: str | None
+    no_cache: bool
     watch: bool
     config: str | None
     isolated: bool
@@ -49,6 +52,8 @@ class Chosen(msgspec.Struct, frozen=True):
     fail_level: Severity
     #: The file of findings that are known, if any.
     baseline: Path | None
+    #: The folder of caches; that of the user if None.
+    caches: Path | None
 
 
 def choose(options: Options) -> Chosen:
@@ -62,16 +67,7 @@ def choose(options: Options) -> Chosen:
         LoadError: for one that cannot be read.
         UnknownRuleError: for a word that no rule has as its name or code.
     """
-    from rapc.analysis import config  # noqa: PLC0415  # brings tomllib along
-
-    if options.isolated:
-        found = config.Configured()
-    elif options.config is not None:
-        found = config.read(Path(options.config)) or fail(
-            f"`{options.config}` has no table `tool.rapc`"
-        )
-    else:
-        found = config.find(Path(options.paths[0]))
+    found = _configured(options)
     if found.file is not None:
         say(f"configured by {found.file}")
     said = found.config
@@ -85,8 +81,8 @@ def choose(options: Options) -> Chosen:
     enabled -= rule_names(words(options.ignore))
     per_file = [_per_file(text) for text in options.per_file_ignores]
     baseline = None if options.baseline is None else Path(options.baseline)
-    if baseline is None and said.baseline is not None and found.file is not None:
-        baseline = found.file.parent / said.baseline
+    if baseline is None:
+        baseline = found.beside(said.baseline)
     shape = options.output_format or said.output_format or "full"
     if shape not in FORMATS:
         fail(f"`{found.file}`: there is no output format `{shape}`")
@@ -96,7 +92,25 @@ def choose(options: Options) -> Chosen:
         shape,
         Severity[level.upper()],
         baseline,
+        found.beside(said.cache_dir),
     )
+
+
+def _configured(options: Options) -> Configured:
+    """Return the configuration that counts; an empty one if there is none."""
+    if options.isolated:
+        return Configured()
+    said = options.config
+    files = config.files(Path(options.paths[0])) if said is None else [Path(said)]
+    for file in files:
+        from rapc.analysis.config_file import read  # noqa: PLC0415  # brings tomllib
+
+        found = read(file)
+        if found is not None:
+            return found
+    if said is not None:
+        fail(f"`{said}` has no table `tool.rapc`")
+    return Configured()
 
 
 def words(given: Iterable[str]) -> Iterator[str]:

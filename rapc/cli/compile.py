@@ -102,7 +102,7 @@ def _suites(path: str) -> Iterator[Suite]:
     reports = [*found.reports]
     for case in found.cases:
         if case.faults:
-            reports.append(CheckReport(case.faults, case.library.library))
+            reports.append(CheckReport(case.faults, case.library.library.files))
     for report in reports:
         print_findings(report, "full")
     if reports:

@@ -28,10 +28,8 @@ from rapc.cli.common import (
     settings,
 )
 from rapc.errors import Error
-from rapc.library import library
 from rapc.library.loader import STANDARD_INPUT
 from rapc.parser.formatter import Formatted, formatted
-from rapc.parser.unit import SourceUnit
 
 EXAMPLES = """\b
 Examples:
@@ -101,8 +99,7 @@ def _report(source: SourceFile, made: Formatted) -> None:
     """Print what keeps a file from being laid out."""
     rules = suite.rules()
     findings = tuple(Finding(rules[d.rule], d) for d in made.diagnostics)
-    alone, _ = library.link([SourceUnit(source)])
-    print_findings(CheckReport(findings, alone), "full")
+    print_findings(CheckReport(findings, {source.name: source}), "full")
 
 
 def _change(source: SourceFile, text: str, check: bool, differ: bool) -> None:

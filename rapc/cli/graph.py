@@ -8,9 +8,9 @@ from typing import Any
 import click
 
 from rapc.analysis import graphs
-from rapc.analysis.driver import CheckReport, check_library
+from rapc.analysis.driver import check_library
 from rapc.analysis.graphs import Graph
-from rapc.base.diagnostics import Severity
+from rapc.analysis.selection import errors
 from rapc.base.names import nearest
 from rapc.base.values import format_atom, number
 from rapc.cli.checked import load_checked
@@ -129,12 +129,12 @@ def _network(
 
 def _library(path: str) -> Library:
     """Return the library at a path; errors in it end the command."""
-    report = check_library(read_paths([path]))
-    errors = tuple(f for f in report.findings if f.severity is Severity.ERROR)
-    if errors:
-        print_findings(CheckReport(errors, report.library), "full", err=True)
+    loaded = read_paths([path])
+    report = check_library(loaded, errors())
+    if report.findings:
+        print_findings(report, "full", err=True)
         raise SystemExit(USAGE)
-    return report.library
+    return loaded.library
 
 
 def _task_nets(library: Library, name: str) -> Graph:

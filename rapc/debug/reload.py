@@ -219,8 +219,8 @@ def _checked(loaded: Loaded, name: str) -> Renewed:
     report = check_library(loaded)
     errors = [f for f in report.findings if f.severity is Severity.ERROR]
     if errors:
-        raise CheckError(CheckReport(tuple(errors), report.library))
-    return Renewed(CheckedLibrary(Program(report.library, name)), report)
+        raise CheckError(CheckReport(tuple(errors), report.files))
+    return Renewed(CheckedLibrary(Program(loaded.library, name)), report)
 
 
 def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:

@@ -8,7 +8,7 @@ there as well.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -34,6 +34,9 @@ from rapc.library import library
 from rapc.library.library import Library
 from rapc.parser.parse import parse
 from rapc.parser.unit import Partial, SourceUnit
+
+Parse = Callable[[SourceFile], SourceUnit]
+"""What makes a unit of a file: `rapc.parser.parse.parse`, or what remembers units."""
 
 STANDARD_INPUT = "<stdin>"
 """What spans call the text on standard input."""
@@ -88,6 +91,7 @@ def load(
     *,
     tests: bool = False,
     texts: Mapping[str, str] | None = None,
+    parser: Parse = parse,
 ) -> Loaded:
     """Read files and folders, all they require, and link them into one library.
 
@@ -97,6 +101,7 @@ def load(
         tests: whether `*.test.rap` files found in folders are read as well.
         texts: what stands for the texts of some files, by the names they would get; a
             path among them need not exist.
+        parser: what makes units of files.
 
     Raises:
         LoadError: for a path that is missing, unreadable, not UTF-8 or not text, and
@@ -104,7 +109,7 @@ def load(
     """
     names = list(dict.fromkeys(map(str, paths)))
     given = [Path(name) for name in names if name != "-"]
-    reading = _Reading(tests, given=given, texts=texts)
+    reading = _Reading(tests, given=given, texts=texts, parser=parser)
     for path in names:
         if path == "-":
             reading.add(reading.source(STANDARD_INPUT))
@@ -120,13 +125,14 @@ def load_for_test(
     source: SourceFile,
     requires: Iterable[nodes.Require],
     texts: Mapping[str, str] | None = None,
+    parser: Parse = parse,
 ) -> Loaded:
     """Link what a test runs: its file, and what that and the test itself require.
 
     What other tests of the file require is left out. Raises LoadError as `load`.
     """
     names = frozenset(form.name for form in requires)
-    reading = _Reading(tests=False, of_tests=names, texts=texts)
+    reading = _Reading(tests=False, of_tests=names, texts=texts, parser=parser)
     reading.add_first(source)
     return reading.finish()
 
@@ -200,17 +206,20 @@ class _Reading:
             may be.
         follow: whether what files require is read at all.
         texts: what stands for the texts of some files, by name.
+        parser: what makes units of files.
     """
 
-    def __init__(
+    def __init__(  # what kind of load it is, each with a default
         self,
         tests: bool,
         of_tests: frozenset[str] | None = None,
         given: Sequence[Path] = (),
         follow: bool = True,
         texts: Mapping[str, str] | None = None,
+        parser: Parse = parse,
     ) -> None:
         self.tests = tests
+        self.parser = parser
         self.of_tests = of_tests
         self.given = given
         self.follow = follow
@@ -262,7 +271,7 @@ class _Reading:
         return is_new
 
     def _open(self, source: SourceFile) -> _Opened:
-        unit = parse(source)
+        unit = self.parser(source)
         required = self._required(unit, Path(source.name)) if self.follow else iter(())
         return _Opened(unit, required)
 

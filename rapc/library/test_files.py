@@ -14,7 +14,8 @@ import msgspec
 from rapc.base.source import SourceFile
 from rapc.ir.nodes import DefineTest
 from rapc.library import loader
-from rapc.library.loader import Loaded
+from rapc.library.loader import Loaded, Parse
+from rapc.parser.parse import parse
 
 
 class TestFile(msgspec.Struct, frozen=True):
@@ -28,17 +29,20 @@ class TestFile(msgspec.Struct, frozen=True):
     libraries: tuple[Loaded, ...]
 
 
-def load_tests(source: SourceFile, texts: Mapping[str, str] | None = None) -> TestFile:
+def load_tests(
+    source: SourceFile, texts: Mapping[str, str] | None = None, parser: Parse = parse
+) -> TestFile:
     """Link what the tests of a file run; there is a library even if it has no tests.
 
     Args:
         source: the file.
         texts: what stands for the texts of required files, by name.
+        parser: what makes units of files.
 
     Raises:
         LoadError: as `rapc.library.loader.load`.
     """
-    whole = loader.load_for_test(source, (), texts)
+    whole = loader.load_for_test(source, (), texts, parser)
     own = [test for test in whole.library.tests if test.span.file == source.name]
     groups: dict[tuple[str, ...], list[DefineTest]] = {}
     for test in own:
@@ -48,7 +52,7 @@ def load_tests(source: SourceFile, texts: Mapping[str, str] | None = None) -> Te
     for names, tests in (groups or {(): []}).items():
         loaded = whole
         if names:
-            loaded = loader.load_for_test(source, tests[0].requires, texts)
+            loaded = loader.load_for_test(source, tests[0].requires, texts, parser)
         libraries.append(_with_tests(loaded, tests))
     return TestFile(tuple(own), tuple(libraries))
 

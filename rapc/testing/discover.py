@@ -77,7 +77,7 @@ def _find_in(source: SourceFile) -> Found:
         if elsewhere:
             _tell(report, elsewhere, reports)
             continue
-        program = Program(report.library, source.name)
+        program = Program(loaded.library, source.name)
         for test in loaded.library.tests:
             cases[test.span] = Case(test, program, tuple(faults[test.span]))
     in_order = [cases[test.span] for test in own if test.span in cases]

@@ -12,6 +12,9 @@ COMMAND = Path(sys.executable).with_name("rapc")
 HOME = {k: v for k, v in os.environ.items() if k == "PYTHONPATH"}
 """Has the command import the same package as the tests."""
 
+NOWHERE = {"XDG_CACHE_HOME": os.devnull}
+"""Keeps the command from keeping anything for the next test."""
+
 
 def rapc(
     *args: str, cwd: Path | None = None, stdin: str = "", **environment: str
@@ -24,7 +27,7 @@ def rapc(
         [COMMAND, *args],
         cwd=cwd,
         input=stdin,
-        env={"PATH": "", "LANG": "C.UTF-8", **HOME, **environment},
+        env={"PATH": "", "LANG": "C.UTF-8", **HOME, **NOWHERE, **environment},
         capture_output=True,
         encoding="utf-8",
         timeout=120,

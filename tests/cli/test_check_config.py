@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -148,3 +149,47 @@ def test_what_is_no_baseline_is_refused(text: str, folder: Path) -> None:
     done = rapc("check", "lib", "--baseline", "known.json", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: `known.json` h")
+
+
+# --- what is kept for the next check --------------------------------------------------
+
+LARGE = "".join(f"(define-rap (r{n}) (succeed (p {n:060})))\n" for n in range(600))
+
+
+def test_a_large_library_is_kept_where_caches_are(folder: Path) -> None:
+    caches = folder / "caches"
+    (folder / "lib" / "go.rap").write_text(LARGE)
+    args = ("check", "lib", "--output-format", "concise")
+    plain = rapc(*args, "--no-cache", cwd=folder, XDG_CACHE_HOME=str(caches))
+    assert not caches.exists()
+    for _ in range(2):
+        done = rapc(*args, cwd=folder, XDG_CACHE_HOME=str(caches))
+        assert (done.stdout, done.returncode) == (plain.stdout, 1)
+    names = [path.suffix or path.name for path in (caches / "rapc").iterdir()]
+    assert sorted(names) == [".checked", ".gitignore"]
+
+
+def test_a_project_says_where_it_is_kept(folder: Path) -> None:
+    (folder / "lib" / "go.rap").write_text(LARGE)
+    (folder / "rapc.toml").write_text('cache-dir = ".rapc_cache"')
+    done = rapc("check", "lib", "-v", cwd=folder)
+    (kept,) = (folder / ".rapc_cache").glob("*.checked")
+    assert f"keeps what is found in {kept}" in done.stderr
+
+
+def test_a_small_library_is_not_kept(folder: Path) -> None:
+    caches = folder / "caches"
+    rapc("check", "lib", cwd=folder, XDG_CACHE_HOME=str(caches))
+    assert not caches.exists()
+
+
+@pytest.mark.slow
+def test_processes_that_share_a_cache_find_the_same(folder: Path) -> None:
+    (folder / "lib" / "go.rap").write_text(LARGE)
+
+    def found(_: int) -> str:
+        caches = str(folder / "caches")
+        return rapc("check", "lib", cwd=folder, XDG_CACHE_HOME=caches).stdout
+
+    with ThreadPoolExecutor(4) as pool:
+        assert len(set(pool.map(found, range(8)))) == 1

@@ -58,7 +58,7 @@ def findings(report: CheckReport) -> Iterator[str]:
     """Yield what is wrong with a library, one line each."""
     for finding in report.findings:
         span = finding.diagnostic.span
-        source = report.library.files.get(span.file)
+        source = report.files.get(span.file)
         at = "" if source is None else _position(source, span)
         rule = f"{finding.rule.code} {finding.rule.name}"
         yield f"{span.file}{at}: error[{rule}]: {finding.diagnostic.message}"

@@ -1,0 +1,47 @@
+"""A file of configuration, read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from rapc.analysis.config import SHARED, Config, Configured
+from rapc.base import toml
+from rapc.base.files import read_text
+from rapc.base.names import nearest
+from rapc.errors import Error
+
+
+class ConfigError(Error):
+    """A configuration that cannot be used; the message names its file."""
+
+
+def read(file: Path) -> Configured | None:
+    """Return the configuration in a file; None for a pyproject.toml without one.
+
+    Raises:
+        ConfigError: for one that cannot be used.
+        LoadError: for a file that cannot be read.
+    """
+    text = read_text(file)
+    try:
+        table: Any = toml.parsed(text)
+        if file.name == SHARED:
+            if "rapc" not in table.get("tool", {}):
+                return None
+            table = table["tool"]["rapc"]
+        if not isinstance(table, dict):
+            raise ConfigError(f"`{file}`: `tool.rapc` is no table")
+        known = [field.encode_name for field in msgspec.structs.fields(Config)]
+        for key in table:
+            if key not in known:
+                near = nearest(key, known)
+                help = (
+                    f"did you mean `{near}`?" if near else f"known: {', '.join(known)}"
+                )
+                raise ConfigError(f"`{file}`: there is no key `{key}`", help)
+        return Configured(toml.converted(table, Config), file)
+    except toml.TomlError as error:
+        raise ConfigError(f"`{file}`: {error.message}") from error
