@@ -27,7 +27,7 @@ def file_for(
     """Return the file for checks of some paths, if there is one or one is worth it.
 
     Args:
-        folder: the folder of caches; that of the user if None.
+        folder: the folder of caches; the one of the user if None.
         paths: the paths that are checked.
         selection: the rules that report.
     """
@@ -38,7 +38,10 @@ def file_for(
 
 
 def _of_user() -> Path:
-    """Return the folder for what programs keep for a user, or its part for rapc."""
+    """Return the folder in which a user has caches of rapc."""
+    own = os.environ.get("RAPC_CACHE_DIR")
+    if own:
+        return Path(own)
     said = os.environ.get("XDG_CACHE_HOME", "")
     home = Path(said) if os.path.isabs(said) else Path("~/.cache").expanduser()
     return home / "rapc"

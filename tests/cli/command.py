@@ -12,7 +12,7 @@ COMMAND = Path(sys.executable).with_name("rapc")
 HOME = {k: v for k, v in os.environ.items() if k == "PYTHONPATH"}
 """Has the command import the same package as the tests."""
 
-NOWHERE = {"XDG_CACHE_HOME": os.devnull}
+NOWHERE = {"RAPC_CACHE_DIR": os.devnull}
 """Keeps the command from keeping anything for the next test."""
 
 

@@ -160,12 +160,12 @@ def test_a_large_library_is_kept_where_caches_are(folder: Path) -> None:
     caches = folder / "caches"
     (folder / "lib" / "go.rap").write_text(LARGE)
     args = ("check", "lib", "--output-format", "concise")
-    plain = rapc(*args, "--no-cache", cwd=folder, XDG_CACHE_HOME=str(caches))
+    plain = rapc(*args, "--no-cache", cwd=folder, RAPC_CACHE_DIR=str(caches))
     assert not caches.exists()
     for _ in range(2):
-        done = rapc(*args, cwd=folder, XDG_CACHE_HOME=str(caches))
+        done = rapc(*args, cwd=folder, RAPC_CACHE_DIR=str(caches))
         assert (done.stdout, done.returncode) == (plain.stdout, 1)
-    names = [path.suffix or path.name for path in (caches / "rapc").iterdir()]
+    names = [path.suffix or path.name for path in caches.iterdir()]
     assert sorted(names) == [".checked", ".gitignore"]
 
 
@@ -179,7 +179,7 @@ def test_a_project_says_where_it_is_kept(folder: Path) -> None:
 
 def test_a_small_library_is_not_kept(folder: Path) -> None:
     caches = folder / "caches"
-    rapc("check", "lib", cwd=folder, XDG_CACHE_HOME=str(caches))
+    rapc("check", "lib", cwd=folder, RAPC_CACHE_DIR=str(caches))
     assert not caches.exists()
 
 
@@ -189,7 +189,7 @@ def test_processes_that_share_a_cache_find_the_same(folder: Path) -> None:
 
     def found(_: int) -> str:
         caches = str(folder / "caches")
-        return rapc("check", "lib", cwd=folder, XDG_CACHE_HOME=caches).stdout
+        return rapc("check", "lib", cwd=folder, RAPC_CACHE_DIR=caches).stdout
 
     with ThreadPoolExecutor(4) as pool:
         assert len(set(pool.map(found, range(8)))) == 1
