@@ -18,7 +18,7 @@ from pathlib import Path
 
 import msgspec
 
-from bench import mutation_sense, mutation_words
+from bench import mutation_sense, mutation_taken, mutation_words
 from bench.mutation_base import Base, Edit, Kind
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.base.diagnostics import Diagnostic
@@ -27,7 +27,11 @@ from rapc.library import library
 from rapc.library.loader import Loaded, load
 from rapc.parser.parse import parse
 
-KINDS: Mapping[str, tuple[str, Kind]] = {**mutation_words.KINDS, **mutation_sense.KINDS}
+KINDS: Mapping[str, tuple[str, Kind]] = {
+    **mutation_words.KINDS,
+    **mutation_sense.KINDS,
+    **mutation_taken.KINDS,
+}
 """Every kind of slip, with the group that it is of."""
 
 NOT_SURE: Mapping[str, str] = {
@@ -70,6 +74,8 @@ LIBRARIES: Sequence[Sequence[str]] = (
     ("stdlib/truck",),
     ("examples/greenhouse.rap",),
     ("bench/porter.rap",),
+    ("stdlib/hallway",),
+    ("examples/courier",),
 )
 """The libraries in which slips are made, each by its paths from the root."""
 

@@ -9,7 +9,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rapc.analysis import effects, index, inferred_kinds, named, places, suppressions
+from rapc.analysis import (
+    effects,
+    explained,
+    index,
+    inferred_kinds,
+    named,
+    places,
+    suppressions,
+)
 from rapc.analysis.analyzer import Analyzer
 from rapc.analysis.passes import (
     age_in_monitor,
@@ -26,6 +34,7 @@ from rapc.analysis.passes import (
     idle_resources,
     kinds,
     leftovers,
+    marked_constant,
     misspelt_variable,
     needs_itself,
     never_holds,
@@ -36,6 +45,7 @@ from rapc.analysis.passes import (
     query_circles,
     resource_as_value,
     resources,
+    said_twice,
     settled,
     signals,
     skill_use,
@@ -53,6 +63,7 @@ from rapc.analysis.passes import (
     unknown_result,
     until_both,
     until_itself,
+    until_order,
     unused_claim,
 )
 from rapc.base.diagnostics import Rule
@@ -64,6 +75,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     named.MISUSES,
     places.PLACES,
     inferred_kinds.INFERRED,
+    explained.EXPLAINED,
     task_nets.TASK_NETS,
     bindings.BINDINGS,
     unbound_variable.ANALYZER,
@@ -79,10 +91,12 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     misspelt_variable.ANALYZER,
     anonymous_variable.ANALYZER,
     resources.ANALYZER,
+    said_twice.ANALYZER,
     resource_as_value.ANALYZER,
     unknown_method.ANALYZER,
     unknown_event.ANALYZER,
     until_itself.ANALYZER,
+    until_order.ANALYZER,
     age_in_monitor.ANALYZER,
     not_a_number.ANALYZER,
     nothing_awaited.ANALYZER,
@@ -107,6 +121,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     threats.ANALYZER,
     crossed_claims.ANALYZER,
     leftovers.ANALYZER,
+    marked_constant.ANALYZER,
 )
 """Every pass."""
 

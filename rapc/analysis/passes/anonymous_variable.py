@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.explained import EXPLAINED
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
@@ -31,7 +32,10 @@ request, a test or a sum there is nothing it could stand for.""",
 
 
 def _run(run: Pass) -> None:
+    explained = run.result(EXPLAINED).anonymous
     for variable in run.result(BINDINGS).anonymous:
+        if id(variable) in explained:
+            continue
         run.report(
             Diagnostic(
                 rule=ANONYMOUS.name,
@@ -47,6 +51,6 @@ ANALYZER = Analyzer(
     name="anonymous-variable",
     doc="Finds a bare `?` where a value is needed.",
     run=_run,
-    needs=(BINDINGS,),
+    needs=(BINDINGS, EXPLAINED),
     rules=(ANONYMOUS,),
 )

@@ -15,8 +15,9 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.close_names import Close, is_row
 from rapc.analysis.index import INDEX, Form, Index
-from rapc.analysis.inferred_kinds import INFERRED, InferredKinds
+from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
+from rapc.analysis.place_kinds import PlaceKinds
 from rapc.analysis.places import PLACES, Place, Places
 from rapc.base.diagnostics import (
     Applicability,
@@ -30,7 +31,6 @@ from rapc.base.diagnostics import (
 from rapc.base.source import Span
 from rapc.base.values import Atom, Text, format_atom, is_number
 from rapc.ir import nodes
-from rapc.library.signatures import Signatures
 
 MISSPELT = Rule(
     code="RAP100",
@@ -132,19 +132,25 @@ class _Standing(msgspec.Struct, frozen=True):
     kinds: tuple[str, ...]
 
 
-def _run(run: Pass) -> None:
+def _run(run: Pass) -> set[tuple[int, str]]:
+    """Report, and return the variables for which a word stands, by the form's id."""
     places = run.result(PLACES)
     standing = list(_standing(run, run.result(INDEX), places))
     known = _Known(run, standing)
     told = run.result(KINDS)
+    unmarked: set[tuple[int, str]] = set()
     for one in standing:
         if isinstance(one.form, nodes.DefineTest):
             continue
+        if not known.fits(one):
+            unmarked.add((id(one.form), f"?{one.const.value}"))
         if id(one.form) in told or not known.fits(one):
             continue
         found = _misspelt(run, known, one) or _mixed(known, one) or _foreign(known, one)
         if found is not None:
+            unmarked.add((id(one.form), f"?{one.const.value}"))
             run.report(found)
+    return unmarked
 
 
 ANALYZER = Analyzer(
@@ -160,7 +166,7 @@ ANALYZER = Analyzer(
 
 
 def _standing(run: Pass, index: Index, places: Places) -> Iterator[_Standing]:
-    kinds = _Kinds(run.signatures, run.result(INFERRED))
+    kinds = PlaceKinds(run.signatures, run.result(INFERRED))
     for one in places.filled:
         if isinstance(one.term, nodes.Const):
             yield _Standing(one.term, one.form, (one.place,), kinds.of((one.place,)))
@@ -170,44 +176,6 @@ def _standing(run: Pass, index: Index, places: Places) -> Iterator[_Standing]:
             if isinstance(const, nodes.Const) and isinstance(other, nodes.Var):
                 there = tuple(dict.fromkeys(places.of(test.owner, other.name)))
                 yield _Standing(const, test.owner, there, kinds.of(there))
-
-
-class _Kinds:
-    """The kinds of places, declared or learned."""
-
-    def __init__(self, signatures: Signatures, inferred: InferredKinds) -> None:
-        self._tables = {
-            "RAP": signatures.raps,
-            "predicate": signatures.predicates,
-            "primitive": signatures.primitives,
-            "datum": signatures.data,
-            "skill": signatures.skills,
-            "event": signatures.events,
-        }
-        self._inputs = inferred.inputs
-        self._known: dict[Place, str | None] = {}
-
-    def of(self, places: Sequence[Place]) -> tuple[str, ...]:
-        """Return the kinds of places of which one is known, each once."""
-        found = [self._one(place) for place in places]
-        return tuple(dict.fromkeys(kind for kind in found if kind is not None))
-
-    def _one(self, place: Place) -> str | None:
-        if place not in self._known:
-            self._known[place] = self._look_up(place)
-        return self._known[place]
-
-    def _look_up(self, place: Place) -> str | None:
-        declared = self._tables[place.space].get(place.name)
-        args = declared.args if declared is not None else None
-        if args is None or place.position >= len(args):
-            return None
-        kind = args[place.position].kind
-        if kind is None and place.space == "RAP":
-            learned = self._inputs.get(place.name, ())
-            one = learned[place.position] if place.position < len(learned) else None
-            kind = one.kind if one is not None else None
-        return kind
 
 
 class _Known:
@@ -221,9 +189,11 @@ class _Known:
         #: The places and kinds of each constant, with how often it stands there.
         self.at: dict[object, Counter[Place | str]] = {}
         self.first: dict[object, Span] = {}
+        self.in_form: Counter[tuple[int, object]] = Counter()
         for one in standing:
             value = one.const.value
             self.counts[value] += 1
+            self.in_form[id(one.form), value] += 1
             self.first.setdefault(value, one.const.span)
             keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
             for key in keys:
@@ -246,6 +216,15 @@ class _Known:
         """Whether a constant is of the kinds of its places."""
         return all(self.kinds.holds(kind, one.const.value) for kind in one.kinds)
 
+    def is_new(self, one: _Standing) -> bool:
+        """Whether a constant stands nowhere else in its form, or where such do."""
+        value = one.const.value
+        keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
+        if not keys or self.counts[value] == 1:
+            return self.counts[value] == 1
+        alone = self.in_form[id(one.form), value] == 1
+        return alone and all(self.at[value][key] == 1 for key in keys)
+
     def _own_values(self, run: Pass, name: str) -> Sequence[Atom]:
         form = run.library.kinds.get(name)
         return (form.values or ()) if form is not None else ()
@@ -265,10 +244,12 @@ def _is_word(value: object) -> bool:
 
 def _misspelt(run: Pass, known: _Known, one: _Standing) -> Diagnostic | None:
     value = one.const.value
-    if known.counts[value] != 1 or not _is_word(value):
+    if not _is_word(value):
         return None
-    if run.result(PLACES).of(one.form, f"?{value}"):
+    if known.is_new(one) and run.result(PLACES).of(one.form, f"?{value}"):
         return _slip(one, f"?{value}", ())
+    if known.counts[value] != 1:
+        return None
     for other in known.close.all_to(str(value)):
         keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
         together = any(key in known.at[other] for key in keys if other in known.at)
@@ -284,7 +265,7 @@ def _slip(one: _Standing, meant: str, labels: Iterable[Label]) -> Diagnostic:
     edit = Edit(one.const.span, meant)
     return Diagnostic(
         rule=MISSPELT.name,
-        message=f"`{one.const.value}` is used only here",
+        message=f"`{one.const.value}` stands only here",
         span=one.const.span,
         labels=tuple(labels),
         help=f"did you mean `{meant}`?",
@@ -303,6 +284,8 @@ def _sort(value: object) -> str:
         return "number"
     if value in _TRUTH:
         return "truth value"
+    if isinstance(value, Text):
+        return "text"
     return "word" if _is_word(value) else ""
 
 
@@ -319,7 +302,7 @@ def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
     if there[own] != 1 or len(others) != 1:
         return None
     ((sort, count),) = others.items()
-    if count < (_ENOUGH if "number" in (own, sort) else _SURE):
+    if count < _enough(known, one, own, sort):
         return None
     return Diagnostic(
         rule=MIXED.name,
@@ -331,6 +314,15 @@ def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
 
 _SURE = 4
 """The same where a property may have a word or none."""
+
+
+def _enough(known: _Known, one: _Standing, own: str, sort: str) -> int:
+    """How many others make one of their sort; a word that is there in quotes: one."""
+    value = one.const.value
+    words = known.at.get(value.value) if isinstance(value, Text) else None
+    if words and words[one.places[0]]:
+        return 1
+    return _ENOUGH if {"number", "text"} & {own, sort} else _SURE
 
 
 def _foreign(known: _Known, one: _Standing) -> Diagnostic | None:

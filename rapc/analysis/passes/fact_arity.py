@@ -1,4 +1,4 @@
-"""RAP016 and RAP017: facts with the wrong number of arguments, or one left out.
+"""RAP016, RAP017 and RAP106: facts with the wrong number of arguments, or one left out.
 
 [L 2.25]: a property pattern one argument short means the value `true`, in queries,
 assertions and notations; erasing takes a prefix.
@@ -19,6 +19,7 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.base.source import Span
+from rapc.ir import nodes
 from rapc.library.signatures import Signature, Use
 
 ARITY = Rule(
@@ -62,6 +63,32 @@ is not true or false never holds so.""",
 )
 
 
+MISSING = Rule(
+    code="RAP106",
+    name="missing-value",
+    severity=Severity.WARNING,
+    summary="a property is used without its value, and its value is never `true`",
+    why="""A property one argument short means the value `true` [L 2.25]. Where its kind
+has no such value, or the library gives it others and never this one, the fact is never
+found: the value was forgotten.""",
+    example="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive push (?door) (okay) :on (okay (door ?door open)))
+(declare-primitive drive (?door) (okay))
+(define-rap (pass ?door)
+  (method (context (door ?door)) (primitive (drive ?door)))
+  (method (context (door ?door shut)) (primitive (push ?door))))
+""",
+    better="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive push (?door) (okay) :on (okay (door ?door open)))
+(declare-primitive drive (?door) (okay))
+(define-rap (pass ?door)
+  (method (context (door ?door open)) (primitive (drive ?door)))
+  (method (context (door ?door shut)) (primitive (push ?door))))
+""",
+)
+
 _FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
 
 
@@ -72,12 +99,16 @@ def _run(run: Pass) -> None:
         for name, signature in run.signatures.relations.items()
         if signature.is_property and signature.most is not None
     }
+    known = _Values(run)
     for used in run.result(INDEX).uses():
         declared = properties.get(used.name)
         if declared is None or used.count + 1 != declared.most or not used.count:
             continue
         if used.use in _FACTS and used.use != "erased":
-            run.report(_implied(run, used, declared))
+            if known.never_true(declared):
+                run.report(_missing(run, used, declared))
+            else:
+                run.report(_implied(run, used, declared))
 
 
 ANALYZER = Analyzer(
@@ -85,8 +116,54 @@ ANALYZER = Analyzer(
     doc="Finds facts and tests with too many or too few arguments.",
     run=_run,
     needs=(INDEX, MISUSES),
-    rules=(ARITY, IMPLIED),
+    rules=(ARITY, IMPLIED, MISSING),
 )
+
+
+class _Values:
+    """What the library says of the values of properties."""
+
+    def __init__(self, run: Pass) -> None:
+        self._kinds = run.signatures.kinds
+        self._given: dict[str, set[object]] | None = None
+        self._index = run.result(INDEX)
+        self._properties = run.signatures.relations
+
+    def never_true(self, declared: Signature) -> bool:
+        """Whether nothing in the library lets a property have the value `true`."""
+        args = declared.args or ()
+        kind = args[-1].kind if args else None
+        if kind is not None and not self._kinds.holds(kind, "true"):
+            return True
+        values = self._values().get(declared.name, set()) - {"unknown"}
+        return bool(values) and values.isdisjoint(_TRUTH)
+
+    def _values(self) -> dict[str, set[object]]:
+        """The constants that stand for the values of properties, by their names."""
+        if self._given is None:
+            self._given = {}
+            for used in self._index.uses():
+                args = used.node.args
+                declared = self._properties.get(used.name)
+                whole = declared is not None and used.count == declared.most
+                if whole and args and isinstance(args[-1], nodes.Const):
+                    self._given.setdefault(used.name, set()).add(args[-1].value)
+        return self._given
+
+
+_TRUTH = ("true", "false", "t", "nil")
+
+
+def _missing(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
+    label = Label(declared_at(run, declared), f"declared here as `{declared.written}`")
+    return Diagnostic(
+        rule=MISSING.name,
+        message=f"the value of `{used.name}` is left out, and `true` is none of its "
+        "values",
+        span=used.span,
+        labels=(label,),
+        help="write the value that was meant, or a variable for any",
+    )
 
 
 def _implied(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.first_values import FirstValues
 from rapc.analysis.index import INDEX, Occurrence
 from rapc.analysis.literals import literals, number
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -113,7 +114,7 @@ def _judge(uses: _Uses, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         if all(change.op == "set-sub" for change in uses.changes):
             yield _finding(uses, f"nothing is ever put into `{name}`")
     elif resource.kind == "counter":
-        way = _wanted(rap.succeed, name)
+        way = _wanted(rap.succeed, name, FirstValues((resource,)))
         if way and all(_way(change) == -way for change in uses.changes):
             turn = "fall" if way < 0 else "rise"
             yield _finding(
@@ -139,11 +140,13 @@ def _is_awaited(uses: _Uses, rap: nodes.DefineRap) -> bool:
     return any(goal.span.start <= span.start < goal.span.end for span in uses.asked)
 
 
-def _wanted(goal: nodes.Formula | None, name: str) -> int:
+def _wanted(goal: nodes.Formula | None, name: str, first: FirstValues) -> int:
     """Which way a counter has to go for `succeed` to hold: -1, 1, or 0 if not known."""
     for literal in literals(goal):
         test = literal.formula
         if not isinstance(test, nodes.Compare) or not literal.holds:
+            continue
+        if first.holds(test):
             continue
         for one, other, sign in (
             (test.left, test.right, 1),

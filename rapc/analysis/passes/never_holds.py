@@ -232,20 +232,52 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
     }
     held = list(_held(rap, given))
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
+    if _succeeds_first(reports, rap, held, goals):
+        return
     looped = rap.repeat_while
     if looped is not None and sound[id(looped)]:
         if _never(reports, looped, held, goals, "repeat-while"):
             return
         held += [_Asked(one, "repeat-while") for one in literals(looped)]
     always: nodes.Method | None = None
+    behind: list[nodes.Formula] = []
     for method in rap.methods:
         if method.context is None:
             always = always or method
         elif sound[id(method.context)]:
             if always is not None and _asks_otherwise(method.context):
-                _report_otherwise(reports, method.context, always)
+                behind.append(method.context)
             else:
                 _never(reports, method.context, held, goals, "this method")
+    if always is not None and behind:
+        _report_otherwise(run, behind, always)
+
+
+def _succeeds_first(
+    reports: _Reports,
+    rap: nodes.DefineRap,
+    held: Sequence[_Asked],
+    goals: Sequence[_Goal],
+) -> bool:
+    """Report a clause that has to hold for a method, and holds with `succeed` alone."""
+    clauses = {
+        "monitor-state": rap.monitor_state,
+        "preconditions": rap.preconditions,
+        "constraints": rap.constraints,
+    }
+    for clause, formula in clauses.items() if rap.methods else ():
+        own = [one.literal for one in held if one.clause == clause]
+        for goal in goals if own and formula is not None else ():
+            assert formula is not None
+            if follows(goal.literals, own, goal.free):
+                reports.report(
+                    UNREACHABLE,
+                    f"no method is ever chosen: where `{clause}` holds, `succeed` does",
+                    formula.span,
+                    Label(goal.span, "the RAP has succeeded then"),
+                )
+                return True
+    return False
 
 
 def _held(rap: nodes.DefineRap, given: set[str]) -> Iterator[_Asked]:
@@ -344,14 +376,14 @@ def _asks_otherwise(context: nodes.Formula) -> bool:
 
 
 def _report_otherwise(
-    reports: _Reports, context: nodes.Formula, always: nodes.Method
+    run: Pass, contexts: Sequence[nodes.Formula], always: nodes.Method
 ) -> None:
-    reports.report(
-        UNREACHABLE,
-        "this method is never chosen: one before it has no context",
-        context.span,
-        Label(
-            always.span,
-            "this one holds whatever happens",
-        ),
+    further = [Label(other.span, "nor is this one") for other in contexts[1:]]
+    run.report(
+        Diagnostic(
+            rule=UNREACHABLE.name,
+            message="this method is never chosen: one before it has no context",
+            span=contexts[0].span,
+            labels=(Label(always.span, "this one holds whatever happens"), *further),
+        )
     )

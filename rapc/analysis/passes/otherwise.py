@@ -1,4 +1,4 @@
-"""RAP078: `otherwise` where it means nothing."""
+"""RAP078 and RAP085: `otherwise` where it means nothing."""
 
 from __future__ import annotations
 
@@ -34,6 +34,30 @@ never under `not` or `or`, and nowhere else.""",
 """,
 )
 
+FIRST = Rule(
+    code="RAP085",
+    name="first-otherwise",
+    severity=Severity.WARNING,
+    summary="the first method of a RAP asks for `otherwise`, which always holds there",
+    why="""`otherwise` asks that no method before this one in the text holds now [L
+7.11]. Before the first there is none: it may be chosen in every situation, also where
+a method behind it was meant. Put it behind the others.""",
+    example="""\
+(declare-memory-proposition road (?from ?to))
+(declare-primitive drive (?to) (okay))
+(define-rap (go ?from ?to)
+  (method (context otherwise) (primitive (drive home)))
+  (method (context (road ?from ?to)) (primitive (drive ?to))))
+""",
+    better="""\
+(declare-memory-proposition road (?from ?to))
+(declare-primitive drive (?to) (okay))
+(define-rap (go ?from ?to)
+  (method (context (road ?from ?to)) (primitive (drive ?to)))
+  (method (context otherwise) (primitive (drive home))))
+""",
+)
+
 
 def _run(run: Pass) -> None:
     index = run.result(INDEX)
@@ -45,6 +69,11 @@ def _run(run: Pass) -> None:
         for method in index.of(nodes.Method)
         for part in _conjuncts(method.node.context)
     }
+    for rap in index.of(nodes.DefineRap):
+        first = rap.node.methods[0].context if rap.node.methods else None
+        for part in _conjuncts(first):
+            if isinstance(part, nodes.Otherwise):
+                run.report(_first(part))
     for one in asked:
         if id(one.node) not in sound:
             run.report(
@@ -58,6 +87,15 @@ def _run(run: Pass) -> None:
             )
 
 
+def _first(part: nodes.Otherwise) -> Diagnostic:
+    return Diagnostic(
+        rule=FIRST.name,
+        message="no method stands before this one, so this always holds",
+        span=part.span,
+        help="put this method behind the others",
+    )
+
+
 def _conjuncts(formula: nodes.Formula | None) -> Iterator[nodes.Formula]:
     if isinstance(formula, nodes.And):
         for part in formula.parts:
@@ -68,8 +106,8 @@ def _conjuncts(formula: nodes.Formula | None) -> Iterator[nodes.Formula]:
 
 ANALYZER = Analyzer(
     name="otherwise",
-    doc="Finds `otherwise` where no methods are chosen among.",
+    doc="Finds `otherwise` where there are no methods that it could speak of.",
     run=_run,
     needs=(INDEX,),
-    rules=(MISPLACED,),
+    rules=(MISPLACED, FIRST),
 )

@@ -1,4 +1,4 @@
-"""RAP112 to RAP115: clauses whose answer is settled before the world has a say.
+"""RAP112 to RAP116: clauses whose answer is settled before the world has a say.
 
 A property with a default has a value whatever happens: a fact that asks for it with a
 fresh variable always holds [L 2.20].
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.first_values import FirstValues
 from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -113,6 +114,34 @@ with a fresh variable always holds; a test of the value is missing.""",
 """,
 )
 
+NOT_AT_FIRST = Rule(
+    code="RAP116",
+    name="never-begins",
+    severity=Severity.WARNING,
+    summary="a clause does not hold of a new set or counter, so no method begins",
+    why="""`repeat-while`, `preconditions` and `constraints` have to hold before a
+method is chosen. A set that the RAP declares is empty then, and a counter is where it
+was set, for only the methods change them (T 4.8). A clause that asks for a member, or
+for a number that counting would have to bring, never lets anything begin: mostly the
+test is the wrong way round.""",
+    example="""\
+(declare-memory-proposition room (?room))
+(define-rap (look-in ?room))
+(define-rap (look-everywhere)
+  (resources (set ?seen))
+  (repeat-while (and (room ?room) (member ?seen ?room)))
+  (method (task-net (t1 (look-in ?room) (set-add ?seen ?room)))))
+""",
+    better="""\
+(declare-memory-proposition room (?room))
+(define-rap (look-in ?room))
+(define-rap (look-everywhere)
+  (resources (set ?seen))
+  (repeat-while (and (room ?room) (not (member ?seen ?room))))
+  (method (task-net (t1 (look-in ?room) (set-add ?seen ?room)))))
+""",
+)
+
 
 def _run(run: Pass) -> None:
     always = Always(run.signatures)
@@ -128,7 +157,7 @@ ANALYZER = Analyzer(
     name="settled",
     doc="Finds methods that say the same, and clauses whose answer is settled.",
     run=_run,
-    rules=(COPY, AT_ONCE, NEVER, ALWAYS),
+    rules=(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST),
     needs_whole="form",
 )
 
@@ -164,7 +193,18 @@ def _settled(
 ) -> Iterator[Diagnostic]:
     succeed, monitor = rap.succeed, rap.monitor_state
     waits = monitor is not None or rap.monitor_time is not None or _pauses(rap)
-    if succeed is not None and always.holds(succeed, given):
+    first = FirstValues(rap.resources)
+    yield from _not_at_first(rap, first)
+    parts = succeed.parts if isinstance(succeed, nodes.Or) else (succeed,)
+    if any(part is not None and first.holds(part) for part in parts):
+        assert succeed is not None
+        yield Diagnostic(
+            rule=AT_ONCE.name,
+            message=f"`succeed` of `{rap.name}` holds before anything has been changed",
+            span=succeed.span,
+            labels=tuple(Label(r.variable.span, "begins here") for r in rap.resources),
+        )
+    elif succeed is not None and always.holds(succeed, given):
         yield Diagnostic(
             rule=AT_ONCE.name,
             message=f"`succeed` of `{rap.name}` holds whatever happens",
@@ -185,6 +225,26 @@ def _settled(
             span=monitor.span,
             help=_ADVICE if not isinstance(monitor, nodes.Truth) else "",
         )
+
+
+def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnostic]:
+    clauses = {
+        "repeat-while": rap.repeat_while,
+        "preconditions": rap.preconditions,
+        "constraints": rap.constraints,
+    }
+    for clause, formula in clauses.items():
+        failing = first.fails(formula)
+        if failing is not None:
+            yield Diagnostic(
+                rule=NOT_AT_FIRST.name,
+                message=f"`{clause}` of `{rap.name}` does not hold at first, "
+                "so no method ever begins",
+                span=failing.span,
+                labels=tuple(
+                    Label(r.variable.span, "begins here") for r in rap.resources
+                ),
+            )
 
 
 _ADVICE = "a property has a value even if nothing is known: test the value"

@@ -10,6 +10,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_sites import Site, sites
+from rapc.analysis.explained import EXPLAINED
 from rapc.analysis.index import Form
 from rapc.analysis.passes.bindings import BINDINGS, Missing
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
@@ -74,10 +75,16 @@ _BIND = {
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
     nets = run.result(TASK_NETS)
+    explained = run.result(EXPLAINED)
     for form in (*run.library.forms, *run.library.tests):
-        lacking = missing.get(id(form))
+        lacking: Iterable[Missing] = missing.get(id(form), ())
         if lacking:
             places = _Places(form, run.library.functions)
+            lacking = [
+                one
+                for one in lacking
+                if not explained.explains(id(form), one, bound=places.binds(one))
+            ]
             for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
                 if net is None or not net.broken or not _by_steps(first, places):
@@ -88,7 +95,7 @@ ANALYZER = Analyzer(
     name="unbound-variable",
     doc="Finds variables that lack a value where one is needed.",
     run=_run,
-    needs=(BINDINGS, TASK_NETS),
+    needs=(BINDINGS, EXPLAINED, TASK_NETS),
     rules=(UNBOUND,),
     needs_whole="method",
 )
@@ -103,6 +110,11 @@ class _Places:
             for site in sites(form, functions):
                 self.by_name.setdefault(site.name, []).append(site)
         self.names = Suggestions(self.by_name)
+
+    def binds(self, missing: Missing) -> bool:
+        """Whether something that the method may see binds a variable."""
+        there = self.by_name.get(missing.variable.name, ())
+        return any(site.method in (None, missing.method) for site in there)
 
 
 def _by_cause(

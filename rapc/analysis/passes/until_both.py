@@ -64,7 +64,7 @@ def _pairs(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnos
     at_once = {
         step.tag
         for at, step in enumerate(steps)
-        if marks and not net.edges[at] and not _waits(run, step)
+        if marks and not net.edges[at] and not may_wait(run, step)
     }
     for (one, other), note in marks.items():
         back = marks.get((other, one))
@@ -81,7 +81,7 @@ def _pairs(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnos
             )
 
 
-def _waits(run: Pass, step: nodes.Step) -> bool:
+def may_wait(run: Pass, step: nodes.Step) -> bool:
     """Whether a step may wait for more than the end of other steps, or nobody knows."""
     rap = run.library.raps.get(step.goal.name)
     if rap is None or rap.monitor_state is not None or rap.monitor_time is not None:

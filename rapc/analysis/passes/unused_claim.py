@@ -1,10 +1,11 @@
-"""RAP084: claims of things that nobody else could want."""
+"""RAP084 and RAP086: things that nobody else could want, or that are misspelt."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sized
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.close_names import Close
 from rapc.analysis.index import INDEX, Occurrence
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import Suggestions, plural
@@ -33,6 +34,30 @@ anything, and is likely misspelt or left over.""",
 """,
 )
 
+MISSPELT = Rule(
+    code="RAP086",
+    name="misspelt-thing",
+    severity=Severity.WARNING,
+    summary="a thing is named only once, and another one is spelled almost so",
+    why="""Things are not declared: whoever uses or claims one keeps others off who name
+it in the same way. One that nobody else names keeps nobody off, so two primitives that
+need the same arm are under way at once. If it is another thing, give it a name that
+shows so.""",
+    example="""\
+(declare-primitive drive (?to) (okay) :uses (wheels))
+(declare-primitive turn (?to) (okay) :uses (wheels))
+(declare-primitive dock () (okay) :uses (wheles))
+""",
+    better="""\
+(declare-primitive drive (?to) (okay) :uses (wheels))
+(declare-primitive turn (?to) (okay) :uses (wheels))
+(declare-primitive dock () (okay) :uses (wheels))
+""",
+)
+
+_LEAST = 3
+"""How long the name of a thing must be to be close to another."""
+
 _Sort = tuple[str, int]
 """A thing by its name and number of arguments."""
 
@@ -44,12 +69,41 @@ def _run(run: Pass) -> None:
         users.setdefault(_sort(thing), set()).add(id(thing.parent))
         if isinstance(thing.parent, nodes.Method):
             claims.append(thing)
+    told = _misspelt(run, users)
     lone = [claim for claim in claims if len(users[_sort(claim)]) == 1]
+    lone = [claim for claim in lone if id(claim.node) not in told]
     kept = users.keys() - {_sort(claim) for claim in lone}
     near = Suggestions(sorted({name for name, _ in kept}))
     users_known = not any(run.unsure(one.span) for one in _offers(run))
     for claim in lone if run.complete and users_known else ():
         run.report(_finding(claim.node, near, users))
+
+
+def _misspelt(run: Pass, users: Mapping[_Sort, Sized]) -> set[int]:
+    """Report things named once whose names are close; return the ids of their nodes."""
+    often: dict[int, list[str]] = {}
+    for (name, count), named in users.items():
+        if len(named) > 1:
+            often.setdefault(count, []).append(name)
+    close = {count: Close(sorted(names), _LEAST) for count, names in often.items()}
+    told = set()
+    for thing in run.result(INDEX).of(nodes.Thing):
+        name, count = _sort(thing)
+        if len(users[name, count]) == 1 and count in close:
+            other = close[count].to(name)
+            if other is not None:
+                told.add(id(thing.node))
+                run.report(_close(thing.node, other))
+    return told
+
+
+def _close(thing: nodes.Thing, other: str) -> Diagnostic:
+    return Diagnostic(
+        rule=MISSPELT.name,
+        message=f"nothing else uses or claims `{format_formula(thing)}`",
+        span=thing.span,
+        help=f"did you mean `{other}`?",
+    )
 
 
 def _offers(run: Pass) -> Iterable[nodes.DeclarePrimitive | nodes.DeclareSkill]:
@@ -81,8 +135,8 @@ def _finding(
 
 ANALYZER = Analyzer(
     name="unused-claim",
-    doc="Finds claims of things that nothing uses and no other method claims.",
+    doc="Finds things that nothing else uses or claims, and names of things misspelt.",
     run=_run,
     needs=(INDEX,),
-    rules=(UNUSED,),
+    rules=(UNUSED, MISSPELT),
 )

@@ -1,0 +1,140 @@
+"""RAP104: a variable that stands where its name, without the mark, is a constant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX, Form, Occurrence
+from rapc.analysis.inferred_kinds import INFERRED
+from rapc.analysis.passes.bindings import BINDINGS
+from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
+from rapc.analysis.place_kinds import PlaceKinds
+from rapc.analysis.places import PLACES, Filled, Place
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+)
+from rapc.base.source import Span
+from rapc.ir import nodes
+
+MARKED = Rule(
+    code="RAP104",
+    name="marked-constant",
+    severity=Severity.WARNING,
+    summary="a variable is used only once, and its name is a constant of that place",
+    why="""A variable that occurs once matches anything: `(door front ?open)` holds of a
+door that is shut. Where the library has a constant of that name at the same place, or a
+closed kind lists it, the constant was meant, and the question mark is one too many. If
+anything will do, write a bare `?`, or another name; then nothing is reported.""",
+    example="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive drive (?door) (okay))
+(declare-primitive push (?door) (okay))
+(define-rap (pass ?door)
+  (method (context (door ?door ?open)) (primitive (drive ?door))))
+(define-rap (shut ?door)
+  (method (context (door ?door open)) (primitive (push ?door))))
+""",
+    better="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive drive (?door) (okay))
+(declare-primitive push (?door) (okay))
+(define-rap (pass ?door)
+  (method (context (door ?door open)) (primitive (drive ?door))))
+(define-rap (shut ?door)
+  (method (context (door ?door open)) (primitive (push ?door))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    kinds = PlaceKinds(run.signatures, run.result(INFERRED))
+    constants: dict[tuple[Place | str, object], list[Filled]] = {}
+    places: dict[int, Place] = {}
+    for filled in run.result(PLACES).filled:
+        if isinstance(filled.term, nodes.Const):
+            keys: tuple[Place | str, ...] = (
+                filled.place,
+                *kinds.of((filled.place,)),
+            )
+            for key in keys:
+                constants.setdefault((key, filled.term.value), []).append(filled)
+        else:
+            places[id(filled.term)] = filled.place
+    missing = run.result(BINDINGS).missing
+    unmarked = run.result(CONSTANTS)
+    for variable, owner in _used_once(run):
+        place = places.get(id(variable))
+        word = variable.name[1:]
+        if place is None or (owner, variable.name) in unmarked:
+            continue
+        if any(m.variable is variable for m in missing.get(owner, ())):
+            continue
+        keys = (place, *kinds.of((place,)))
+        others = [one for key in keys for one in constants.get((key, word), ())]
+        others = [o for o in others if (id(o.form), variable.name) not in unmarked]
+        if _are_sure(others, owner):
+            run.report(_finding(variable, others[0].term.span))
+        elif any(_lists(run, kind, word) for kind in keys[1:]):
+            run.report(_finding(variable, None))
+
+
+ANALYZER = Analyzer(
+    name="marked-constant",
+    doc="Finds variables used once that are named like a constant of their place.",
+    run=_run,
+    needs=(INDEX, BINDINGS, CONSTANTS, INFERRED, PLACES),
+    rules=(MARKED,),
+    needs_whole="form",
+)
+
+
+def _used_once(run: Pass) -> Iterator[tuple[nodes.Var, int]]:
+    """Yield variables that occur once in a form with a body, with the form's id."""
+    once: dict[tuple[int, str], Occurrence[nodes.Var] | None] = {}
+    for use in run.result(INDEX).of(nodes.Var):
+        if isinstance(use.owner, _BODIES):
+            key = (id(use.owner), use.node.name)
+            once[key] = use if key not in once else None
+    for (owner, name), only in once.items():
+        if only is not None and name != "?" and not _is_declared(only):
+            yield only.node, owner
+
+
+_BODIES = (nodes.DefineRap, nodes.DefineQuery, nodes.MemoryRule, nodes.EventRule)
+
+
+def _is_declared(use: Occurrence[nodes.Var]) -> bool:
+    """Whether this is where an input, an output or an argument is declared."""
+    own: Form = use.owner
+    return use.parent is own or isinstance(use.parent, nodes.Argument | nodes.Resource)
+
+
+def _are_sure(constants: Sequence[Filled], owner: int) -> bool:
+    """Whether constants are more than one word that may itself lack its mark."""
+    elsewhere = any(id(one.form) != owner for one in constants)
+    return elsewhere or len({id(one.term) for one in constants}) > 1
+
+
+def _lists(run: Pass, kind: Place | str, word: str) -> bool:
+    values = run.signatures.kinds.values(kind) if isinstance(kind, str) else None
+    return word in (values or ())
+
+
+def _finding(variable: nodes.Var, other: Span | None) -> Diagnostic:
+    word = variable.name[1:]
+    fix = Fix(Applicability.UNSAFE, f"write `{word}`", (Edit(variable.span, word),))
+    return Diagnostic(
+        rule=MARKED.name,
+        message=f"`{variable.name}` is used only here, and matches anything",
+        span=variable.span,
+        labels=(Label(other, "the constant stands here"),) if other else (),
+        help=f"did you mean `{word}`? if anything will do, write `?`",
+        fix=fix,
+    )

@@ -1,0 +1,79 @@
+"""RAP117: what is said twice in one `and` or `or`."""
+
+from __future__ import annotations
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+)
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.ir.printer import format_formula
+
+TWICE = Rule(
+    code="RAP117",
+    name="said-twice",
+    severity=Severity.WARNING,
+    summary="an `and` or `or` has the same part twice",
+    why="""The second one asks nothing new. It was mostly copied to be changed: another
+argument or another fact was meant, and that is not asked.""",
+    example="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive drive (?from ?to) (okay))
+(define-rap (pass ?one ?other)
+  (method
+    (context (and (door ?one open) (door ?one open)))
+    (primitive (drive ?one ?other))))
+""",
+    better="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive drive (?from ?to) (okay))
+(define-rap (pass ?one ?other)
+  (method
+    (context (and (door ?one open) (door ?other open)))
+    (primitive (drive ?one ?other))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    index = run.result(INDEX)
+    for conjunction in index.of(nodes.And):
+        _look(run, conjunction.node.parts)
+    for choice in index.of(nodes.Or):
+        _look(run, choice.node.parts)
+
+
+ANALYZER = Analyzer(
+    name="said-twice",
+    doc="Finds parts of an `and` or `or` that say the same.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(TWICE,),
+)
+
+
+def _look(run: Pass, parts: tuple[nodes.Formula, ...]) -> None:
+    first: dict[nodes.Formula, nodes.Formula] = {}
+    for at, part in enumerate(parts):
+        other = first.setdefault(part, part)
+        if other is part:
+            continue
+        whole = Span(part.span.file, parts[at - 1].span.end, part.span.end)
+        fix = Fix(Applicability.SAFE, "take it away", (Edit(whole, ""),))
+        run.report(
+            Diagnostic(
+                rule=TWICE.name,
+                message=f"`{format_formula(part)}` is said already",
+                span=part.span,
+                labels=(Label(other.span, "here"),),
+                fix=fix,
+            )
+        )
