@@ -11,7 +11,6 @@ from typing import Any
 
 from rapc.analysis import (
     effects,
-    explained,
     index,
     inferred_kinds,
     named,
@@ -28,6 +27,7 @@ from rapc.analysis.passes import (
     crossed_claims,
     data,
     dead_case,
+    explained,
     fact_arity,
     functions,
     hopeless,

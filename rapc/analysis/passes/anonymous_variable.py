@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.explained import EXPLAINED
 from rapc.analysis.passes.bindings import BINDINGS
+from rapc.analysis.passes.explained import EXPLAINED
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
 ANONYMOUS = Rule(

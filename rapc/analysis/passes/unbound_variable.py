@@ -10,9 +10,9 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_sites import Site, sites
-from rapc.analysis.explained import EXPLAINED
 from rapc.analysis.index import Form
 from rapc.analysis.passes.bindings import BINDINGS, Missing
+from rapc.analysis.passes.explained import EXPLAINED
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
