@@ -317,7 +317,7 @@ _SURE = 4
 
 
 def _enough(known: _Known, one: _Standing, own: str, sort: str) -> int:
-    """How many others make one of their sort; a word that is there in quotes: one."""
+    """Return how many others make a sort; where a text is there as a word, one does."""
     value = one.const.value
     words = known.at.get(value.value) if isinstance(value, Text) else None
     if words and words[one.places[0]]:
