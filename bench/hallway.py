@@ -12,7 +12,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from rapc.worlds.hallway.picture import scene
+from rapc.worlds.hallway.picture import floor_plan
 from rapc.worlds.hallway.simulation import HallwaySettings
 from tests.hallway.driver import Driver
 from tests.hallway.journey import Traveller
@@ -86,24 +86,26 @@ def draw_floor(axes: Any, driver: Driver, floor: int) -> None:
     """Draw a floor with all that stands and moves on it."""
     from matplotlib.patches import Circle, Rectangle  # noqa: PLC0415
 
-    seen = scene(driver.sim, floor)
-    axes.set_facecolor("0.35")
-    boxes = [(box, "white") for _, box in seen.spaces]
-    boxes += [(box, "0.92") for box in seen.gaps]
-    boxes += [(box, "0.6") for box in seen.obstacles]
-    for (left, bottom, right, top), color in boxes:
-        corner = (left, bottom)
-        axes.add_patch(Rectangle(corner, right - left, top - bottom, color=color))
-    for left, bottom, right, top in seen.closed:
-        axes.plot((left, right), (bottom, top), color="tab:red", lw=3)
-    for name, (left, bottom, right, top) in seen.spaces:
+    seen = floor_plan(driver.sim, floor)
+    for area in seen.areas:
+        left, bottom, right, top = area.box
         middle = ((left + right) / 2, (bottom + top) / 2)
         upright = top - bottom > 2 * (right - left)
         turn = 90 if upright else 0
-        axes.text(*middle, name, ha="center", va="center", fontsize=7, rotation=turn)
-    for _, (x, y) in seen.landmarks:
-        axes.plot(x, y, "s", color="tab:green", ms=3)
-    for place in seen.people:
+        axes.text(
+            *middle, area.name, ha="center", va="center", fontsize=7, rotation=turn
+        )
+    for start, end in seen.walls:
+        axes.plot(*zip(start, end, strict=True), color="0.35", lw=2)
+    for left, bottom, right, top in seen.blocks:
+        corner = (left, bottom)
+        axes.add_patch(Rectangle(corner, right - left, top - bottom, color="0.6"))
+    for door in seen.doors:
+        if door.closed:
+            axes.plot(*door.at, "X", color="tab:red", ms=8)
+    for mark in seen.marks:
+        axes.plot(*mark.at, "s", color="tab:green", ms=3)
+    for place in seen.others:
         axes.add_patch(Circle(place, 0.25, color="tab:purple"))
     if seen.robot is not None:
         axes.add_patch(Circle(seen.robot[:2], 0.25, color="black"))

@@ -17,15 +17,28 @@ from typing import Any, Final, Protocol, runtime_checkable
 
 import msgspec
 
+from rapc.base.pictures import (
+    Area,
+    Door,
+    Gauge,
+    Mark,
+    Picture,
+    Plan,
+    Reckoning,
+    Spot,
+    Thing,
+)
 from rapc.base.values import Atom, Fact, Number, Text
 
 __all__ = (
     "NOT_KNOWN",
     "OKAY",
+    "Area",
     "Atom",
     "Callables",
     "Datum",
     "DatumHandler",
+    "Door",
     "Drawable",
     "Fact",
     "Finished",
@@ -33,11 +46,14 @@ __all__ = (
     "HandlerMemory",
     "Handlers",
     "Kit",
+    "Mark",
     "Message",
     "Number",
     "Offer",
     "Option",
     "Picture",
+    "Plan",
+    "Reckoning",
     "Refused",
     "Reply",
     "ResultHandler",
@@ -262,51 +278,6 @@ class Offer(msgspec.Struct, frozen=True):
         for names in (self.sensors, self.not_atomic):
             if isinstance(names, str):
                 raise TypeError(f"an Offer has a tuple of names, not {names!a}")
-
-
-class Thing(msgspec.Struct, frozen=True):
-    """An item in a picture: its class, and what it looks like (`red`), if anything."""
-
-    kind: str
-    look: Atom | None = None
-
-
-class Spot(msgspec.Struct, frozen=True):
-    """Where things are: a place by the name that memory has for it, an arm, a bay.
-
-    `at` is where it is drawn on the map, in steps to the right and down from
-    anywhere; None for what the robot carries along. `things` are all that it holds,
-    what is inside of other things too; `note` says in a few words what else is so.
-    """
-
-    name: str
-    things: tuple[Thing, ...] = ()
-    at: tuple[float, float] | None = None
-    note: str = ""
-
-
-class Gauge(msgspec.Struct, frozen=True):
-    """A quantity or state of the robot, and the fact, up to it, that believes it."""
-
-    name: str
-    value: Atom
-    believed: Fact
-
-
-class Picture(msgspec.Struct, frozen=True):
-    """What is true in a world at a time, to be drawn; the robot has no part in it.
-
-    `here` names the spot where the robot is, `heading` the direction it points in (a
-    point of the compass, or nothing), `roads` the spots that are joined, `look` the
-    property under which memory has what a thing looks like.
-    """
-
-    here: str
-    spots: tuple[Spot, ...]
-    roads: tuple[tuple[str, str], ...] = ()
-    heading: str = ""
-    look: str = ""
-    gauges: tuple[Gauge, ...] = ()
 
 
 Callables = Mapping[str, Callable[..., object]]

@@ -1,1 +1,1 @@
-"""What knows nothing of RAP: sources, files, findings, values."""
+"""What knows nothing of RAP: sources, files, findings, values, pictures."""

@@ -198,6 +198,14 @@ class Interpreter:
         """Do something when the run is over, before live tasks are removed."""
         self._machine.at_end.append(action)
 
+    def call_when_waiting(self, action: Callable[[], None]) -> None:
+        """Do something each time the run has nothing to do but to let time pass.
+
+        All that has come by then is dealt with. It is for those who look on: what they
+        do changes nothing.
+        """
+        self._machine.when_waiting.append(action)
+
     def submit(self, task: TaskRequest | str) -> None:
         """Give the robot a task, as text or as an object, now or for a later time.
 

@@ -155,6 +155,8 @@ class Loop:
             if now == until:
                 return "until"
             target = until
+        for action in machine.when_waiting:
+            action()
         machine.world.advance(target)
         moved = machine.world.now() != now
         machine.state.idle = 0 if moved else machine.state.idle + 1

@@ -64,8 +64,7 @@ class Machine:
         self.settings = settings
         self.solvers = solvers
         self.rng = rng
-        #: How far the run has come; `Interpreter.restore` puts another in its place.
-        self.state = RunState()
+        self.state = RunState()  # `Interpreter.restore` puts another in its place
         self.recorder = Recorder()
         self.recorder.time = number(world.now())
         parts = assemble(
@@ -90,8 +89,9 @@ class Machine:
         parts.observe(self.monitors)
         #: What the host wants done at a time: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
-        #: What the host wants done when the run is over, in this order.
+        #: What the host wants done when the run is over, and each time that it waits.
         self.at_end: list[Callable[[], None]] = []
+        self.when_waiting: list[Callable[[], None]] = []
         #: Whether the loop is turning, and whether it broke off in the midst of that.
         self.turning = self.broken = False
         #: Told of each context that is asked, for coverage.

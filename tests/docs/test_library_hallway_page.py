@@ -1,4 +1,7 @@
-"""docs/library-hallway.md names each RAP of the hallway library, in its file."""
+"""docs/library-hallway.md names each RAP of the hallway library, and shows a frame.
+
+python -m tests.docs.test_library_hallway_page    writes the frame anew
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,12 @@ import re
 from pathlib import Path
 
 from rapc.library.loader import load
+from tests.cli.command import rapc
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "library-hallway.md").read_text(encoding="utf-8")
+FILE = ROOT / "docs" / "library-hallway.md"
+PAGE = FILE.read_text(encoding="utf-8")
+FRAME = re.compile(r"(?<=^```text\n).*?(?=^```$)", re.M | re.S)
 
 
 def test_the_table_of_layers_has_every_rap_in_its_file() -> None:
@@ -21,3 +27,20 @@ def test_the_table_of_layers_has_every_rap_in_its_file() -> None:
         file = "".join(re.findall(r"`([^`]+)`", named)) or file
         told |= dict.fromkeys(re.findall(r"`([^`]+)`", does), file)
     assert told == {name: Path(rap.span.file).name for name, rap in raps.items()}
+
+
+def _frame() -> str:
+    """Return what the command of the page draws."""
+    [command] = re.findall(r"^rapc (run .* --show)$", PAGE, re.M)
+    done = rapc(*command.split(), cwd=ROOT, COLUMNS="72", LINES="36")
+    assert done.stderr == ""
+    return done.stdout.partition("Run over")[0]
+
+
+def test_the_frame_is_what_is_drawn() -> None:
+    assert FRAME.findall(PAGE) == [_frame()]
+
+
+if __name__ == "__main__":
+    drawn = _frame()
+    FILE.write_text(FRAME.sub(lambda _: drawn, PAGE), encoding="utf-8")

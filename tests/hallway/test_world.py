@@ -180,17 +180,3 @@ def test_a_saved_world_goes_on_the_same(seconds: float) -> None:
     assert other.save() == world.save()
     with pytest.raises(ValueError, match="no state of a hallway"):
         other.restore(b"{}")
-
-
-def test_a_scene_shows_what_is_true_on_the_robots_floor() -> None:
-    world = HallwayWorld(Random(0), {})
-    world.activate(1, [(":detect-obstacles",)], [])
-    world.advance(1)
-    seen = world.scene()
-    assert {"lab", "north-hall", "lift"} <= {name for name, _ in seen.spaces}
-    assert "attic" not in {name for name, _ in seen.spaces}
-    assert len(seen.echoes) == 24
-    assert len(seen.people) == 5
-    assert seen.robot == pytest.approx((3.2, 17.5, 3.1416), abs=0.01)
-    walls = [x for x, y in seen.echoes if abs(y - 17.5) < 0.05 and x < 3]
-    assert walls == pytest.approx([2.2], abs=0.06)

@@ -15,6 +15,7 @@ from rich.text import Text
 from rapc.base.values import format_atom
 from rapc.console.show.beliefs import Contents, believed_contents, true_contents, words
 from rapc.console.show.canvas import Canvas, fit, folded
+from rapc.console.show.plan import draw_plan, legend
 from rapc.runtime.memory.view import MemoryView
 from rapc.world import Gauge, Picture, Spot, Time
 
@@ -44,6 +45,8 @@ class Activity(msgspec.Struct, frozen=True):
     family: str = ""
     #: The latest requests for primitives, oldest first.
     requests: tuple[str, ...] = ()
+    #: The names of the skills that are on, the newest first.
+    skills: tuple[str, ...] = ()
 
 
 class _SpotView(msgspec.Struct, frozen=True):
@@ -81,12 +84,31 @@ def draw_frame(
     aboard = [sight for sight in sights if sight.spot.at is None]
     head = [_head(picture, memory, doings)]
     foot = [*_aboard(aboard, width), *_elsewhere(believed), *_doings(doings)]
-    foot.append(Text("= as believed   ≠ what is believed instead", "dim"))
-    room = max(height - len(head) - len(foot), 0)
-    lines = [*head, *_map(picture, around, width, room), *foot][:height]
+    lines = _with_plan(picture, memory, head, doings, (width, height))
+    if lines is None:
+        foot.append(Text("= as believed   ≠ what is believed instead", "dim"))
+        room = max(height - len(head) - len(foot), 0)
+        lines = [*head, *_map(picture, around, width, room), *foot][:height]
     for line in lines:
         line.truncate(width, overflow="ellipsis")
     return lines
+
+
+def _with_plan(
+    picture: Picture,
+    memory: MemoryView,
+    head: Sequence[Text],
+    doings: Activity,
+    size: tuple[int, int],
+) -> list[Text] | None:
+    """Return the lines of a frame with a plan; None if there is none, or no room."""
+    if picture.plan is None:
+        return None
+    width, height = size
+    foot, signs = list(_doings(doings)), list(legend(width))
+    room = height - len(head) - len(foot) - len(signs)
+    drawn = draw_plan(picture.plan, memory, width, room)
+    return None if drawn is None else [*head, *drawn, *foot, *signs]
 
 
 def _head(picture: Picture, memory: MemoryView, doings: Activity) -> Text:
@@ -211,5 +233,7 @@ def _elsewhere(believed: Mapping[str, Contents]) -> Iterator[Text]:
 
 def _doings(doings: Activity) -> Iterator[Text]:
     yield Text().append("task", _PLACE).append(f": {doings.family}")
+    if doings.skills:
+        yield Text().append("skills", _PLACE).append(f": {', '.join(doings.skills)}")
     for request in doings.requests:
         yield Text(f"  {request}")

@@ -1,12 +1,15 @@
-"""The view of a run while it goes on: a listener that draws a frame for each request.
+"""The view of a run while it goes on: a listener that draws frame after frame.
 
-On a terminal frames replace each other at a pace that a person can follow, on a screen
-of their own; when the run is over the last one is left. Elsewhere it is all there is,
-unless every so many are asked for: then they follow one another.
+There is a frame for each request that has ended or, in a world with a plan, for each
+second of its time, as soon as the run has nothing to do but to wait. On a terminal
+frames replace each other at a pace that a person can follow, on a screen of their own;
+when the run is over the last one is left. Elsewhere it is all there is, unless every so
+many are asked for: then they follow one another.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -19,9 +22,14 @@ from rich.text import Text
 from rapc.base.values import format_list
 from rapc.console.findings import write
 from rapc.console.show.frame import Activity, draw_frame
-from rapc.runtime.events.events import Event, PrimitiveEnded, RunEnded
+from rapc.runtime.events.events import (
+    Event,
+    PrimitiveEnded,
+    SkillDisabled,
+    SkillEnabled,
+)
 from rapc.runtime.interpreter import Interpreter
-from rapc.world import Picture
+from rapc.world import Picture, Time
 
 PACE = 0.1
 """Seconds from one frame to the next, on a terminal."""
@@ -39,8 +47,8 @@ class LiveView:
         stream: where to; frames follow each other only if it is a terminal.
         size: columns and rows of a frame, asked for each.
         color: whether to colour them.
-        every: where it is no terminal, a frame is written for each so many requests;
-            0: the last one alone.
+        every: where it is no terminal, one in so many frames is written; 0: the last
+            one alone.
         pace: seconds from one frame to the next, at least.
     """
 
@@ -62,14 +70,22 @@ class LiveView:
         self._color = color
         self._pace = pace
         self._every = every
-        self._ended = 0
+        self._frames = 0
+        self._planned = picture().plan is not None
+        self._due: Time = 0
         self._family = ""
-        self._requests: deque[str] = deque([""] * _REQUESTS, _REQUESTS)
+        blank = [] if self._planned else [""] * _REQUESTS
+        self._requests: deque[str] = deque(blank, _REQUESTS)
+        #: How many activations have each skill on, in the order they came on.
+        self._skills: dict[str, int] = {}
         self._last: list[Text] = []
         self._live: Live | None = None
         self._next = 0.0
 
     def __enter__(self) -> LiveView:
+        self._interpreter.call_at_end(self._look_back)
+        if self._planned:
+            self._interpreter.call_when_waiting(self._look)
         if self._stream.isatty():
             console = Console(file=self._stream, highlight=False)
             self._live = Live(console=console, screen=True, auto_refresh=False)
@@ -87,9 +103,31 @@ class LiveView:
         if isinstance(event, PrimitiveEnded):
             self._requests.append(f"{format_list(event.request)} - {event.result}")
             self._find_family(event.task)
+            if not self._planned:
+                self._draw()
+        elif isinstance(event, SkillEnabled):
+            skill = format_list(event.what)
+            self._skills[skill] = self._skills.get(skill, 0) + 1
+            self._find_family(event.task)
+        elif isinstance(event, SkillDisabled):
+            self._switch_off(format_list(event.what))
+
+    def _switch_off(self, skill: str) -> None:
+        """Take note that one activation less has a skill on."""
+        self._skills[skill] = self._skills.get(skill, 0) - 1
+        if self._skills[skill] <= 0:
+            del self._skills[skill]
+
+    def _look(self) -> None:
+        """Draw if another second has begun."""
+        now = self._interpreter.now
+        if now >= self._due:
+            self._due = math.floor(now) + 1
             self._draw()
-        elif isinstance(event, RunEnded):
-            self._last = self._frame()
+
+    def _look_back(self) -> None:
+        """Keep the last frame, with all that is still on."""
+        self._last = self._frame()
 
     def _find_family(self, task: int | None) -> None:
         """The top-level task for whose sake a task is there."""
@@ -104,9 +142,9 @@ class LiveView:
 
         Where there is no terminal, write it if it is its turn.
         """
-        self._ended += 1
+        self._frames += 1
         if self._live is None:
-            if self._every and self._ended % self._every == 0:
+            if self._every and self._frames % self._every == 0:
                 write([*self._frame(), Text()], self._stream, color=self._color)
             return
         frame = Group(*self._frame())
@@ -115,7 +153,13 @@ class LiveView:
         self._live.update(frame, refresh=True)
 
     def _frame(self) -> list[Text]:
-        doings = Activity(self._interpreter.now, self._family, tuple(self._requests))
+        newest = reversed(self._skills)
+        doings = Activity(
+            self._interpreter.now,
+            self._family,
+            tuple(self._requests),
+            tuple(dict.fromkeys(s.split()[0].strip("(:)") for s in newest)),
+        )
         width, height = self._size()
         picture = self._picture()
         memory = self._interpreter.memory

@@ -111,3 +111,8 @@ def _look_for_callbacks(machine: Machine, done: str) -> None:
             f"the run cannot be {done}: the host is to be called at its end "
             "(`call_at_end`)"
         )
+    if machine.when_waiting:
+        raise StateError(
+            f"the run cannot be {done}: the host is to be called whenever it waits "
+            "(`call_when_waiting`)"
+        )

@@ -1,73 +1,139 @@
-"""What is true in the hallway at a moment, as data to be drawn."""
+"""The building as a picture: its spaces, and the robot's floor true to scale."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
-import msgspec
-
+from rapc.base.pictures import (
+    Area,
+    Door,
+    Gauge,
+    Mark,
+    Picture,
+    Plan,
+    Point,
+    Pose,
+    Reckoning,
+    Spot,
+)
 from rapc.worlds.hallway.channels import DIRECTIONS, SONAR
-from rapc.worlds.hallway.map import Box
-from rapc.worlds.hallway.plan import door_box
-from rapc.worlds.hallway.simulation import Simulation
+from rapc.worlds.hallway.map import Space
+from rapc.worlds.hallway.plan import outlines
+from rapc.worlds.hallway.planner import REMEMBERED
+from rapc.worlds.hallway.simulation import STANDOFF, Simulation
 
-Point = tuple[float, float]
+STEP = 6.0
+"""How many metres are a step of the picture."""
 
+POINTS = (
+    "east",
+    "northeast",
+    "north",
+    "northwest",
+    "west",
+    "southwest",
+    "south",
+    "southeast",
+)
+"""The points of the compass, counter-clockwise as headings go."""
 
-class Scene(msgspec.Struct, frozen=True):
-    """One floor of the building, seen from above, in metres; y points up."""
-
-    floor: int
-    #: Spaces by name.
-    spaces: tuple[tuple[str, Box], ...]
-    #: Gaps in the walls between them.
-    gaps: tuple[Box, ...]
-    #: Doors that are closed, flat.
-    closed: tuple[Box, ...]
-    obstacles: tuple[Box, ...]
-    #: Landmarks by name, and where they hang.
-    landmarks: tuple[tuple[str, Point], ...]
-    people: tuple[Point, ...]
-    #: Where the robot is, if it is on this floor, and its heading.
-    robot: tuple[float, float, float] | None
-    #: Where its dead reckoning takes it to be.
-    reckoned: tuple[float, float, float] | None
-    #: Where the last echoes of its sonars came from; none while nothing listens.
-    echoes: tuple[Point, ...]
+_SPACE = ("current-space", "robot")
+"""The fact, up to its value, in which memory holds the robot's space."""
 
 
-def scene(simulation: Simulation, floor: int | None = None) -> Scene:
-    """Return what is true on a floor, the robot's own if none is given."""
+def picture(simulation: Simulation) -> Picture:
+    """Return the floor that the robot is on; doorways that are closed are left out."""
     state, map = simulation.state, simulation.map
-    body = state.robot
-    floor = body.floor if floor is None else floor
-    here = body.floor == floor
-    gaps = [gap for gap in simulation.openings.values() if gap.floor == floor]
-    shut = simulation.shut()
-    return Scene(
-        floor,
-        tuple((s.name, s.box) for s in map.space if floor in s.floors),
-        tuple(gap.box for gap in gaps),
-        tuple(door_box(gap) for gap in gaps if gap.doorway.name in shut),
-        tuple(box.box for box in map.obstacle if box.floor == floor),
-        tuple((s.landmark, (s.x, s.y)) for s in simulation.signs if s.floor == floor),
-        tuple((w.x, w.y) for w in state.walkers if w.floor == floor),
-        (body.x, body.y, body.heading) if here else None,
-        (body.reckoned_x, body.reckoned_y, body.reckoned_heading) if here else None,
-        _echoes(simulation) if here else (),
+    body, shut = state.robot, simulation.shut()
+    spaces = [space for space in map.space if body.floor in space.floors]
+    names = {space.name for space in spaces}
+    roads = [
+        gap.doorway.joins
+        for gap in simulation.openings.values()
+        if gap.doorway.name not in shut and names.issuperset(gap.doorway.joins)
+    ]
+    point = POINTS[round(body.heading / (math.pi / 4)) % len(POINTS)]
+    return Picture(
+        state.space,
+        tuple(_spots(simulation, spaces)),
+        tuple((one, other) for one, other in roads),
+        heading=point,
+        gauges=(Gauge("in", state.space, _SPACE),),
+        plan=floor_plan(simulation, body.floor),
     )
 
 
+def _spots(simulation: Simulation, spaces: list[Space]) -> Iterator[Spot]:
+    floor = simulation.state.robot.floor
+    walkers = [each for each in simulation.state.walkers if each.floor == floor]
+    west = min(space.box[0] for space in spaces)
+    north = max(space.box[3] for space in spaces)
+    for space in spaces:
+        left, bottom, right, top = space.box
+        inside = sum(left <= w.x <= right and bottom <= w.y <= top for w in walkers)
+        across, down = (left + right) / 2 - west, north - (bottom + top) / 2
+        said = {0: "", 1: "somebody"}.get(inside, f"{inside} people")
+        yield Spot(space.name, at=(across / STEP, down / STEP), note=said)
+
+
+def floor_plan(simulation: Simulation, floor: int) -> Plan:
+    """Return a floor as it is now, true to scale."""
+    state, map = simulation.state, simulation.map
+    body, spaces = state.robot, [s for s in map.space if floor in s.floors]
+    gaps = [gap for gap in simulation.openings.values() if gap.floor == floor]
+    upright, level = outlines([s.box for s in spaces] + [gap.box for gap in gaps])
+    walls = [((x, low), (x, high)) for x, low, high in upright]
+    walls += [((low, y), (high, y)) for y, low, high in level]
+    here = body.floor == floor
+    return Plan(
+        tuple(Area(space.name, space.box) for space in spaces),
+        tuple(walls),
+        tuple(box.box for box in map.obstacle if box.floor == floor),
+        tuple(_doors(simulation, floor)),
+        tuple(
+            Mark(sign.landmark, (sign.x, sign.y), _known(sign.landmark))
+            for sign in simulation.signs
+            if sign.floor == floor
+        ),
+        tuple((w.x, w.y) for w in state.walkers if w.floor == floor),
+        (body.x, body.y, body.heading) if here else None,
+        _echoes(simulation) if here else (),
+        _reckoning(simulation, floor),
+    )
+
+
+def _known(mark: str) -> tuple[str | None, ...]:
+    """Return the fact by which memory knows a landmark, None for all else it says."""
+    return ("location-data", mark, None, None, None, None)
+
+
+def _doors(simulation: Simulation, floor: int) -> Iterator[Door]:
+    shut = simulation.shut()
+    for name, gap in simulation.openings.items():
+        if gap.floor == floor:
+            left, bottom, right, top = gap.box
+            middle = ((left + right) / 2, (bottom + top) / 2)
+            fact = ("found-closed", name)
+            yield Door(name, middle, name in shut, fact, REMEMBERED)
+
+
+def _reckoning(simulation: Simulation, floor: int) -> Reckoning:
+    stands: dict[tuple[str, str], Pose] = {}
+    for sign in simulation.signs:
+        if sign.floor == floor:
+            facing = math.remainder(sign.normal + math.pi, math.tau)
+            stands[sign.landmark, sign.space] = (*sign.front(STANDOFF), facing)
+    return Reckoning(("orientation", "robot"), ("base",), _SPACE, stands)
+
+
 def _echoes(simulation: Simulation) -> tuple[Point, ...]:
-    """Return where the echoes of the last tick came from, in the building."""
+    """Return where the echoes of the last tick came from; none if nothing listens."""
     body, ranges = simulation.state.robot, simulation.runtime.value(SONAR)
     if ranges is None:
         return ()
     cos, sin = math.cos(body.heading), math.sin(body.heading)
     return tuple(
-        (
-            body.x + far * (cos * dx - sin * dy),
-            body.y + far * (sin * dx + cos * dy),
-        )
+        (body.x + far * (cos * dx - sin * dy), body.y + far * (sin * dx + cos * dy))
         for far, (dx, dy) in zip(ranges, DIRECTIONS, strict=True)
     )

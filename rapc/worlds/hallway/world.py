@@ -29,11 +29,10 @@ from rapc.worlds.hallway import facts, planner
 from rapc.worlds.hallway.geometry import far_from, turn_between
 from rapc.worlds.hallway.map import Map, MapError
 from rapc.worlds.hallway.map_text import named_map, read_map
-from rapc.worlds.hallway.picture import Scene, scene
+from rapc.worlds.hallway.picture import picture
 from rapc.worlds.hallway.random_map import random_map
 from rapc.worlds.hallway.robot import TICK
 from rapc.worlds.hallway.simulation import HallwaySettings, Simulation
-from rapc.worlds.hallway.sketch import sketch
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Catalogue, Request
 from rapc.worlds.skills.drawing import Drawing, draw
@@ -209,11 +208,7 @@ class HallwayWorld(World):
 
     def picture(self) -> Picture:
         """Return the robot's floor as it is now, for `--show`."""
-        return sketch(self.simulation)
-
-    def scene(self) -> Scene:
-        """Return the truth as it is now on the robot's floor, to be drawn."""
-        return scene(self.simulation)
+        return picture(self.simulation)
 
     def save(self) -> bytes:
         """Return the complete state, as JSON."""

@@ -1,0 +1,231 @@
+"""A floor from above, true to scale, with what the robot believes of it laid over.
+
+Walls, what stands about and the rays of the sensors are lines of dots; all else is a
+character: the robot, where it believes itself to be, others, doors, landmarks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rich.text import Text
+
+from rapc.base.pictures import Area, Door, Mark, Plan, Point, Pose, Reckoning
+from rapc.base.values import Atom, Fact
+from rapc.console.show.canvas import Canvas, fit
+from rapc.console.show.dots import DOTS, Dots
+from rapc.runtime.memory.view import MemoryView
+
+_COARSEST = 0.9
+"""How many metres a dot may stand for at most: a doorway is one wide."""
+
+_WALL, _BLOCK, _RAY, _NAME = "blue", "magenta", "yellow", "dim"
+_OTHER, _RIGHT, _WRONG = "bold cyan", "green", "bold red"
+_ROBOT, _BELIEVED = "bold reverse", "bold yellow"
+
+_HEADINGS = "→↗↑↖←↙↓↘"
+"""Where the robot points, by eighths of a turn from the x axis on."""
+_HEADINGS_BELIEVED = "⇒⇗⇑⇖⇐⇙⇓⇘"
+
+_LEGEND = (
+    ("→", "robot"),
+    ("⇒", "where it believes to be"),
+    ("◆", "counted from"),
+    ("■", "known mark"),
+    ("□", "unknown"),
+    ("x", "closed"),
+    ("X", "and believed so"),
+    ("?", "only believed so"),
+    ("o", "somebody"),
+    ("[ ]", "space believed"),
+)
+
+
+class _Scale(NamedTuple):
+    """From metres on a plan to dots and cells of a sheet."""
+
+    #: What the leftmost and the uppermost dot are, in metres.
+    west: float
+    north: float
+    #: How many metres a dot is wide and high.
+    dot: float
+
+    def dots(self, point: Point) -> tuple[int, int]:
+        """Return the dot of a point: column and row."""
+        x, y = point
+        return round((x - self.west) / self.dot), round((self.north - y) / self.dot)
+
+    def cell(self, point: Point) -> tuple[int, int]:
+        """Return the cell of a point: column and row."""
+        column, row = self.dots(point)
+        return column // DOTS[0], row // DOTS[1]
+
+
+def draw_plan(
+    plan: Plan, memory: MemoryView, width: int, height: int
+) -> list[Text] | None:
+    """Return a plan as lines, or None if so many cells are too few for it."""
+    scale = _scale(plan, width, height)
+    if scale is None:
+        return None
+    canvas, dots = Canvas(width, height), Dots(width, height)
+    _lines(plan, dots, scale)
+    for column, row, character, style in dots.cells():
+        canvas.write(column, row, character, style)
+    space = _believed_space(plan.reckoning, memory)
+    for area in plan.areas:
+        _label(canvas, scale, area, believed=area.name == space)
+    for at, character, style in _characters(plan, memory):
+        canvas.write(*scale.cell(at), character, style)
+    rows = list(canvas.lines())
+    while rows and not rows[-1].plain:
+        rows.pop()
+    return rows
+
+
+def legend(width: int) -> Iterator[Text]:
+    """Yield what the characters of a plan mean, in as many lines as that takes."""
+    line = Text(style="dim")
+    for sign, means in _LEGEND:
+        entry = f"{sign} {means}"
+        if line.plain and len(line.plain) + 3 + len(entry) > width:
+            yield line
+            line = Text(style="dim")
+        line.append(f"   {entry}" if line.plain else entry)
+    yield line
+
+
+def _scale(plan: Plan, width: int, height: int) -> _Scale | None:
+    xs = [x for wall in plan.walls for x, _ in wall]
+    ys = [y for wall in plan.walls for _, y in wall]
+    across, down = width * DOTS[0] - 1, height * DOTS[1] - 1
+    if not xs or across < 1 or down < 1:
+        return None
+    dot = max((max(xs) - min(xs)) / across, (max(ys) - min(ys)) / down)
+    return _Scale(min(xs), max(ys), dot) if 0 < dot <= _COARSEST else None
+
+
+def _lines(plan: Plan, dots: Dots, scale: _Scale) -> None:
+    """Draw all that consists of dots; walls last, for theirs is the style then."""
+    if plan.robot is not None:
+        start = scale.dots(plan.robot[:2])
+        for echo in plan.echoes:
+            dots.line(start, scale.dots(echo), _RAY, every=3)
+    for left, bottom, right, top in plan.blocks:
+        (first, upper), (last, lower) = (
+            scale.dots((left, top)),
+            scale.dots((right, bottom)),
+        )
+        for row in range(upper, lower + 1):
+            dots.line((first, row), (last, row), _BLOCK)
+    for start_point, end_point in plan.walls:
+        dots.line(scale.dots(start_point), scale.dots(end_point), _WALL)
+
+
+def _label(canvas: Canvas, scale: _Scale, area: Area, *, believed: bool) -> None:
+    """Write the name of a space in its middle, downwards where that fits better."""
+    left, bottom, right, top = area.box
+    (first, upper), (last, lower) = scale.cell((left, top)), scale.cell((right, bottom))
+    wide, high = last - first - 1, lower - upper - 1
+    name, style = area.name, _NAME
+    if believed:
+        name, style = f"[{name}]", _RIGHT
+    if len(name) > wide and high > wide:
+        name = fit(name, high)
+        row, column = (upper + lower - len(name) + 1) // 2, (first + last) // 2
+        for down, letter in enumerate(name):
+            canvas.write(column, row + down, letter, style)
+    elif high >= 0:
+        name = fit(name, max(wide, 1))
+        column, row = (first + last - len(name) + 1) // 2, (upper + lower) // 2
+        canvas.write(column, row, name, style)
+
+
+def _characters(plan: Plan, memory: MemoryView) -> Iterator[tuple[Point, str, str]]:
+    """Yield what stands for one thing each: where, a character, its style."""
+    origin = _origin(plan.reckoning, memory)
+    for mark in plan.marks:
+        yield (
+            mark.at,
+            *_mark(mark, memory, origin=origin is not None and origin[0] == mark.name),
+        )
+    for door in plan.doors:
+        shown = _door(door, memory)
+        if shown is not None:
+            yield door.at, *shown
+    for other in plan.others:
+        yield other, "o", _OTHER
+    believed = believed_pose(plan.reckoning, memory)
+    if believed is not None:
+        yield believed[:2], _pointing(_HEADINGS_BELIEVED, believed), _BELIEVED
+    if plan.robot is not None:
+        yield plan.robot[:2], _pointing(_HEADINGS, plan.robot), _ROBOT
+
+
+def _pointing(arrows: str, pose: Pose) -> str:
+    return arrows[round(pose[2] / (math.pi / 4)) % len(arrows)]
+
+
+def _mark(mark: Mark, memory: MemoryView, *, origin: bool) -> tuple[str, str]:
+    if origin:
+        return "◆", _BELIEVED
+    known = not mark.believed or bool(memory.query(*mark.believed))
+    return ("■", _RIGHT) if known else ("□", _WRONG)
+
+
+def _door(door: Door, memory: MemoryView) -> tuple[str, str] | None:
+    """Return how a doorway is drawn; None if it is open, and believed to be."""
+    age = memory.age(*door.believed) if door.believed else None
+    believed = age is not None and (door.counts is None or age <= door.counts)
+    if door.closed:
+        return ("X", _RIGHT) if believed else ("x", _WRONG)
+    return ("?", _WRONG) if believed else None
+
+
+# --- the robot's own idea of its place ------------------------------------------------
+
+
+def believed_pose(reckoning: Reckoning | None, memory: MemoryView) -> Pose | None:
+    """Return where on a plan the robot believes to be; None if that cannot be said.
+
+    Its place and the landmark it counts from are in one frame, which is turned and
+    moved so that the landmark comes to where the plan has it.
+    """
+    place = _last(memory, reckoning.place, 3) if reckoning else None
+    origin = _origin(reckoning, memory)
+    space = _believed_space(reckoning, memory)
+    if reckoning is None or place is None or origin is None or space is None:
+        return None
+    stands = reckoning.stands.get((str(origin[0]), str(space)))
+    counted, now = _numbers(origin[1:]), _numbers(place)
+    if stands is None or counted is None or now is None:
+        return None
+    turned = stands[2] - counted[2]
+    cos, sin = math.cos(turned), math.sin(turned)
+    dx, dy = now[0] - counted[0], now[1] - counted[1]
+    x, y = stands[0] + cos * dx - sin * dy, stands[1] + sin * dx + cos * dy
+    return x, y, now[2] + turned
+
+
+def _numbers(values: Fact) -> Pose | None:
+    match values:
+        case (int() | float() as x, int() | float() as y, int() | float() as heading):
+            return x, y, heading
+    return None
+
+
+def _origin(reckoning: Reckoning | None, memory: MemoryView) -> Fact | None:
+    return _last(memory, reckoning.origin, 4) if reckoning else None
+
+
+def _believed_space(reckoning: Reckoning | None, memory: MemoryView) -> Atom | None:
+    last = _last(memory, reckoning.area, 1) if reckoning else None
+    return last[0] if last else None
+
+
+def _last(memory: MemoryView, prefix: Fact, more: int) -> Fact | None:
+    """Return what the newest fact that begins so says besides, or None."""
+    found = memory.query(*prefix, *[None] * more)
+    return found[-1][len(prefix) :] if found else None
