@@ -256,8 +256,9 @@ def resume_skills(machine: Machine) -> None:
 def settle_refusal(machine: Machine, run: MethodRun, reply: Refused) -> str | None:
     """Wait for those that a world names as in conflict, or ask it again.
 
-    Returns what `request` or `activate` returns. It is as if each of them, and what
-    is asked for, used one thing more.
+    Returns what `request` or `activate` returns: `interference` where it names none
+    that is under way, or one of an ancestor. It is as if each of them, and what is
+    asked for, used one thing more.
     """
     task, things = run.task, machine.things
     answer: str | Refused | None = reply
@@ -265,7 +266,7 @@ def settle_refusal(machine: Machine, run: MethodRun, reply: Refused) -> str | No
         if task.run is not run:
             return None
         named = _under_way(machine, answer)
-        if not named:
+        if not named or any(_is_above(other.task, task) for other in named):
             return INTERFERENCE
         thing = things.conflict()
         for other in named:
@@ -283,6 +284,14 @@ def settle_refusal(machine: Machine, run: MethodRun, reply: Refused) -> str | No
         things.take(run, (ask,), said)
         answer = _ask_again(machine, run)
     return answer
+
+
+def _is_above(other: Task, task: Task) -> bool:
+    """Whether `other` is an ancestor of `task`, which therefore cannot wait for it."""
+    above = task.parent
+    while above is not None and above is not other:
+        above = above.parent
+    return above is other
 
 
 def _said(machine: Machine, run: MethodRun) -> str:
