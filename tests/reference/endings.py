@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rapc.base.resources import Counter, SetResource, Value, frozen
-from rapc.base.values import Fact, format_atom, format_list, is_number
+from rapc.base.values import format_atom, format_list, is_number
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.world import OKAY
@@ -14,7 +14,6 @@ from tests.reference.run import Run
 from tests.reference.skills import switch_off
 from tests.reference.tasks import Place, Running, Task, method_name
 from tests.reference.terms import Bindings
-from tests.reference.things import written
 from tests.reference.waking import let_go, read_inputs, read_windows, set_delay
 
 # --- tasks ------------------------------------------------------------------------
@@ -196,17 +195,14 @@ def cancel(run: Run, task: Task) -> None:
             run.world.cancel(ticket)
 
 
-def suspend(run: Run, task: Task, thing: Fact, by: Task) -> None:
-    """A method gives a thing to another and is gone as if never chosen."""
+def suspend(run: Run, task: Task, on: str, by: Task) -> None:
+    """A method gives what is told to another and is gone as if never chosen."""
     running = task.running
     assert running is not None
-    clear(run, running, "parent-removed")
-    task.chosen[running.choice] -= 1
-    if running.first:
-        del task.tried[running.method.name]
+    undo(run, running)
     task.wanted = [running.asked]
     task.held_up = True
-    task.held_up_by = (written(thing), by.number)
+    task.held_up_by = (on, by.number)
     run.tell(
         events.MethodSuspended,
         task=task.number,
@@ -214,6 +210,15 @@ def suspend(run: Run, task: Task, thing: Fact, by: Task) -> None:
         for_=task.held_up_by[0],
         by=by.number,
     )
+
+
+def undo(run: Run, running: Running) -> None:
+    """A method is gone as if its task had never chosen it."""
+    task = running.task
+    clear(run, running, "parent-removed")
+    task.chosen[running.choice] -= 1
+    if running.first:
+        del task.tried[running.method.name]
 
 
 # --- methods ----------------------------------------------------------------------

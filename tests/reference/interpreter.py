@@ -18,7 +18,8 @@ from rapc.world import Time, World
 from tests.reference.agenda import choose, tell_family
 from tests.reference.cycle import process
 from tests.reference.endings import remove
-from tests.reference.methods import announce, create, resume_skills
+from tests.reference.giving_way import resume_skills
+from tests.reference.methods import announce, create
 from tests.reference.primitives import take_in
 from tests.reference.run import Limits, Run
 from tests.reference.signals import hear

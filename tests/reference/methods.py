@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import msgspec
 
 from rapc.base.resources import frozen
@@ -16,14 +14,14 @@ from tests.reference.endings import (
     method_badly,
     method_well,
     repeats,
-    suspend,
 )
-from tests.reference.primitives import claim, request
+from tests.reference.giving_way import ask_world, give_way
+from tests.reference.primitives import claim
 from tests.reference.run import Run
-from tests.reference.skills import come_on_again, interrupt, skills_of, switch_on
+from tests.reference.skills import skills_of
 from tests.reference.tasks import Place, Running, Task, method_name
 from tests.reference.terms import Bindings
-from tests.reference.things import Ask, Obstacle, asks, giving_way, obstacles
+from tests.reference.things import Obstacle, asks, obstacles
 from tests.reference.waking import hold_up, let_go, read_inputs, read_windows
 
 Held = list[tuple[nodes.Method, Bindings]]
@@ -173,9 +171,11 @@ def start(run: Run, running: Running) -> None:
     if not claim(run, running) or not note(run, running):
         method_badly(run, running, "interference", "sibling-failed")
     elif isinstance(method.body, nodes.Primitive):
-        request(run, running, method.body)
-    elif skills_of(method) and not switch_on(run, running):
+        ask_world(run, running)
+    elif skills_of(method) and not ask_world(run, running):
         method_badly(run, running, "interference", "sibling-failed")
+    elif task.running is not running:
+        return
     elif isinstance(method.body, nodes.Skills):
         if not method.body.waits:
             method_well(run, running)
@@ -183,29 +183,6 @@ def start(run: Run, running: Running) -> None:
         method_well(run, running)
     else:
         spawn(run, running)
-
-
-def give_way(run: Run, task: Task, wanted: Sequence[Ask]) -> None:
-    """What is lower and uses what a task takes is suspended, or skills of it go off."""
-    for other, thing in giving_way(run, task, wanted):
-        if other.running is not None and other.running.method.skills:
-            interrupt(run, other.running, wanted)
-        else:
-            suspend(run, other, thing, task)
-
-
-def resume_skills(run: Run) -> bool:
-    """Skills come on again that nothing is in the way of; whether there were any."""
-    found = False
-    for task in run.live():
-        running = task.running
-        if running is None or not running.off:
-            continue
-        if not obstacles(run, task, running.back):
-            give_way(run, task, running.back)
-            come_on_again(run, running)
-            found = True
-    return found
 
 
 def in_order(task: Task, method: nodes.Method, env: Bindings) -> list[str]:

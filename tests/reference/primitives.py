@@ -7,7 +7,7 @@ from typing import Any
 from rapc.base.values import Atom, format_list
 from rapc.ir import nodes
 from rapc.runtime.events import events
-from rapc.world import OKAY, Datum, Finished, Reply
+from rapc.world import OKAY, Datum, Finished, Refused, Reply
 from tests.reference.endings import method_badly, method_well
 from tests.reference.run import Run
 from tests.reference.signals import hear
@@ -32,12 +32,15 @@ class Access:
         self.run.memory.erase(prefix, "handler")
 
 
-def request(run: Run, running: Running, body: nodes.Primitive) -> None:
-    """Ask the world for a primitive; an atomic one holds the interpreter."""
+def request(run: Run, running: Running, body: nodes.Primitive) -> Refused | None:
+    """Ask the world for a primitive; an atomic one holds the interpreter.
+
+    What the world says is returned if it will not carry it out beside others.
+    """
     fact = run.ground(running.task, body.request, running.env, "primitive")
     if fact is None:
         method_badly(run, running, "interference", "sibling-failed")
-        return
+        return None
     text = format_list(fact)
     number = running.task.number
     run.tell(events.PrimitiveRequested, task=number, request=text, sent=text)
@@ -46,10 +49,14 @@ def request(run: Run, running: Running, body: nodes.Primitive) -> None:
     run.owners[ticket] = running.task
     reply = run.world.perform(ticket, fact)
     run.look_at_clock()
+    if isinstance(reply, Refused):
+        run.tickets[ticket] = (fact, None)
+        run.tell(events.RequestRefused, task=number, request=text, sent=text)
+        return reply
     if reply is not None and not run.late:
         run.keep_appointments()
-        assert isinstance(reply, Reply)
         finish(run, ticket, reply)
+    return None
 
 
 def claim(run: Run, running: Running) -> bool:

@@ -73,6 +73,7 @@ class Run:
         self.switched: dict[int, Running] = {}
         self.stack: list[tuple[int, int]] = []
         self.last_family: int | None = None
+        self.conflicts = 0
         self.idle = 0
 
     # --- the trace ----------------------------------------------------------------

@@ -75,12 +75,22 @@ def rows(rng: random.Random, wild: float, forms: Collection[str]) -> tuple[Row, 
         for _ in range(rng.randrange(4)):
             pattern = [rng.choice(("?x", "?y", "?", *SYMBOLS)) for _ in range(arity)]
             times = rng.choice((1, 1, 2, None))
-            made.append(_row(rng, wild, (name, *pattern), results, times))
+            row = _row(rng, wild, (name, *pattern), results, times)
+            made.append(_refused(rng, row) if "refusals" in forms else row)
         anything = ("?" for _ in range(arity))
         made.append(_row(rng, wild, (name, *anything), results, None))
     if "skills" in forms:
-        made += _skills(rng)
+        on = _skills(rng)
+        made += [_refused(rng, row) for row in on] if "refusals" in forms else on
     return tuple(made)
+
+
+def _refused(rng: random.Random, row: Row) -> Row:
+    """A row or, at times, the same request refused, as in conflict with others."""
+    if row.kind == "disable" or rng.random() > 0.3:
+        return row
+    times = rng.choice((1, 1, 1, 2, None))
+    return Row(row.pattern, kind=row.kind, times=times, refused=True)
 
 
 def _skills(rng: random.Random) -> list[Row]:

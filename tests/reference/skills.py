@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
 from rapc.runtime.events import events
-from rapc.world import Skilled
+from rapc.world import Refused, Skilled
 from tests.reference.run import Run
 from tests.reference.tasks import Running
 from tests.reference.things import Ask, filled, used
@@ -29,33 +29,47 @@ def waits_of(running: Running) -> Sequence[nodes.WaitFor]:
     return body.waits if isinstance(body, nodes.Skills) else ()
 
 
-def switch_on(run: Run, running: Running) -> bool:
-    """Switch on all skills of a method; False, and traced, if one has no value."""
+def switch_on(run: Run, running: Running) -> bool | Refused:
+    """Switch on all skills of a method; False, and traced, if one has no value.
+
+    What the world says is returned if it will not have them on beside others.
+    """
     skills: list[Fact] = []
     for pattern in skills_of(running.method):
         fact = run.ground(running.task, pattern, running.env, "skill")
         if fact is None:
             return False
         skills.append(fact)
-    have_on(run, running, skills)
+    refused = have_on(run, running, skills)
+    if refused is not None:
+        return refused
     tell(run, running, events.SkillEnabled, skills)
     return True
 
 
-def have_on(run: Run, running: Running, skills: Sequence[Fact]) -> None:
-    """Have just these skills on for a method, under a ticket of their own."""
-    before, running.ticket = running.ticket, None
-    world = run.world
+def have_on(run: Run, running: Running, skills: Sequence[Fact]) -> Refused | None:
+    """Have just these skills on for a method, under a ticket of their own.
+
+    Nothing has changed if the world refuses; what it says is returned.
+    """
+    before, ticket, world = running.ticket, None, run.world
     assert isinstance(world, Skilled)
     if skills:
-        running.ticket = len(run.tickets) + 1
-        run.tickets[running.ticket] = (skills[0], None)
-        run.owners[running.ticket] = running.task
-        run.switched[running.ticket] = running
-        world.activate(running.ticket, tuple(skills), ())
+        ticket = len(run.tickets) + 1
+        run.tickets[ticket] = (skills[0], None)
+        run.owners[ticket] = running.task
+        refused = world.activate(ticket, tuple(skills), ())
+        if refused is not None:
+            for text in map(format_list, skills):
+                number = running.task.number
+                run.tell(events.RequestRefused, task=number, request=text, sent=text)
+            return refused
+        run.switched[ticket] = running
+    running.ticket = ticket
     if before is not None:
         world.deactivate(before)
     running.on = list(skills)
+    return None
 
 
 def tell(
@@ -82,29 +96,42 @@ def switch_off(run: Run, running: Running) -> None:
 def interrupt(run: Run, running: Running, taken: Sequence[Ask]) -> None:
     """Those skills of a method go off that use what is taken from it."""
     gone = {ask.thing for ask in taken} & set(running.uses)
+    nameless = gone & set(running.said)
     every = [used_by(run, running, skill) for skill in skills_of(running.method)]
-    off = [at for at, uses in enumerate(every) if uses & gone or at in running.off]
+    before_off = running.off
+    off = [
+        at
+        for at, uses in enumerate(every)
+        if uses & gone or nameless or at in before_off
+    ]
     staying = [at for at in range(len(every)) if at not in off]
     before = list(running.on)
-    have_on(run, running, [filled_in(run, running, at) for at in staying])
+    refused = have_on(run, running, [filled_in(run, running, at) for at in staying])
+    assert refused is None
     gone_off = [skill for skill in before if skill not in running.on]
     tell(run, running, events.SkillDisabled, gone_off)
     still = {thing for at in staying for thing in every[at]}
-    freed = {thing for at in off for thing in every[at]} - still
+    freed = ({thing for at in off for thing in every[at]} - still) | nameless
     running.back += [Ask(t, True) for t in running.uses if t in freed]
     running.uses = [thing for thing in running.uses if thing not in freed]
     running.off = off
 
 
-def come_on_again(run: Run, running: Running) -> None:
-    """All skills of a method are on again, and it holds again what they use."""
+def come_on_again(run: Run, running: Running) -> Refused | None:
+    """All skills of a method are on again, and it holds again what they use.
+
+    Nothing has changed if the world refuses; what it says is returned.
+    """
     before = list(running.on)
     every = range(len(skills_of(running.method)))
-    have_on(run, running, [filled_in(run, running, at) for at in every])
+    refused = have_on(run, running, [filled_in(run, running, at) for at in every])
+    if refused is not None:
+        return refused
     come_on = [skill for skill in running.on if skill not in before]
     tell(run, running, events.SkillEnabled, come_on)
     running.uses += [ask.thing for ask in running.back]
     running.off, running.back = [], []
+    return None
 
 
 def filled_in(run: Run, running: Running, at: int) -> Fact:

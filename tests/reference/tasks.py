@@ -39,6 +39,8 @@ class Running:
 
     `ticket` is that of the skills that are `on`; `off` are the places of those that a
     higher task has switched off, `back` what they ask for to come on again.
+    `said` is what is told of the things among its `uses` that have no name: what it
+    asked of a world that says that it is in conflict with others.
     `choice` is what the futile-loop detector knows of it; `first` whether its task had
     not tried it before.
     """
@@ -53,6 +55,7 @@ class Running:
         self.noted: list[Fact] = []
         self.uses: list[Fact] = []
         self.claims: list[Fact] = []
+        self.said: dict[Fact, str] = {}
         self.asked: list[Ask] = []
         self.ticket: int | None = None
         self.on: list[Fact] = []

@@ -29,6 +29,13 @@ class Obstacle(NamedTuple):
     thing: Fact
     holder: Task
 
+    @property
+    def words(self) -> str:
+        """The thing or, if a world alone says what it is, the holder's request."""
+        running = self.holder.running
+        said = {} if running is None else running.said
+        return said.get(self.thing) or written(self.thing)
+
 
 # --- asking -----------------------------------------------------------------------
 

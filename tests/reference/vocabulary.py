@@ -52,7 +52,16 @@ RESULTS = ("okay", "bad", "slip", "lost", "interference", "no-method", "futile-l
 METHODS = ("one", "2")
 """Names of methods."""
 
-FORMS = ("queries", "otherwise", "constraints", "claims", "skills")
+FORMS = (
+    "queries",
+    "otherwise",
+    "constraints",
+    "claims",
+    "skills",
+    "refusals",
+    "kinds",
+    "agenda",
+)
 """Kinds of forms that some programs use and others do not."""
 
 QUERIES = {"near": 1, "fit": 2, "calm": 0, "sound": 1}

@@ -13,7 +13,7 @@ from rapc.runtime.events import events
 from rapc.world import Time
 from tests.reference.run import Run, unbound
 from tests.reference.tasks import Place, Task
-from tests.reference.things import Obstacle, obstacles, written
+from tests.reference.things import Obstacle, obstacles
 
 # --- inputs and what is evaluated with them ---------------------------------------
 
@@ -305,7 +305,7 @@ def look_at_things(run: Run, task: Task) -> None:
 def hold_up(run: Run, task: Task, obstacle: Obstacle) -> None:
     """A task waits until nothing is in the way of what it wants."""
     task.held_up = True
-    task.held_up_by = (written(obstacle.thing), obstacle.holder.number)
+    task.held_up_by = (obstacle.words, obstacle.holder.number)
     on, holder = task.held_up_by
     run.tell(events.TaskBlocked, task=task.number, on=on, holder=holder)
 

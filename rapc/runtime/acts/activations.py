@@ -67,11 +67,14 @@ def _refused(
     return answer
 
 
-def reactivate(machine: Machine, run: MethodRun, wanted: Sequence[int]) -> bool:
+def reactivate(
+    machine: Machine, run: MethodRun, wanted: Sequence[int]
+) -> bool | Refused:
     """Have just the `wanted` skills of a method on, by position; the others go off.
 
-    Those that stay on are not interrupted. Whether it could be done: not if one of
-    them cannot be filled in now, or if the world refuses.
+    Those that stay on are not interrupted. Returns whether it could be done: not if
+    one of them cannot be filled in now, and not if the world refuses: then what it
+    says is returned, and nothing has changed.
     """
     plan, before = run.plan.activation, run.ticket
     assert plan is not None
@@ -88,9 +91,8 @@ def reactivate(machine: Machine, run: MethodRun, wanted: Sequence[int]) -> bool:
         ticket = machine.state.tickets
         answer = world.activate(ticket, tuple(sent), plan.events)
         if answer is not None:
-            _refused(machine, run.task, skills, sent, answer)
             run.ticket = before
-            return False
+            return _refused(machine, run.task, skills, sent, answer)
         run.ticket = ticket
     were = tables.on[before].skills if before is not None else ()
     if skills and run.ticket is not None:

@@ -190,13 +190,17 @@ class Things:
         holds = self.held.pop(task.number, ())
         self._drop([hold.ask.thing for hold in holds], task.number)
 
-    def hold_just(self, run: MethodRun, asks: Iterable[Ask]) -> None:
-        """Let a method that goes on hold this, and nothing else any more."""
+    def hold_just(self, run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:
+        """Let a method that goes on hold this, and nothing else any more.
+
+        `said` is said of what it has not held so far and has no name.
+        """
         before = {h.ask.thing: h.said for h in self.held.get(run.task.number, ())}
         self.release(run.task)
         held = {ask.thing: ask for ask in asks}
         for thing, ask in held.items():
-            self.take(run, (ask,), before.get(thing, ""))
+            new = said if thing[0] == _CONFLICT else ""
+            self.take(run, (ask,), before.get(thing, new))
         for thing in {**before, **held}:
             self._place_again(thing)
 

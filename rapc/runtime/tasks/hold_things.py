@@ -24,7 +24,7 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import BLOCKED, INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import Ask, Hold, Thing, ThingWait, format_thing, words
-from rapc.runtime.tasks.finish import stop
+from rapc.runtime.tasks.finish import end_method, stop
 from rapc.world import Refused
 
 HOLDS: Final = "holds"
@@ -181,7 +181,8 @@ def _interrupt_skills(
     before = things.waits.get(task.number)
     off = set(before.skills if before is not None else ())
     off |= {at for at, used in enumerate(uses) if used & gone or nameless}
-    if not reactivate(machine, run, [at for at in range(len(uses)) if at not in off]):
+    staying = [at for at in range(len(uses)) if at not in off]
+    if reactivate(machine, run, staying) is not True:
         off = set(range(len(uses)))
         reactivate(machine, run, ())
     still = set().union(*[used for at, used in enumerate(uses) if at not in off])
@@ -236,18 +237,44 @@ def resume_skills(machine: Machine) -> None:
         run = None if task is None else task.run
         if task is None or run is None or wait is None:
             continue
-        asks = wait.alternatives[0]
-        if things.obstacle(task, asks) is not None:
-            continue
-        plan = run.plan.activation
-        assert plan is not None
-        give_way(machine, task, asks)
-        if reactivate(machine, run, range(len(plan.skills))):
-            things.stop_waiting(task)
-            again = {ask.thing for ask in asks}
-            held = [hold.ask for hold in things.held.get(number, ())]
-            kept = [ask for ask in held if ask.thing not in again]
-            things.hold_just(run, (*asks, *kept))
+        _resume(machine, run, wait)
+
+
+def _resume(machine: Machine, run: MethodRun, wait: ThingWait) -> None:
+    """Switch all skills of a method on again, if nothing is in the way.
+
+    What the world refuses beside others that it names waits for these as well; if it
+    names none that is under way, or one of an ancestor, the method ends badly.
+    """
+    task, things, said = run.task, machine.things, _said(machine, run)
+    plan, asks = run.plan.activation, wait.alternatives[0]
+    assert plan is not None
+    while things.obstacle(task, asks) is None:
+        give_way(machine, task, asks, said)
+        done = reactivate(machine, run, range(len(plan.skills)))
+        if not isinstance(done, Refused):
+            if done:
+                _hold_again(machine, run, asks, said)
+            return
+        shared = _share(machine, run, done)
+        if shared is None:
+            end_method(machine, run, INTERFERENCE)
+            return
+        asks = (*asks, shared)
+        later = ThingWait(task, (asks,), wait.on, wait.holder)
+        later.skills = wait.skills
+        things.stop_waiting(task)
+        things.wait(later)
+
+
+def _hold_again(machine: Machine, run: MethodRun, asks: Asks, said: str) -> None:
+    """Let a method whose skills are all on hold what it had to wait for."""
+    things = machine.things
+    things.stop_waiting(run.task)
+    again = {ask.thing for ask in asks}
+    held = [hold.ask for hold in things.held.get(run.task.number, ())]
+    kept = [ask for ask in held if ask.thing not in again]
+    things.hold_just(run, (*asks, *kept), said)
 
 
 # --- what a world refuses ---------------------------------------------------------
@@ -265,14 +292,9 @@ def settle_refusal(machine: Machine, run: MethodRun, reply: Refused) -> str | No
     while isinstance(answer, Refused):
         if task.run is not run:
             return None
-        named = _under_way(machine, answer)
-        if not named or any(_is_above(other.task, task) for other in named):
+        ask = _share(machine, run, answer)
+        if ask is None:
             return INTERFERENCE
-        thing = things.conflict()
-        for other in named:
-            ask = Ask(thing, other.task.priority, True)
-            things.take(other, (ask,), _said(machine, other))
-        ask = Ask(thing, task.priority, True)
         obstacle = things.obstacle(task, (ask,))
         if obstacle is not None:
             held = tuple([hold.ask for hold in things.held.get(task.number, ())])
@@ -284,6 +306,23 @@ def settle_refusal(machine: Machine, run: MethodRun, reply: Refused) -> str | No
         things.take(run, (ask,), said)
         answer = _ask_again(machine, run)
     return answer
+
+
+def _share(machine: Machine, run: MethodRun, refused: Refused) -> Ask | None:
+    """Let those that a world names as in conflict hold one thing more.
+
+    Returns what `run` is to ask for besides; None if the world names none that is under
+    way, or one of an ancestor.
+    """
+    task, things = run.task, machine.things
+    named = [other for other in _under_way(machine, refused) if other is not run]
+    if not named or any(_is_above(other.task, task) for other in named):
+        return None
+    thing = things.conflict()
+    for other in named:
+        ask = Ask(thing, other.task.priority, True)
+        things.take(other, (ask,), _said(machine, other))
+    return Ask(thing, task.priority, True)
 
 
 def _is_above(other: Task, task: Task) -> bool:
