@@ -8,8 +8,24 @@ from __future__ import annotations
 
 from rapc.compiler.compiler import Compiler, RequestPlan
 from rapc.compiler.net_plan import WaitPlan
-from rapc.compiler.things import used_by
 from rapc.ir import nodes
+
+
+class UsesPlan:
+    """What a skill uses, over the arguments of its declaration."""
+
+    __slots__ = ("args", "things")
+
+    def __init__(self, compiler: Compiler, name: str) -> None:
+        declared = compiler.library.skills.get(name)
+        #: The names of the declared arguments.
+        self.args: tuple[str, ...] = ()
+        #: The things, to be filled in with values for these.
+        self.things: tuple[RequestPlan, ...] = ()
+        if declared is not None:
+            self.args = tuple([arg.variable.name for arg in declared.args])
+            things = [compiler.assertion(one, "use") for one in declared.uses]
+            self.things = tuple(things)
 
 
 class ActivationPlan:
@@ -26,13 +42,8 @@ class ActivationPlan:
     ) -> None:
         #: The skills to be filled in, in the order of the text.
         self.skills = tuple([compiler.assertion(one, "skill") for one in enabled])
-        #: What each of them uses.
-        self.uses = tuple(
-            [
-                tuple(compiler.assertion(u, "use") for u in used_by(compiler, one))
-                for one in enabled
-            ]
-        )
+        #: What each of them uses by its declaration, once that is filled in.
+        self.uses = tuple([UsesPlan(compiler, one.name) for one in enabled])
         #: What ends the method: the first of these that matches a signal.
         self.waits = tuple(
             [WaitPlan(wait, compiler.place("wait-for", wait.span)) for wait in waits]

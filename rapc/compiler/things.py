@@ -42,12 +42,11 @@ def _used(compiler: Compiler, method: nodes.Method) -> Iterator[nodes.Thing]:
 
 def used_by(compiler: Compiler, asked: nodes.Pattern) -> Iterator[nodes.Thing]:
     """Yield what a request or a skill uses, as it is declared."""
-    library = compiler.library
     declared: nodes.DeclarePrimitive | nodes.DeclareSkill | None
     if isinstance(asked, nodes.Skill):
-        declared = library.skills.get(asked.name)
+        declared = compiler.library.skills.get(asked.name)
     else:
-        declared = library.primitives.get(asked.name)
+        declared = compiler.library.primitives.get(asked.name)
     if declared is None:
         return
     names = [arg.variable.name for arg in declared.args]

@@ -180,7 +180,12 @@ class Interpreter:
         self._machine.access.recognise()
 
     def signal(self, *content: Atom) -> None:
-        """Send a signal `(:name arg...)` now."""
+        """Send a signal `(:name arg...)` now.
+
+        Raises:
+            FactError: if no event is called so, or it has other arguments.
+        """
+        self._machine.port.check_signal(content)
         signal(self._machine, self._machine.memory.canonical(content))
 
     def call_at(self, time: Time, action: Callable[[], None]) -> None:

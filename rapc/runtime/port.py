@@ -12,11 +12,11 @@ from collections.abc import Mapping
 from rapc.base.code_places import place_of
 from rapc.base.names import nearest
 from rapc.base.values import Fact, format_atom, format_list
-from rapc.errors import PortError
+from rapc.errors import FactError, PortError
 from rapc.ir.nodes import Argument
 from rapc.library.kinds import misfits, said_of
 from rapc.library.library import Library
-from rapc.library.signatures import Signatures, Use
+from rapc.library.signatures import Signature, Signatures, Use
 from rapc.runtime.authors import (
     breach,
     is_fact,
@@ -162,19 +162,36 @@ class Port:
         elif not isinstance(message, Finished):
             raise wrong(self._world, "messages", "a message", message)
 
+    def check_signal(self, content: Fact) -> None:
+        """See that a host may send the signal `content`.
+
+        Raises:
+            FactError: if no event is called so, or it has other arguments.
+        """
+        fault = self._fault(self._events, content)
+        if fault is not None:
+            near = nearest(str(content[0]), self._events)
+            meant = f"; did you mean `{near}`?" if near else ""
+            fault = fault or f"no event is called `{content[0]}`{meant}"
+            raise FactError(f"{format_list(content)}: {fault}")
+
+    def _fault(self, table: Mapping[str, Signature], content: Fact) -> str | None:
+        """Return what is wrong with a datum or signal; nothing is said of no such."""
+        known = table.get(str(content[0]))
+        if known is None:
+            return ""
+        fault = known.miscount(len(content) - 1)
+        for arg, value in misfits(self._kinds, known.args or (), content[1:]):
+            fault = fault or said_of(arg, value)
+        return fault
+
     def _check_fact(self, use: Use, content: Fact, call: str) -> None:
         table = self._data if use == "datum" else self._events
-        name, given = str(content[0]), len(content) - 1
-        known = table.get(name)
-        if known is None:
-            near = nearest(name, table)
-            hint = f"; did it mean `{near}`?" if near else ""
-            fault: str | None = f"which it does not offer{hint}"
-        else:
-            fault = known.miscount(given)
-            for arg, value in misfits(self._kinds, known.args or (), content[1:]):
-                fault = fault or said_of(arg, value)
+        fault = self._fault(table, content)
         if fault is not None:
+            near = nearest(str(content[0]), table)
+            hint = f"; did it mean `{near}`?" if near else ""
+            fault = fault or f"which it does not offer{hint}"
             kind = "datum" if use == "datum" else "signal"
             said = f"sent the {kind} {format_list(content)}: {fault}"
             raise breach(self._world, call, said)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import msgspec
@@ -11,24 +11,32 @@ import msgspec
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact, Text, number
 from rapc.compiler.program import Program
+from rapc.errors import FactError, PortError, RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library, link
 from rapc.parser.parse import parse, parse_fact
 from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
-from rapc.runtime.task_request import read_task_request
+from rapc.runtime.task_request import (
+    TaskRequest,
+    as_text,
+    of_agenda,
+    read_task_request,
+)
 from rapc.world import HandlerMemory, Handlers, Kit, Time
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 from tests.reference.interpreter import Reference
+from tests.reference.kinds import Broken, WrongKind
 from tests.reference.run import Limits
 
 
 class Case(msgspec.Struct, frozen=True):
     """A library as nested lists of words, its world, and what is asked of it.
 
-    `source`, if given, is the library instead. `solvers` are names of RAPs with
+    `source`, if given, is the library instead. The tasks of the `agenda`, if it has a
+    name, come before `tasks`. `solvers` are names of RAPs with
     methods, the first of which is always returned, the others where `(p a 1)` is not
     believed. `host` are a time, what the host does then (`assert`, `erase`, `signal`,
     `cancel`, `submit`) and with what.
@@ -40,6 +48,7 @@ class Case(msgspec.Struct, frozen=True):
     at: tuple[At, ...] = ()
     facts: tuple[str, ...] = ()
     tasks: tuple[str, ...] = ()
+    agenda: str = ""
     solvers: tuple[tuple[str, Any], ...] = ()
     host: tuple[tuple[Time, str, str], ...] = ()
     until: int | None = 60
@@ -138,15 +147,24 @@ def _solve(methods: Sequence[nodes.Method], _: Fact, view: Any) -> list[nodes.Me
     return list(methods[:1] if view.value("p", "a") == 1 else methods)
 
 
-def _act(interpreter: Any, kind: str, text: str) -> None:
-    """What a host does to either interpreter in the course of a run."""
-    if kind == "submit":
-        interpreter.submit(read_task_request(text))
-    elif kind == "cancel":
-        interpreter.cancel(read_words(text))
-    else:
-        act = {"assert": "assert_fact"}.get(kind, kind)
-        getattr(interpreter, act)(*read_words(text))
+def _act(interpreter: Any, told: list[Any], kind: str, text: str) -> None:
+    """What a host does to either interpreter; `told` hears of what is refused."""
+    try:
+        if kind == "submit":
+            interpreter.submit(read_task_request(text))
+        elif kind == "cancel":
+            interpreter.cancel(read_words(text))
+        elif kind == "assert":
+            interpreter.assert_fact(*parse_fact(text))
+        else:
+            getattr(interpreter, kind)(*read_words(text))
+    except (FactError, RefusedError, WrongKind):
+        told.append(_refused(f"{kind} {text}"))
+
+
+def _refused(what: str) -> dict[str, object]:
+    """What stands in a trace for something that did not come in."""
+    return {"event": "refused", "n": 0, "cycle": 0, "time": 0, "what": what}
 
 
 def read_words(text: str) -> Fact:
@@ -190,28 +208,52 @@ def interpreter_of(case: Case, fast: bool = True) -> Interpreter:
     )
 
 
-def begin(case: Case, interpreter: Interpreter) -> None:
-    """Give an interpreter what a case has for it; nothing runs yet."""
+def begin(case: Case, interpreter: Interpreter, told: list[Any] | None = None) -> None:
+    """Give an interpreter what a case has for it; nothing runs yet.
+
+    `told` hears of what is refused.
+    """
     interpreter.start()
+    library = interpreter.machine.library.library
+    given = of_agenda(library, case.agenda) if case.agenda else ()
+    _give(case, interpreter, given, interpreter.call_at, [] if told is None else told)
+
+
+def _give(
+    case: Case,
+    interpreter: Any,
+    given: Iterable[TaskRequest],
+    at: Callable[[Time, Callable[[], None]], None],
+    told: list[Any],
+) -> None:
+    """Give either interpreter facts, what the host will do, and tasks."""
+    act = functools.partial(_act, interpreter, told)
     for fact in case.facts:
-        interpreter.assert_fact(*parse_fact(fact))
+        act("assert", fact)
     for time, kind, what in case.host:
-        interpreter.call_at(time, functools.partial(_act, interpreter, kind, what))
-    for task in case.tasks:
-        interpreter.submit(read_task_request(task))
+        at(time, functools.partial(act, kind, what))
+    for text in (*map(as_text, given), *case.tasks):
+        act("submit", text)
 
 
-def run_rapc(case: Case, fast: bool = True) -> Sequence[events.Event]:
+Trace = Sequence[events.Event | dict[str, object]]
+"""Events, and what was refused or broke a run off."""
+
+
+def run_rapc(case: Case, fast: bool = True) -> Trace:
     """The trace of rapc's interpreter, without `run-started`."""
     interpreter = interpreter_of(case, fast)
-    found: list[events.Event] = []
+    found: list[Any] = []
     interpreter.listen(found.append)
-    begin(case, interpreter)
-    interpreter.run(case.until, case.cycles)
+    begin(case, interpreter, found)
+    try:
+        interpreter.run(case.until, case.cycles)
+    except (FactError, PortError):
+        found.append(_refused("the world"))
     return found[1:]
 
 
-def run_reference(case: Case) -> Sequence[events.Event]:
+def run_reference(case: Case) -> Trace:
     """The trace of the reference interpreter."""
     library = read_library(case.text)
     settings = case.settings
@@ -224,11 +266,11 @@ def run_reference(case: Case) -> Sequence[events.Event]:
     )
     world, solvers = _world(case, library), _solvers(case)
     reference = Reference(library, world, case.seed, limits, FUNCTIONS, solvers)
-    for fact in case.facts:
-        reference.assert_fact(*parse_fact(fact))
-    for time, kind, what in case.host:
-        reference.at(time, functools.partial(_act, reference, kind, what))
-    for task in case.tasks:
-        reference.submit(read_task_request(task))
-    reference.run()
-    return reference.events
+    told: list[Any] = reference.events
+    given = reference.take_up(case.agenda) if case.agenda else ()
+    _give(case, reference, given, reference.at, told)
+    try:
+        reference.run()
+    except (Broken, WrongKind):
+        told.append(_refused("the world"))
+    return told

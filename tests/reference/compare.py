@@ -10,14 +10,14 @@ import argparse
 import functools
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import msgspec
 
 from rapc.runtime.events import events
 from rapc.runtime.events.trace import record
-from tests.reference.case import Case, run_rapc, run_reference
+from tests.reference.case import Case, Trace, run_rapc, run_reference
 from tests.reference.generate import generate
 from tests.reference.shrink import shrink
 from tests.reference.vocabulary import FORMS
@@ -31,9 +31,7 @@ def written(event: events.Event) -> Row:
     return row
 
 
-def rows(
-    trace: Sequence[events.Event], write: Callable[[events.Event], Row]
-) -> list[Row]:
+def rows(trace: Trace, write: Callable[[events.Event], Row]) -> list[Row]:
     """A trace as it is compared: without serials, which say nothing of their own.
 
     Faults of monitors are left out: how often a monitor is tested is not laid down.
@@ -42,11 +40,12 @@ def rows(
     """
     found = []
     for event in trace:
-        row = write(event)
+        row: Row = dict(event) if isinstance(event, dict) else write(event)
         del row["n"]
         row.pop("waiting", None)
         row.pop("because", None)
-        for result in row.get("results", ()):
+        results: Any = row.get("results", ())
+        for result in results:
             for key in ("because", "came", "ended"):
                 result.pop(key, None)
         monitor = "monitor-state at " in str(row.get("what"))
@@ -97,6 +96,7 @@ def report(case: Case, outcome: Outcome) -> str:
     lines = [f"seed {case.seed}: {outcome.verdict}", raps]
     lines += [f"row {row}" for row in case.rows] + [f"{at}" for at in case.at]
     lines += [f"fact {fact}" for fact in case.facts]
+    lines += [f"agenda {case.agenda}"] if case.agenda else []
     lines += [f"task {task}" for task in case.tasks]
     lines += [f"host {entry}" for entry in case.host]
     lines += [f"solver {entry}" for entry in case.solvers]

@@ -8,7 +8,7 @@ than others.
 from __future__ import annotations
 
 import random
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 
 from rapc.runtime.settings import Settings
 from tests.reference.case import Case
@@ -16,7 +16,15 @@ from tests.reference.formulas import query
 from tests.reference.nets import Sketch
 from tests.reference.raps import rap, rules
 from tests.reference.scripts import at, fact, host, rows, solvers, task, text
-from tests.reference.vocabulary import DECLARATIONS, FORMS, QUERIES, SKILLED, USERS
+from tests.reference.vocabulary import (
+    DECLARATIONS,
+    FORMS,
+    KINDS,
+    OF_KINDS,
+    QUERIES,
+    SKILLED,
+    USERS,
+)
 from tests.reference.words import Datum
 
 
@@ -29,14 +37,19 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
     sketches = [_sketch(rng, n) for n in range(rng.randrange(3, 8))]
     tasks = rng.choice((3, 4, 5) if "claims" in forms else (1, 2, 2, 3, 4))
     made = [rap(rng, wild, sketches, n, forms) for n in range(len(sketches))]
+    whole = (
+        *DECLARATIONS,
+        *_named(rng, wild, forms),
+        *made,
+        *(rules(rng, wild, sketches) if "skills" in forms else ()),
+    )
+    if "kinds" in forms:
+        whole = (*KINDS, *of_kinds(rng, whole))
+    day = agenda(rng, sketches, forms) if "agenda" in forms else ()
     return Case(
         seed=seed,
-        forms=(
-            *DECLARATIONS,
-            *_named(rng, wild, forms),
-            *made,
-            *(rules(rng, wild, sketches) if "skills" in forms else ()),
-        ),
+        forms=(*whole, *day),
+        agenda="day" if day else "",
         rows=rows(rng, wild, forms),
         at=tuple(at(rng) for _ in range(rng.randrange(9))),
         facts=tuple(text(fact(rng)) for _ in range(rng.randrange(2, 9))),
@@ -62,6 +75,46 @@ def _named(rng: random.Random, wild: float, forms: Collection[str]) -> list[Datu
         rest = [names[place + 1 :] for place in range(len(names))]
         made += [query(rng, wild, *each) for each in zip(names, rest, strict=True)]
     return made
+
+
+def of_kinds(rng: random.Random, forms: Collection[Datum]) -> Iterator[Datum]:
+    """Forms with kinds for some of the arguments that they declare.
+
+    They are sparse, and mostly wide: what is of none breaks a run off.
+    """
+    share = rng.choice((0.02, 0.05, 0.15))
+    for form in forms:
+        place = 2 if str(form[0]).startswith(_WITH_ARGUMENTS) else None
+        if form[0] == "define-rap":
+            place = 1
+        if place is None or not isinstance(form[place], tuple):
+            yield form
+            continue
+        args = tuple(_of_kind(rng, part, share) for part in form[place])
+        if form[0] == "define-rap":
+            args = ("index", tuple(_of_kind(rng, p, share) for p in form[1][1]))
+        yield (*form[:place], args, *form[place + 1 :])
+
+
+_WITH_ARGUMENTS = ("declare-memory-pro", "declare-sensor-datum", "declare-event")
+"""How the heads begin of declarations of what comes in from outside."""
+
+
+def _of_kind(rng: random.Random, word: Datum, share: float) -> Datum:
+    if isinstance(word, str) and word.startswith("?") and rng.random() < share:
+        return (word, rng.choice(("letter", *OF_KINDS)))
+    return word
+
+
+def agenda(
+    rng: random.Random, sketches: Sequence[Sketch], forms: Collection[str]
+) -> tuple[Datum, ...]:
+    """The agenda `day`: standing tasks in the background, and orders."""
+    lines = [task(rng, sketches, forms) for _ in range(rng.choice((1, 2, 2, 3)))]
+    if rng.random() < 0.6:
+        standing = task(rng, sketches, ()).split(" :")[0]
+        lines.append(f"{standing} :priority {rng.randrange(4)} :background true")
+    return (("define-agenda", "day", *(("task", line) for line in lines)),)
 
 
 def _sketch(rng: random.Random, number: int) -> Sketch:

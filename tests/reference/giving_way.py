@@ -128,6 +128,8 @@ def take(running: Running, thing: Fact, said: str) -> None:
 
 def in_words(run: Run, running: Running) -> str:
     """What a method asks of the world."""
+    if running.skills:
+        return " ".join(map(format_list, running.skills))
     body = running.method.body
     asked: list[nodes.Pattern] = [*skills_of(running.method)]
     if isinstance(body, nodes.Primitive):

@@ -6,10 +6,11 @@ slowly as it likes. Items are not in it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, cast
 
 from rapc.base.values import Atom, Fact, match, number
+from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.runtime.events import events
 from rapc.runtime.events.events import TaskResult
@@ -19,6 +20,7 @@ from tests.reference.agenda import choose, tell_family
 from tests.reference.cycle import process
 from tests.reference.endings import remove
 from tests.reference.giving_way import resume_skills
+from tests.reference.kinds import Broken, hold_event, hold_fact, hold_goal
 from tests.reference.methods import announce, create
 from tests.reference.primitives import take_in
 from tests.reference.run import Limits, Run
@@ -50,6 +52,7 @@ class Reference:
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact on behalf of the user."""
+        hold_fact(self._run.library, fact)
         self._run.memory.assert_fact(fact, "user")
 
     def erase(self, *prefix: Atom) -> None:
@@ -58,6 +61,7 @@ class Reference:
 
     def signal(self, *content: Atom) -> None:
         """Send a signal now."""
+        hold_event(self._run.library, content)
         hear(self._run, content)
 
     def at(self, time: Time, action: Callable[[], None]) -> None:
@@ -70,8 +74,24 @@ class Reference:
             if task.live and match(goal, (task.rap.name, *task.args)) is not None:
                 remove(self._run, task, "cancelled")
 
+    def take_up(self, agenda: str) -> Iterator[TaskRequest]:
+        """The tasks of an agenda, in the order of the text."""
+        for task in self._run.library.agendas[agenda].tasks:
+            args = [arg.value for arg in task.goal.args if isinstance(arg, nodes.Const)]
+            yield TaskRequest(
+                (task.goal.name, *args),
+                task.priority,
+                task.deadline,
+                task.at,
+                task.background,
+            )
+
     def submit(self, submission: TaskRequest) -> None:
-        """Give a task, now or for later."""
+        """Give a task, now or for later. Raises WrongKind."""
+        hold_goal(self._run.library, submission.goal)
+        self._give(submission)
+
+    def _give(self, submission: TaskRequest) -> None:
         if submission.at is not None and submission.at > self._run.time:
             self._later.append(submission)
             return
@@ -86,7 +106,14 @@ class Reference:
         announce(run, task)
 
     def run(self) -> str:
-        """Run to the end; returns the reason."""
+        """Run to the end; returns the reason. Raises Broken and WrongKind."""
+        try:
+            return self._go()
+        except Broken:
+            self._end("broken")
+            raise
+
+    def _go(self) -> str:
         run = self._run
         cycles = run.limits.cycles
         while True:
@@ -122,7 +149,7 @@ class Reference:
         due = [s for s in self._later if s.at is not None and s.at <= run.time]
         for submission in sorted(due, key=lambda s: s.at or 0):
             self._later.remove(submission)
-            self.submit(submission)
+            self._give(submission)
         for task in run.live():
             look(run, task)
         while resume_skills(run):

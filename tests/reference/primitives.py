@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
-from rapc.base.values import Atom, format_list
+from rapc.base.values import Atom, Fact, format_list
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.world import OKAY, Datum, Finished, Refused, Reply
+from rapc.worlds.scripted import AT
 from tests.reference.endings import method_badly, method_well
+from tests.reference.kinds import (
+    Broken,
+    WrongKind,
+    hold_data,
+    hold_fact,
+    hold_signal,
+)
 from tests.reference.run import Run
 from tests.reference.signals import hear
 from tests.reference.tasks import Running, Task
@@ -24,7 +32,8 @@ class Access:
         self.value = run.memory.value
 
     def assert_fact(self, *fact: Atom) -> None:
-        """Assert a fact now."""
+        """Assert a fact now. Raises WrongKind."""
+        hold_fact(self.run.library, fact)
         self.run.memory.assert_fact(fact, "handler")
 
     def erase(self, *prefix: Atom) -> None:
@@ -45,14 +54,16 @@ def request(run: Run, running: Running, body: nodes.Primitive) -> Refused | None
     number = running.task.number
     run.tell(events.PrimitiveRequested, task=number, request=text, sent=text)
     ticket = len(run.tickets) + 1
-    run.tickets[ticket] = (fact, running.task)
+    run.tickets[ticket] = (fact, None)
     run.owners[ticket] = running.task
     reply = run.world.perform(ticket, fact)
+    if isinstance(reply, Reply):
+        hold_data(run, reply.data)
     run.look_at_clock()
     if isinstance(reply, Refused):
-        run.tickets[ticket] = (fact, None)
         run.tell(events.RequestRefused, task=number, request=text, sent=text)
         return reply
+    run.tickets[ticket] = (fact, running.task)
     if reply is not None and not run.late:
         run.keep_appointments()
         finish(run, ticket, reply)
@@ -69,12 +80,13 @@ def claim(run: Run, running: Running) -> bool:
 
 def finish(run: Run, ticket: int, reply: Reply) -> None:
     """A primitive has ended: handlers first, then the method that asked for it."""
-    asked, _ = run.tickets[ticket]
+    asked, task = run.tickets[ticket]
+    hold_data(run, reply.data)
+    run.tickets[ticket] = (asked, None)
     access: Any = Access(run)
     run.handlers.results[str(asked[0])](access, asked, reply.result)
     for datum in reply.data:
-        run.handlers.data[str(datum[0])](access, datum)
-    task = run.tickets[ticket][1]
+        handle(run, datum)
     run.tell(
         events.PrimitiveEnded,
         task=None if task is None else task.number,
@@ -82,9 +94,22 @@ def finish(run: Run, ticket: int, reply: Reply) -> None:
         result=reply.result,
         data=tuple(format_list(datum) for datum in reply.data),
     )
-    run.tickets[ticket] = (asked, None)
     if task is not None:
         ended(run, task, reply.result)
+
+
+def handle(run: Run, datum: Fact) -> None:
+    """Hand a datum to its handler. Raises Broken if what that asserts is of no kind.
+
+    Of a script the rows themselves are at fault, and WrongKind is what comes out.
+    """
+    access: Any = Access(run)
+    try:
+        run.handlers.data[str(datum[0])](access, datum)
+    except WrongKind as wrong:
+        if datum[0] == AT:
+            raise
+        raise Broken(str(wrong)) from None
 
 
 def ended(run: Run, task: Task, result: str) -> None:
@@ -105,8 +130,9 @@ def take_in(run: Run) -> None:
             finish(run, message.ticket, message.reply)
     for message in messages:
         if isinstance(message, Datum):
-            access: Any = Access(run)
-            run.handlers.data[str(message.content[0])](access, message.content)
+            hold_data(run, (message.content,))
+            handle(run, message.content)
             run.tell(events.DataReceived, data=format_list(message.content))
         elif not isinstance(message, Finished):
+            hold_signal(run, message.content)
             hear(run, message.content, message.tickets)

@@ -13,7 +13,7 @@ from rapc.runtime.events import events
 from rapc.world import Refused, Skilled
 from tests.reference.run import Run
 from tests.reference.tasks import Running
-from tests.reference.things import Ask, filled, used
+from tests.reference.things import Ask, used_once_filled
 
 
 def skills_of(method: nodes.Method) -> Sequence[nodes.Skill]:
@@ -43,6 +43,7 @@ def switch_on(run: Run, running: Running) -> bool | Refused:
     refused = have_on(run, running, skills)
     if refused is not None:
         return refused
+    running.skills = skills
     tell(run, running, events.SkillEnabled, skills)
     return True
 
@@ -97,7 +98,7 @@ def interrupt(run: Run, running: Running, taken: Sequence[Ask]) -> None:
     """Those skills of a method go off that use what is taken from it."""
     gone = {ask.thing for ask in taken} & set(running.uses)
     nameless = gone & set(running.said)
-    every = [used_by(run, running, skill) for skill in skills_of(running.method)]
+    every = [used_by(run, running, skill) for skill in running.skills]
     before_off = running.off
     off = [
         at
@@ -106,7 +107,7 @@ def interrupt(run: Run, running: Running, taken: Sequence[Ask]) -> None:
     ]
     staying = [at for at in range(len(every)) if at not in off]
     before = list(running.on)
-    refused = have_on(run, running, [filled_in(run, running, at) for at in staying])
+    refused = have_on(run, running, [running.skills[at] for at in staying])
     assert refused is None
     gone_off = [skill for skill in before if skill not in running.on]
     tell(run, running, events.SkillDisabled, gone_off)
@@ -123,8 +124,7 @@ def come_on_again(run: Run, running: Running) -> Refused | None:
     Nothing has changed if the world refuses; what it says is returned.
     """
     before = list(running.on)
-    every = range(len(skills_of(running.method)))
-    refused = have_on(run, running, [filled_in(run, running, at) for at in every])
+    refused = have_on(run, running, running.skills)
     if refused is not None:
         return refused
     come_on = [skill for skill in running.on if skill not in before]
@@ -134,16 +134,8 @@ def come_on_again(run: Run, running: Running) -> Refused | None:
     return None
 
 
-def filled_in(run: Run, running: Running, at: int) -> Fact:
-    """A skill of a method that has been switched on before."""
-    pattern = skills_of(running.method)[at]
-    found = filled(run, running.task, pattern, running.env)
-    assert found is not None
-    return found
-
-
-def used_by(run: Run, running: Running, skill: nodes.Skill) -> set[Fact]:
+def used_by(run: Run, running: Running, skill: Fact) -> set[Fact]:
     """What a skill of a method uses."""
-    found = used(run, running.task, skill, running.env)
+    found = used_once_filled(run, running.task, skill)
     assert found is not None
     return set(found)

@@ -37,7 +37,8 @@ class Place:
 class Running:
     """A method that runs: its bindings, its steps, what it notes and holds.
 
-    `ticket` is that of the skills that are `on`; `off` are the places of those that a
+    `skills` are those of the method as filled in when it switched them on; `ticket` is
+    that of those that are `on`; `off` are the places of those that a
     higher task has switched off, `back` what they ask for to come on again.
     `said` is what is told of the things among its `uses` that have no name: what it
     asked of a world that says that it is in conflict with others.
@@ -57,6 +58,7 @@ class Running:
         self.claims: list[Fact] = []
         self.said: dict[Fact, str] = {}
         self.asked: list[Ask] = []
+        self.skills: list[Fact] = []
         self.ticket: int | None = None
         self.on: list[Fact] = []
         self.off: list[int] = []

@@ -70,13 +70,13 @@ def used(
 ) -> list[Fact] | None:
     """What a request or a skill uses; None if it cannot be filled in."""
     sent = filled(run, task, asked, env)
-    if sent is None:
-        return None
-    declared: nodes.DeclarePrimitive | nodes.DeclareSkill
-    if isinstance(asked, nodes.Skill):
-        declared = run.library.skills[asked.name]
-    else:
-        declared = run.library.primitives[asked.name]
+    return None if sent is None else used_once_filled(run, task, sent)
+
+
+def used_once_filled(run: Run, task: Task, sent: Fact) -> list[Fact] | None:
+    """What a request or a skill uses that has values; None if a thing has none."""
+    name, library = str(sent[0]), run.library
+    declared = library.skills.get(name) or library.primitives[name]
     names = [argument.variable.name for argument in declared.args]
     given = dict(zip(names, sent[1:], strict=True))
     found = []

@@ -64,8 +64,22 @@ FORMS = (
 )
 """Kinds of forms that some programs use and others do not."""
 
+UNBROKEN = tuple([form for form in FORMS if form != "kinds"])
+"""Those with which no run breaks off: a world's values of a wrong kind end a run."""
+
 QUERIES = {"near": 1, "fit": 2, "calm": 0, "sound": 1}
 """Named queries, with the number of their arguments; each may use those behind it."""
+
+KINDS: tuple[tuple[object, ...], ...] = (
+    ("declare-kind", "letter", ("a", "c")),
+    ("declare-kind", "late", ":is", "letter", ("d",)),
+    ("declare-kind", "tool"),
+    ("declare-kind", "amount", ":is", "number"),
+    ("declare-kind", "few", ":is", "amount", ("1", "2")),
+)
+"""Kinds: closed, closed below that, open, and two of numbers."""
+
+OF_KINDS = ("letter", "late", "tool", "amount", "few", "number", "symbol", "text")
 
 THINGS = {"wheels": 0, "arm": 1, "way": 2}
 

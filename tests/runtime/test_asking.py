@@ -9,6 +9,7 @@ from rapc.runtime.interpreter import Interpreter
 from tests.effort import first
 from tests.reference.case import begin, interpreter_of, stepwise
 from tests.reference.generate import generate
+from tests.reference.vocabulary import UNBROKEN
 from tests.runtime import saving
 from tests.runtime.helpers import Play
 
@@ -60,7 +61,7 @@ def _told(run: Interpreter) -> list[Event]:
 @pytest.mark.parametrize("chunk", first(1, range(5)))
 def test_generated_programs_do_not_notice_who_asks(chunk: int) -> None:
     for seed in range(chunk * 30, (chunk + 1) * 30):
-        case = stepwise(generate(seed))
+        case = stepwise(generate(seed, UNBROKEN))
         asked, alone = interpreter_of(case), interpreter_of(case)
         heard, expected = _told(asked), _told(alone)
         begin(case, asked)

@@ -156,7 +156,7 @@ ACTING = (
         "SIGNAL",
         "Send a signal to the tasks that wait for it.",
         _signal,
-        (":signal (door-open hall)",),
+        (":signal (:door-open hall)",),
     ),
     Command(
         "force",

@@ -46,6 +46,7 @@ def activate(
     if answer is not None:
         return _refused(machine, run.task, skills, sent, answer)
     run.ticket = ticket
+    run.skills = tuple(skills)
     activation = Activation(ticket, run.task, run, tuple(skills))
     machine.state.activations.begin(activation)
     _tell(machine, run.task, SkillEnabled, skills)
@@ -72,18 +73,19 @@ def reactivate(
 ) -> bool | Refused:
     """Have just the `wanted` skills of a method on, by position; the others go off.
 
-    Those that stay on are not interrupted. Returns whether it could be done: not if
-    one of them cannot be filled in now, and not if the world refuses: then what it
+    Those that stay on are not interrupted, and all are as they were when they first
+    came on. Returns whether it could be done: not if an item among their arguments has
+    no sensor name now, and not if the world refuses: then what it
     says is returned, and nothing has changed.
     """
     plan, before = run.plan.activation, run.ticket
     assert plan is not None
-    filled = [_filled(machine, run, plan.skills[at]) for at in wanted]
-    skills = [one[0] for one in filled if one is not None]
-    sent = [one[1] for one in filled if one is not None]
+    skills = [machine.memory.canonical(run.skills[at]) for at in wanted]
+    named = [sensed(machine.memory.items, skill) for skill in skills]
+    sent = [one for one in named if one is not None]
     world, tables = machine.world, machine.state.activations
     assert isinstance(world, Skilled)
-    if len(skills) < len(filled):
+    if len(sent) < len(skills):
         return False
     run.ticket = None
     if skills:

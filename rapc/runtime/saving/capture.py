@@ -227,6 +227,7 @@ class _Capture:
             ends=None if ends is None else tuple(ends.times),
             ended_by_until=() if ends is None else tuple(sorted(ends.ended_by_until)),
             notations=tuple(self._notations.facts(run.notations)),
+            skills=run.skills,
             ticket=run.ticket,
             held=tuple([_ask(hold.ask, hold.said) for hold in held]),
         )

@@ -175,6 +175,7 @@ class Rebuilt:
         if run.ends is not None and record.ends is not None:
             run.ends.times = list(record.ends)
             run.ends.ended_by_until = set(record.ended_by_until)
+        run.skills = record.skills
         run.ticket = record.ticket
         self._runs.append((run, record))
         return run

@@ -125,6 +125,8 @@ class MethodRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     ends: tuple[Time | None, ...] | None = None
     ended_by_until: tuple[int, ...] = ()
     notations: tuple[Fact, ...] = ()
+    #: Its skills as they were filled in.
+    skills: tuple[Fact, ...] = ()
     ticket: int | None = None
     held: tuple[AskRecord, ...] = ()
 

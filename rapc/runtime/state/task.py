@@ -14,6 +14,7 @@ from functools import cache
 from typing import Any
 
 from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import Fact
 from rapc.compiler.net_plan import StepPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.ir import nodes
@@ -358,6 +359,7 @@ class MethodRun:
         "has_conditions",
         "notations",
         "plan",
+        "skills",
         "started",
         "steps",
         "steps_left",
@@ -378,6 +380,8 @@ class MethodRun:
         self.steps_left = left = plan.size
         self.ends = Ends(left) if plan.tracks_step_ends else None
         self.notations: tuple[Notation, ...] = ()
+        #: Its skills as they were filled in when they first came on, in memory names.
+        self.skills: tuple[Fact, ...] = ()
         #: The number of its request, if it has sent one.
         self.ticket: int | None = None
         #: The nearest that states constraints: itself, its task, or what is above.

@@ -218,14 +218,13 @@ def _used_by_skills(machine: Machine, run: MethodRun) -> list[set[Thing]]:
     """Return what each skill of a method uses."""
     plan = run.plan.activation
     assert plan is not None
-    return [
-        {
-            machine.memory.canonical(thing)
-            for one in uses
-            if (thing := filled_in(machine, run.task, one, run.env)) is not None
-        }
-        for uses in plan.uses
-    ]
+    found = []
+    for uses, skill in zip(plan.uses, run.skills, strict=True):
+        given = dict(zip(uses.args, machine.memory.canonical(skill)[1:], strict=True))
+        things = [filled_in(machine, run.task, one, given) for one in uses.things]
+        known = [thing for thing in things if thing is not None]
+        found.append({machine.memory.canonical(thing) for thing in known})
+    return found
 
 
 def resume_skills(machine: Machine) -> None:
@@ -336,6 +335,8 @@ def _is_above(other: Task, task: Task) -> bool:
 def _said(machine: Machine, run: MethodRun) -> str:
     """Return what a method asks of the world, in words."""
     plan, env = run.plan, run.env
+    if run.skills:
+        return " ".join([format_list(machine.memory.canonical(s)) for s in run.skills])
     asked = [plan.request] if plan.request is not None else []
     if plan.activation is not None:
         asked += plan.activation.skills
