@@ -25,7 +25,7 @@ from rapc.parser.special.formulas import formula
 from rapc.parser.special.table import readers
 from rapc.parser.special.tests import with_defaults
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
-from rapc.parser.terms import goal, proposition
+from rapc.parser.terms import goal, proposition, signal
 from rapc.parser.unit import Partial, SourceUnit
 
 __all__ = (
@@ -36,6 +36,7 @@ __all__ = (
     "parse_formula",
     "parse_goal_options",
     "parse_pattern",
+    "parse_signal",
 )
 
 GOAL_OPTIONS = (":priority", ":deadline", ":at", ":background")
@@ -118,12 +119,15 @@ def parse_fact(text: str) -> Fact:
     Raises:
         TextError: if the text is anything else.
     """
-    made = parse_pattern(text)
+    return _ground(parse_pattern(text), "a fact", text)
+
+
+def _ground(made: nodes.Pattern, called: str, text: str) -> Fact:
     values: list[Atom] = []
     for arg in made.args:
         if not isinstance(arg, nodes.Const):
             what = "a variable" if isinstance(arg, nodes.Var) else "a computed term"
-            raise TextError(f"a fact holds values only, not {what}: {text.strip()}")
+            raise TextError(f"{called} holds values only, not {what}: {text.strip()}")
         values.append(arg.value)
     return (made.name, *values)
 
@@ -140,6 +144,20 @@ def parse_pattern(text: str) -> nodes.Proposition:
     if made is None or len(data) > 1:
         raise TextError(f"one proposition is wanted, not more: {text.strip()}")
     return made
+
+
+def parse_signal(text: str) -> Fact:
+    """A signal with values, as in `(:door-open hall)`.
+
+    Raises:
+        TextError: if the text is anything else.
+    """
+    ctx, data = _small(text)
+    made = signal(ctx, data[0])
+    _complain(ctx)
+    if made is None or len(data) > 1:
+        raise TextError(f"one signal is wanted, not more: {text.strip()}")
+    return _ground(made, "a signal", text)
 
 
 def parse_formula(text: str) -> nodes.Formula:

@@ -6,7 +6,7 @@ import re
 
 from rapc.base.values import Fact, number
 from rapc.errors import TextError
-from rapc.parser.parse import parse_fact
+from rapc.parser.parse import parse_fact, parse_signal
 from rapc.world import Time
 
 _PART = re.compile(r'"(?:[^"\\]|\\.)*"?|[()]|;[^\n]*|[^\s()";]+|\s+')
@@ -117,6 +117,14 @@ class Arguments:
             TextError: for anything else.
         """
         return parse_fact(self.word(what))
+
+    def signal(self) -> Fact:
+        """Take the next argument as a signal with values.
+
+        Raises:
+            TextError: for anything else.
+        """
+        return parse_signal(self.word("a signal"))
 
     def end(self) -> None:
         """See that none is left.

@@ -7,6 +7,8 @@ import pytest
 from rapc.repl.arguments import is_balanced, split
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs
+from rapc.repl.shell import Shell
+from tests.debug.sessions import row, scripted
 from tests.repl.shells import rows, said, truck_shell
 
 
@@ -161,3 +163,24 @@ def test_answers_come_in_pages() -> None:
         assert "more, with `:more`" in text
     assert said(shell, ":more") == "there are no more\n"
     assert rows(shell, "*1") == first
+
+
+def test_a_signal_wakes_who_waits_for_it_and_is_refused_if_it_is_none() -> None:
+    shell = Shell(scripted(LISTENING, "(top)", rows=(row("(act)"),)), commands())
+    assert "no event is called `:rung`; did you mean `:ring`?" in said(
+        shell, ":signal (:rung hall)"
+    )
+    assert "`4` is no place" in said(shell, ":signal (:ring 4)")
+    assert "begins with a colon" in said(shell, ":signal (ring hall)")
+    assert "no " not in said(shell, ":signal (:ring hall)")
+    said(shell, ":step 1", ":signal (:ring hall)")
+    assert "run over (done)" in said(shell, ":run")
+
+
+LISTENING = """
+(declare-kind place)
+(declare-event :ring ((?where place)))
+(declare-primitive act () (okay))
+(define-rap (top) (method (task-net (t1 (go) (wait-for (:ring hall) :proceed)))))
+(define-rap (go) (method (primitive (act))))
+"""

@@ -56,13 +56,7 @@ def _cancel(shell: Shell, args: Arguments) -> Answer:
 
 
 def _signal(shell: Shell, args: Arguments) -> Answer:
-    content = args.fact("a signal")
-    events = shell.session.library.program.library.events
-    name = str(content[0])
-    if events and name not in events:
-        known = shell.session.library.program.signatures
-        raise TextError(str(known.unknown("event", name)))
-    return _do(shell, SendSignal(content))
+    return _do(shell, SendSignal(args.signal()))
 
 
 def _what_if(shell: Shell, args: Arguments) -> Answer:
