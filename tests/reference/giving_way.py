@@ -1,4 +1,4 @@
-"""Who gives way to whom, and what a world refuses beside others [L 8.16 to 8.28].
+"""Who gives way to whom, and what a world refuses beside others [L 8.16, 8.24, 8.28].
 
 Everything is found anew whenever it is asked for.
 """
