@@ -33,6 +33,7 @@ from rapc.base.values import Atom, Fact, Number, Text
 __all__ = (
     "NOT_KNOWN",
     "OKAY",
+    "Adjustable",
     "Area",
     "Atom",
     "Callables",
@@ -462,4 +463,22 @@ class Savable(Protocol):
 
         Raises:
             ValueError: if `state` is none of this world, or of one otherwise made.
+        """
+
+
+@runtime_checkable
+class Adjustable(Protocol):
+    """A simulator some of whose options can be changed while a run goes on.
+
+    Their values are part of the state that `save` returns and `restore` goes back to.
+    """
+
+    def adjustable(self) -> Mapping[str, Atom | bool]:
+        """Return the options that can be changed, with the values they have now."""
+
+    def adjust(self, name: str, value: Atom | bool) -> None:
+        """Give an option another value from now on.
+
+        Raises:
+            ValueError: for a value that it cannot have.
         """

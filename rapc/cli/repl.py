@@ -12,12 +12,10 @@ import click
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.given import Beginning, prepare, run_options
-from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import beginnings, follow
 from rapc.debug.session import Session
 from rapc.errors import LoadError, StateError
-from rapc.host import CheckedLibrary
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
@@ -79,7 +77,7 @@ def repl(
     else:
         library = load_checked(path)
         begun = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
-        shell = Shell(_session(library, begun), commands(), [path])
+        shell = Shell(_session(begun), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
         from rapc.repl.prompt import Prompt, history_file  # noqa: PLC0415  # slow
@@ -111,7 +109,7 @@ def _recorded(path: Path) -> Shell:
             values,
             begun.faults,
         )
-        session = _session(library, given)
+        session = _session(given)
         parted = follow(session, path)
     except (LoadError, StateError) as error:
         fail(error.message)
@@ -129,9 +127,9 @@ def _value(value: str | float) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _session(library: Program, begun: Beginning) -> Session:
+def _session(begun: Beginning) -> Session:
     """Begin the run, and put it under a debugger."""
     log = EventLog()
     begun.interpreter.listen(log)
     begun.begin()
-    return Session(begun.interpreter, CheckedLibrary(library), log)
+    return Session(begun.interpreter, log)

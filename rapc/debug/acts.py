@@ -11,6 +11,7 @@ from abc import abstractmethod
 import msgspec
 
 from rapc.base.values import Fact, format_list
+from rapc.debug.setup import Setup
 from rapc.errors import ArgumentError
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.state.states import INTERFERENCE
@@ -23,12 +24,16 @@ class Act(msgspec.Struct, frozen=True):
     """Something that the user does to a run between two cycles."""
 
     @abstractmethod
-    def do(self, run: Interpreter) -> None:
-        """Do it.
+    def do(self, run: Interpreter) -> Interpreter:
+        """Do it, and return the run that goes on: `run`, or another in its place.
 
         Raises:
             Error: if it cannot be done; then nothing has changed.
         """
+
+    def setup(self, before: Setup) -> Setup:
+        """Return what the run is made with once this was done."""
+        return before
 
     @abstractmethod
     def __str__(self) -> str:
@@ -40,9 +45,10 @@ class AssertFact(Act, frozen=True):
 
     fact: Fact
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """Assert the fact."""
         run.assert_fact(*self.fact)
+        return run
 
     def __str__(self) -> str:
         return f"assert {format_list(self.fact)}"
@@ -53,9 +59,10 @@ class EraseFacts(Act, frozen=True):
 
     prefix: Fact
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """Erase the facts."""
         run.erase(*self.prefix)
+        return run
 
     def __str__(self) -> str:
         return f"erase {format_list(self.prefix)}"
@@ -66,9 +73,10 @@ class SubmitTask(Act, frozen=True):
 
     request: TaskRequest
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """Submit the task."""
         run.submit(self.request)
+        return run
 
     def __str__(self) -> str:
         return f"submit {as_text(self.request)}"
@@ -79,7 +87,7 @@ class CancelTasks(Act, frozen=True):
 
     goal: Fact
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """Cancel them.
 
         Raises:
@@ -89,6 +97,7 @@ class CancelTasks(Act, frozen=True):
             raise ArgumentError(
                 f"no top-level task under way is {format_list(self.goal)}"
             )
+        return run
 
     def __str__(self) -> str:
         return f"cancel {format_list(self.goal)}"
@@ -99,9 +108,10 @@ class SendSignal(Act, frozen=True):
 
     content: Fact
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """Send the signal."""
         run.signal(*self.content)
+        return run
 
     def __str__(self) -> str:
         return f"signal {format_list(self.content)}"
@@ -112,13 +122,14 @@ class FailTask(Act, frozen=True):
 
     task: int
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """Fail the task; a method that it is at ends first."""
         machine, task = run.machine, live_task(run, self.task)
         if task.run is not None:
             end_method(machine, task.run, INTERFERENCE, None, "cancelled")
         machine.agenda.discard(task)
         fail(machine, task, INTERFERENCE)
+        return run
 
     def __str__(self) -> str:
         return f"fail [{self.task}]"
@@ -129,7 +140,7 @@ class RetryTask(Act, frozen=True):
 
     task: int
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """End the method.
 
         Raises:
@@ -139,6 +150,7 @@ class RetryTask(Act, frozen=True):
         if task.run is None:
             raise ArgumentError(f"task [{self.task}] is at work on no method")
         end_method(run.machine, task.run, INTERFERENCE, None, "cancelled")
+        return run
 
     def __str__(self) -> str:
         return f"retry [{self.task}]"

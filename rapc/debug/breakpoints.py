@@ -16,7 +16,6 @@ from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
 from rapc.runtime.events import events
 from rapc.runtime.events.events import Event, Goal
-from rapc.runtime.host_query import HostQuery
 from rapc.world import Time
 
 KINDS: Mapping[str, str] = {
@@ -81,8 +80,6 @@ class Breakpoints:
         #: What those that only log have met, in words.
         self.logged: list[str] = []
         self._meets: dict[int, Meets] = {}
-        self._questions: dict[int, HostQuery] = {}
-        self._conditions: dict[int, HostQuery] = {}
         self._held: dict[int, bool] = {}
         self._reached: dict[int, Time] = {}
         self._pending: list[tuple[int, str]] = []
@@ -97,16 +94,15 @@ class Breakpoints:
             TextError: if it is none.
             ValueError: for a condition that names what the library does not declare.
         """
-        number, run = self._next, self._session.run
+        number, session = self._next, self._session
         if point.kind not in KINDS:
             raise TextError(
                 f"`{point.kind}` is nothing to stop at; it is one of {', '.join(KINDS)}"
             )
         if point.condition:
-            self._conditions[number] = run.question(point.condition)
+            session.question(point.condition)  # looks at the names
         if point.kind in ("true", "false"):
-            self._questions[number] = run.question(point.what)
-            self._held[number] = bool(self._questions[number].holds())
+            self._held[number] = bool(session.question(point.what).holds())
         elif point.kind == "time":
             self._reached[number] = _number(point.what)
         else:
@@ -126,8 +122,6 @@ class Breakpoints:
             raise ArgumentError(f"there is no breakpoint {number}")
         tables: tuple[dict[int, object], ...] = (
             self._meets,  # type: ignore[assignment]  # only keys are used
-            self._questions,
-            self._conditions,
             self._held,
             self._reached,
         )
@@ -197,7 +191,7 @@ class Breakpoints:
         stops = None
         for number, words in met:
             point = self.all[number]
-            if not self._counts(number, point):
+            if not self._counts(point):
                 continue
             said = f"breakpoint {number} ({point}): {words}"
             if point.logs:
@@ -212,10 +206,9 @@ class Breakpoints:
             self._session.goto(self._session.cycle - 1)
         return stops
 
-    def _counts(self, number: int, point: Breakpoint) -> bool:
+    def _counts(self, point: Breakpoint) -> bool:
         """Count a meeting; whether it is one that matters."""
-        condition = self._conditions.get(number)
-        if condition is not None and not condition.holds():
+        if point.condition and not self._holds(point.condition):
             return False
         point.met += 1
         return point.met > point.passes
@@ -223,9 +216,9 @@ class Breakpoints:
     def _turned(self) -> list[tuple[int, str]]:
         """Return the queries that have come to hold or not to, and times that came."""
         found = []
-        for number, question in self._questions.items():
-            holds = bool(question.holds())
-            if holds != self._held[number]:
+        for number, held in list(self._held.items()):
+            holds = self._holds(self.all[number].what)
+            if holds != held:
                 self._held[number] = holds
                 if holds == (self.all[number].kind == "true"):
                     words = "holds" if holds else "holds no more"
@@ -236,11 +229,18 @@ class Breakpoints:
                 found.append((number, f"time {format_atom(self._session.now)}"))
         return found
 
+    def _holds(self, formula: str) -> bool:
+        """Whether a formula holds; one with names that went with a text does not."""
+        try:
+            return bool(self._session.question(formula).holds())
+        except ValueError:
+            return False
+
     def look_again(self) -> None:
         """Take note of what holds now: the session stands at another moment."""
         self._pending.clear()
-        for number, question in self._questions.items():
-            self._held[number] = bool(question.holds())
+        for number in self._held:
+            self._held[number] = self._holds(self.all[number].what)
         for number, point in self.all.items():
             if point.kind == "time" and self._session.now < _number(point.what):
                 self._reached[number] = _number(point.what)

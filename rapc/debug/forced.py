@@ -80,7 +80,7 @@ class ForceResult(Act, frozen=True):
     result: str
     times: int = 1
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """Force the result.
 
         Raises:
@@ -103,6 +103,7 @@ class ForceResult(Act, frozen=True):
                 )
             world = machine.world = ForcedWorld(world)
         world.forced.append(Forced(self.pattern, self.result, self.times))
+        return run
 
     def __str__(self) -> str:
         often = f" {self.times} times" if self.times > 1 else ""

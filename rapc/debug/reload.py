@@ -1,102 +1,80 @@
 """Another text of the library while a run goes on.
 
-A method that is under way keeps the text that it began with: it stays among the methods
+The run is saved, made over, and taken up by one that is made with the new text. A
+method that is under way keeps the text that it began with: it stays among the methods
 of its RAP, with a context that never holds, so that it is saved and taken up like any
 other. Whatever is chosen from now on is chosen from the new text. What a task has tried
-stays with methods of the same name.
+stays with methods of the same name. What memory holds, and what is under way, must be
+as the new declarations have it (`rapc.debug.declared`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
 
 from msgspec.structs import replace
 
-from rapc.analysis.driver import CheckReport, check_library
-from rapc.base.diagnostics import Severity
-from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.acts import Act
-from rapc.errors import RefusedError, StateError
-from rapc.host import CheckedLibrary, CheckError
+from rapc.debug.declared import obstacles
+from rapc.debug.setup import Setup
+from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.library.loader import Loaded, load, load_sources
-from rapc.parser.parse import parse
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.saving.format import decode, digest, encode
-from rapc.runtime.saving.records import Parts, RunRecord, TaskRecord
+from rapc.runtime.saving.format import decode, digest
+from rapc.runtime.saving.records import Parts, RunRecord, TaskRecord, WaitRecord
+from rapc.runtime.state.states import BLOCKED, ENDED
+from rapc.world import Time
 
-TYPED = "<typed>"
-"""The file name of definitions that were typed."""
-
-_FREE = ("raps", "queries", "agendas", "files", "forms", "tests")
-"""What may change while a run goes on; all else is built into its memory."""
+_NO_DEFINITIONS = ("files", "forms", "tests")
+"""The fields of a library of which a run knows nothing."""
 
 
 class TakeUp(Act, frozen=True):
     """Lets a run go on with another text of its library."""
 
     program: Program
-    #: The names of the RAPs whose text is another.
+    #: What is defined otherwise: names, and words for what has none.
     changed: tuple[str, ...]
 
-    def do(self, run: Interpreter) -> None:
+    def do(self, run: Interpreter) -> Interpreter:
         """Take up the new text.
 
         Raises:
             RefusedError: if the run cannot go on with it; then nothing has changed.
             StateError: if the run cannot be saved.
         """
-        machine = run.machine
-        before = machine.library
-        saved = _moved(decode(run.save()), before, self.program)
-        machine.library = self.program
-        try:
-            run.restore(encode(saved))
-        except StateError:
-            machine.library = before
-            raise
+        record, before = decode(run.save()), run.machine.library
+        found = list(obstacles(record, before, self.program))
+        if found:
+            raise RefusedError(found)
+        record = _moved(record, before, self.program)
+        return Setup(self.program, run.settings).taken_up(run, record)
+
+    def setup(self, before: Setup) -> Setup:
+        """Return what the run is made with then: the new text."""
+        return before._replace(program=self.program)
 
     def __str__(self) -> str:
         return f"take up {' '.join(self.changed) or 'the same text'}"
 
 
-def changed_raps(before: Library, after: Library) -> tuple[str, ...]:
-    """Return the names of the RAPs and queries that differ, sorted."""
-    names = {*before.raps, *after.raps, *before.queries, *after.queries}
-    return tuple(
-        sorted(
-            name
-            for name in names
-            if before.raps.get(name) != after.raps.get(name)
-            or before.queries.get(name) != after.queries.get(name)
-        )
-    )
+def changed(before: Library, after: Library) -> tuple[str, ...]:
+    """Return what two texts define differently, in the order of the kinds: names."""
+    return tuple(dict.fromkeys(_differing(before, after)))
 
 
-def take_up(run: Interpreter, after: CheckedLibrary) -> TakeUp:
-    """Return the act by which a run goes on with another text of its library.
-
-    Raises:
-        RefusedError: if more than RAPs, queries and agendas has changed.
-    """
-    old, new = run.machine.library.library, after.program.library
-    other = [
-        field
-        for field in old.__struct_fields__
-        if field not in _FREE and getattr(old, field) != getattr(new, field)
-    ]
-    if other:
-        raise RefusedError(
-            [
-                f"declarations have changed ({', '.join(other)}): they are built into "
-                "the memory of a run, which must be begun anew"
-            ]
-        )
-    return TakeUp(after.program, changed_raps(old, new))
+def _differing(before: Library, after: Library) -> Iterator[str]:
+    for field in before.__struct_fields__:
+        old, new = getattr(before, field), getattr(after, field)
+        if field in _NO_DEFINITIONS or old == new:
+            continue
+        if isinstance(old, Mapping):
+            yield from sorted(n for n in {*old, *new} if old.get(n) != new.get(n))
+        else:
+            yield field.replace("_", " ")
 
 
 def _moved(record: RunRecord, before: Program, after: Program) -> RunRecord:
@@ -105,30 +83,50 @@ def _moved(record: RunRecord, before: Program, after: Program) -> RunRecord:
     added: dict[str, list[nodes.Method]] = {}
     for name, node in record.added_methods:
         added.setdefault(name, []).append(node)
-    changed = set(changed_raps(before.library, after.library))
     tasks = []
     for task in record.tasks:
-        if task.rap not in after.library.raps:
+        old, new = before.library.raps[task.rap], after.library.raps.get(task.rap)
+        if new is None:
             raise RefusedError([f"tasks of `{task.rap}` are under way: it must stay"])
-        if task.rap in changed:
-            _look_at_head(before, after, task.rap)
+        if new != old:
+            _look_at_head(old, new)
             task = _task(task, before, after, added, retired)  # noqa: PLW2901  # renewed
-        tasks.append(task)
+        tasks.append(_waiting(task, new, record.counts.time))
+    monitors = record.monitors
+    again = [t.number for t in tasks if t.state == BLOCKED and t.wait is not None]
     return replace(
         record,
         library=digest(after.library),
         tasks=tuple(tasks),
         added_methods=(*record.added_methods, *retired),
+        monitors=replace(
+            monitors, to_test=tuple(dict.fromkeys((*monitors.to_test, *again)))
+        ),
     )
 
 
-def _look_at_head(before: Program, after: Program, name: str) -> None:
+def _waiting(task: TaskRecord, rap: nodes.DefineRap, now: Time) -> TaskRecord:
+    """Return a task that waits for what the monitors of its RAP say now.
+
+    It is yet to find out what it listens to. A time that a task waits for counts from
+    when it was made or has ended a method, so that one of before stays.
+    """
+    wait = task.wait
+    if wait is None:
+        if rap.monitor_state is None or task.state == ENDED:
+            return task
+        wait = WaitRecord(made=now, first_selected=True)
+    if rap.monitor_time is None:
+        wait = replace(wait, ready_at=0, monitor_deadline=None)
+    return replace(task, wait=replace(wait, keys=None, formula=None))
+
+
+def _look_at_head(old: nodes.DefineRap, new: nodes.DefineRap) -> None:
     """See that tasks of a RAP can go on with another text of it."""
-    old, new = before.library.raps[name], after.library.raps[name]
     for field in ("inputs", "outputs", "resources"):
         if getattr(old, field) != getattr(new, field):
             raise RefusedError(
-                [f"tasks of `{name}` are under way: its {field} must stay"]
+                [f"tasks of `{old.name}` are under way: its {field} must stay"]
             )
 
 
@@ -181,73 +179,3 @@ def _methods(
         made = MethodPlan(program.compiler, plan.node, node, len(found))
         found.append((made.name, node))
     return found
-
-
-# --- texts --------------------------------------------------------------------------
-
-
-class Renewed(NamedTuple):
-    """Another text of a library, and what was found in it."""
-
-    library: CheckedLibrary
-    report: CheckReport
-
-
-def reread(paths: Iterable[str], typed: str, name: str) -> Renewed:
-    """Read files again, with the definitions that were typed in place of theirs.
-
-    Raises:
-        LoadError: for what cannot be read.
-        CheckError: if anything of severity error is found.
-    """
-    loaded = load(list(paths))
-    if typed:
-        loaded = load_sources(_with(loaded.files, typed))
-    return _checked(loaded, name)
-
-
-def typed_in(library: Library, typed: str, name: str) -> Renewed:
-    """Return a library with typed definitions in place of those of the same names.
-
-    Raises:
-        CheckError: if anything of severity error is found.
-    """
-    return _checked(load_sources(_with(library.files, typed)), name)
-
-
-def _checked(loaded: Loaded, name: str) -> Renewed:
-    report = check_library(loaded)
-    errors = [f for f in report.findings if f.severity is Severity.ERROR]
-    if errors:
-        raise CheckError(CheckReport(tuple(errors), report.files))
-    return Renewed(CheckedLibrary(Program(loaded.library, name)), report)
-
-
-def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:
-    """Return files without the definitions that were typed anew, and those.
-
-    What is left out is blanked, so that all else stays where it was.
-    """
-    source = SourceFile(TYPED, typed)
-    names = names_of(typed)
-    found = []
-    for file in files.values():
-        if file.name == TYPED:
-            continue
-        text = file.text
-        for form in parse(file).forms:
-            if _named(form) in names:
-                start, end = form.span.start, form.span.end
-                blank = "".join(c if c == "\n" else " " for c in text[start:end])
-                text = text[:start] + blank + text[end:]
-        found.append(file if text == file.text else SourceFile(file.name, text))
-    return [*found, source]
-
-
-def names_of(text: str) -> frozenset[tuple[str, str]]:
-    """Return what tells the definitions of a text from others: kind and name."""
-    return frozenset(map(_named, parse(SourceFile(TYPED, text)).forms))
-
-
-def _named(form: nodes.TopForm) -> tuple[str, str]:
-    return type(form).__name__, str(getattr(form, "name", ""))

@@ -8,27 +8,23 @@ past begins a new branch, and the other future stays. Not here: what is asked of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 import msgspec
 
 from rapc.base.values import format_atom
-from rapc.compiler.program import Program
 from rapc.debug.acts import Act
-from rapc.debug.forced import ForcedWorld, ForceResult
-from rapc.debug.log import EventLog, Told
-from rapc.debug.reload import TakeUp, take_up
-from rapc.debug.saves import EVERY, Moment, Saves
-from rapc.errors import ArgumentError, PortError, StateError
+from rapc.debug.branch import Branch
+from rapc.debug.course import Course
+from rapc.debug.log import EventLog
+from rapc.debug.reload import TakeUp, changed
+from rapc.debug.saves import Moment
+from rapc.errors import ArgumentError, PortError
 from rapc.host import CheckedLibrary
-from rapc.runtime.events.events import TaskSelected
+from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
-from rapc.world import Time, World
-
-_RUNNING = 512
-"""How many cycles a run goes on for before its state is saved."""
+from rapc.world import Time
 
 _FEW = 16
 """Fewer cycles than these are sooner replayed than saved."""
@@ -43,52 +39,20 @@ class Stop(msgspec.Struct, frozen=True):
     said: str = ""
 
 
-class Branch:
-    """One course of a run: what the user did in it, and how far it has been seen."""
-
-    def __init__(self, name: str, saves: Saves, begun: str = "") -> None:
-        self.name = name
-        #: Which branch it comes from, and where, in words; empty for the first.
-        self.begun = begun
-        #: What was done, each with the cycle after which it was done.
-        self.acts: list[tuple[int, Act]] = []
-        self.saves = saves
-        #: The furthest moment that was reached.
-        self.end = Moment(0)
-        #: Where the user was when another branch was taken up.
-        self.left = Moment(0)
-
-    def acts_by(self, cycle: int) -> int:
-        """Return how many acts have been done by the end of a cycle."""
-        return sum(1 for done, _ in self.acts if done <= cycle)
-
-
-class Session:
+class Session(Course):
     """A run under a debugger.
 
     Args:
         run: a run that has been begun, `log` among its listeners.
-        library: the library that it runs.
         log: gets its events.
     """
 
-    def __init__(
-        self, run: Interpreter, library: CheckedLibrary, log: EventLog
-    ) -> None:
-        self.run = run
-        self._program = library.program
-        self._world = run.machine.world
-        self.log = log
-        #: Why the run cannot be taken back in time; empty if it can.
-        self.no_way_back = ""
+    def __init__(self, run: Interpreter, log: EventLog) -> None:
+        super().__init__(run, log)
         #: Asked after each cycle: text to stop with, or nothing.
         self.checks: dict[str, Callable[[], str | None]] = {}
         self._paused = False
-        self._done = 0
-        self._saved = 0
-        self.branch = Branch("main", Saves())
-        self.branches = [self.branch]
-        self._save()
+        self._questions: tuple[Interpreter, dict[str, HostQuery]] = (run, {})
 
     @classmethod
     def open(cls, library: CheckedLibrary, world: Any, **more: Any) -> Session:
@@ -105,40 +69,7 @@ class Session:
         log = EventLog()
         listeners = [log, *more.pop("listeners", ())]
         run = library.start(world, listeners=listeners, **more)
-        return cls(run, library, log)
-
-    # --- where it stands ----------------------------------------------------------
-
-    @property
-    def cycle(self) -> int:
-        """The number of the cycle that was run last."""
-        return self.run.machine.recorder.cycle
-
-    @property
-    def now(self) -> Time:
-        """The time of the clock."""
-        return self.run.now
-
-    @property
-    def over(self) -> bool:
-        """Whether the run is over, here."""
-        return self.run.reason is not None
-
-    @property
-    def moment(self) -> Moment:
-        """Return where the session stands."""
-        return Moment(self.cycle, self._done)
-
-    @property
-    def serial(self) -> int:
-        """The serial number that the next event will get."""
-        return self.run.machine.recorder.serial
-
-    @property
-    def selected(self) -> int | None:
-        """The number of the task whose cycle was run last."""
-        told = self.log.last(TaskSelected)
-        return None if told is None else told.keys["task"]
+        return cls(run, log)
 
     # --- forwards -----------------------------------------------------------------
 
@@ -193,35 +124,6 @@ class Session:
         """Stop after the cycle under way; may be called by a signal handler."""
         self._paused = True
 
-    def _cycle(self) -> bool:
-        """Run a cycle, and redo what the user did after it in this branch."""
-        if not self.run.step():
-            return False
-        branch, cycle = self.branch, self.cycle
-        if self._done < len(branch.acts):
-            self._redo()
-        if cycle >= branch.end.cycle:
-            branch.end = max(branch.end, Moment(cycle, self._done))
-        if cycle >= self._saved + _RUNNING:
-            self._save()
-        return True
-
-    def _redo(self) -> None:
-        """Do what the user has done at this moment of the branch, if anything."""
-        acts, cycle = self.branch.acts, self.cycle
-        while self._done < len(acts) and acts[self._done][0] <= cycle:
-            acts[self._done][1].do(self.run)
-            self._done += 1
-
-    def _save(self) -> None:
-        self._saved = self.cycle
-        if self.no_way_back:
-            return
-        try:
-            self.branch.saves.add(self.moment, self.run.save())
-        except StateError as error:
-            self.no_way_back = error.message
-
     # --- acting -------------------------------------------------------------------
 
     def act(self, act: Act) -> None:
@@ -231,10 +133,11 @@ class Session:
             Error: if it cannot be done; then nothing has changed.
         """
         branch, moment = self.branch, self.moment
-        act.do(self.run)
+        run = act.do(self.run)
         if moment < branch.end or moment.acts < len(branch.acts):
             branch = self._branch_off(moment)
         branch.acts.append((moment.cycle, act))
+        self.run = run
         self._done += 1
         branch.end = self.moment
 
@@ -326,134 +229,19 @@ class Session:
         finally:
             self.log.watcher = watcher
 
-    def _look_back(self) -> None:
-        if self.no_way_back:
-            raise StateError(f"there is no way back: {self.no_way_back}")
-
-    def _put_back(self, moment: Moment) -> None:
-        """Take up the run as it was at a moment of the branch."""
-        found = self.branch.saves.before(moment)
-        if found is None:
-            raise StateError("there is no saved state before that moment")
-        at, state = found
-        self.run.machine.library = self._program_at(at.acts)
-        self.run.machine.world = self._world_at(at.acts)
-        self.run.restore(state)
-        self._done = at.acts
-        if self.log.elsewhere is None:
-            self.log.forget_from(self.serial)
-        watcher, self.log.watcher = self.log.watcher, None
-        try:
-            while self.moment < moment:
-                self._replay(moment)
-        finally:
-            self.log.watcher = watcher
-        self._saved = at.cycle
-        if self.log.elsewhere is None and self.cycle >= at.cycle + EVERY:
-            self._save()
-
-    def _replay(self, moment: Moment) -> None:
-        """Do the next act of the branch, or run a cycle, on the way to a moment."""
-        acts = self.branch.acts
-        if self._done < moment.acts and acts[self._done][0] <= self.cycle:
-            acts[self._done][1].do(self.run)
-            self._done += 1
-        elif not self.run.step():
-            raise StateError(
-                f"the replay has ended at cycle {self.cycle}, before {moment.cycle}: "
-                "the world does not go on from its saved states as it did"
-            )
-
-    # --- looking at other moments -----------------------------------------------
-
-    @contextmanager
-    def aside(self) -> Iterator[None]:
-        """Let something be done to the run, here, that is undone afterwards.
+    def question(self, text: str) -> HostQuery:
+        """Return a formula made ready to be asked of the run, as it is made now.
 
         Raises:
-            StateError: if the run cannot be taken back in time.
+            ValueError: for what is no formula, or names what is not declared.
         """
-        self._look_back()
-        here, done, saved = self.run.save(), self._done, self._saved
-        world = self.run.machine.world
-        before, self.log.elsewhere = self.log.elsewhere, _nobody
-        try:
-            yield
-        finally:
-            self.run.machine.library = self._program_at(done)
-            self.run.machine.world = world
-            self.run.restore(here)
-            self._done, self._saved = done, saved
-            self.log.elsewhere = before
-
-    @contextmanager
-    def elsewhere(self, cycle: int) -> Iterator[None]:
-        """Stand at the end of another cycle of the past for a while, and come back.
-
-        Whatever is done to the run meanwhile is undone.
-
-        Raises:
-            StateError: if the run cannot be taken back in time.
-        """
-        with self.aside():
-            self._put_back(Moment(cycle, self.branch.acts_by(cycle)))
-            yield
-
-    def scan(
-        self,
-        *kinds: type[Any],
-        first: int = 0,
-        want: Callable[[Told], bool] | None = None,
-    ) -> list[Told]:
-        """Return events of the branch up to now, in order, from a cycle on.
-
-        What is not in the log any more is made again by replay.
-
-        Args:
-            kinds: the kinds of events; all if there are none.
-            first: the first cycle.
-            want: says which of them are wanted; all if it is not given.
-
-        Raises:
-            StateError: if some are gone and the run cannot be taken back in time.
-        """
-        found: list[Told] = []
-
-        def take(told: Told) -> None:
-            if (
-                told.cycle >= first
-                and (not kinds or told.kind in kinds)
-                and (want is None or want(told))
-            ):
-                found.append(told)
-
-        if self.log.first > self._first_of(first):
-            self._replay_all(first, take)
-        else:
-            for told in self.log.since(0):
-                take(told)
-        return found
-
-    def _first_of(self, cycle: int) -> int:
-        """Return the first serial number that must be kept to know all from a cycle."""
-        if cycle > 1:
-            for told in self.log.backwards():
-                if told.cycle < cycle:
-                    return told.serial
-        return 0
-
-    def _replay_all(self, first: int, take: Callable[[Told], None]) -> None:
-        """Hand over all events from a cycle up to now, by replay."""
-        until, over = self.moment, self.over
-        with self.elsewhere(max(first - 1, 0)):
-            for told in self.log.opening:
-                if told.serial < self.serial:
-                    take(told)
-            self.log.elsewhere = take
-            while self.moment < until:
-                self._replay(until)
-            if over:
-                self.run.step()
+        run, ready = self._questions
+        if run is not self.run:
+            ready = {}
+            self._questions = (self.run, ready)
+        if text not in ready:
+            ready[text] = self.run.question(text)
+        return ready[text]
 
     # --- the library ----------------------------------------------------------------
 
@@ -469,21 +257,10 @@ class Session:
             RefusedError: if the run cannot go on with it; then nothing has changed.
             StateError: if the run cannot be saved.
         """
-        act = take_up(self.run, library)
+        before, after = self.run.machine.library.library, library.program.library
+        act = TakeUp(library.program, changed(before, after))
         self.act(act)
         return act
-
-    def _program_at(self, acts: int) -> Program:
-        """Return the text that runs after so many acts of the branch."""
-        for _, act in reversed(self.branch.acts[:acts]):
-            if isinstance(act, TakeUp):
-                return act.program
-        return self._program
-
-    def _world_at(self, acts: int) -> World:
-        """Return the world as it was put together after so many acts of the branch."""
-        forced = any(isinstance(act, ForceResult) for _, act in self.branch.acts[:acts])
-        return ForcedWorld(self._world) if forced else self._world
 
     def stand(self) -> str:
         """Return where the session stands, in a line."""
@@ -491,7 +268,3 @@ class Session:
         if self.branch.name != "main":
             words += f", {self.branch.name}"
         return f"{words}, run over ({self.run.reason})" if self.over else words
-
-
-def _nobody(told: Told) -> None:
-    """Hear of an event, and do nothing."""

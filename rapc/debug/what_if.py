@@ -63,7 +63,7 @@ def _next(session: Session, acts: Iterable[Act], cycles: int) -> list[Told]:
 
     with session.aside():
         for act in acts:
-            act.do(session.run)
+            session.run = act.do(session.run)
         session.log.elsewhere = take
         for _ in range(cycles):
             if not session.run.step():

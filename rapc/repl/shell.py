@@ -17,10 +17,12 @@ from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.console.findings import concise
 from rapc.debug.acts import SubmitTask
+from rapc.debug.branch import Branch
 from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.log import Told
-from rapc.debug.reload import TYPED, Renewed, changed_raps, names_of, typed_in
-from rapc.debug.session import Branch, Session
+from rapc.debug.reload import changed
+from rapc.debug.session import Session
+from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
 from rapc.errors import Error, RefusedError, TextError
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
@@ -29,7 +31,6 @@ from rapc.repl.arguments import Arguments, is_balanced, split
 from rapc.repl.patterns import pattern
 from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.events.trace import TextTrace
-from rapc.runtime.host_query import HostQuery
 from rapc.runtime.task_request import read_task_request
 
 _WATCHED = 3
@@ -93,7 +94,7 @@ class Shell:
         self.left = False
         self.breakpoints = Breakpoints(session, pattern)
         #: The queries whose answers are shown after every stop, by their texts.
-        self.watches: dict[str, HostQuery] = {}
+        self.watches: list[str] = []
         self._seen: dict[str, str] = {}
         self._told_of = 0
         self.forget_trace()
@@ -171,20 +172,29 @@ class Shell:
         Raises:
             ValueError: if `text` is no formula that can be asked.
         """
-        self.watches[text] = self.session.run.question(text)
+        self.session.question(text)  # looks at the names
+        if text not in self.watches:
+            self.watches.append(text)
 
     def watched(self) -> list[str]:
         """Return what is to be shown after every stop: watches, what was logged."""
         lines = self.breakpoints.logged[self._told_of :]
         self._told_of = len(self.breakpoints.logged)
-        for number, (text, question) in enumerate(self.watches.items(), 1):
-            answers = [_in_words(one) for one in question.all()]
-            said = "; ".join(answers[:_WATCHED]) or "no"
-            said += f"; and {len(answers) - _WATCHED} more" * (len(answers) > _WATCHED)
+        for number, text in enumerate(self.watches, 1):
+            said = self._watched_answers(text)
             mark = "*" if self._seen.get(text, said) != said else " "
             self._seen[text] = said
             lines.append(f"{mark} watch {number} {text}: {said}")
         return lines
+
+    def _watched_answers(self, text: str) -> str:
+        try:
+            answers = [_in_words(one) for one in self.session.question(text).all()]
+        except ValueError as error:  # its declaration has gone with a text
+            return str(error)
+        said = "; ".join(answers[:_WATCHED]) or "no"
+        more = len(answers) - _WATCHED
+        return f"{said}; and {more} more" if more > 0 else said
 
     # --- RAP text -----------------------------------------------------------------
 
@@ -217,7 +227,7 @@ class Shell:
 
     def renew(self, renewed: Renewed, file: str = "") -> Answer:
         """Go on with another text of the library; say what was found in `file`."""
-        if not changed_raps(
+        if not changed(
             self.session.run.machine.library.library, renewed.library.program.library
         ):
             return say("nothing has changed")
@@ -250,7 +260,7 @@ class Shell:
         forms = split(text)
         if len(forms) != 1:
             raise TextError("one formula is wanted, not more")
-        solutions = self.session.run.question(forms[0]).all()
+        solutions = self.session.question(forms[0]).all()
         self.answers = [solutions, *self.answers[:2]]
         return self._solutions(solutions)
 

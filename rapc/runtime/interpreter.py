@@ -399,21 +399,36 @@ class Interpreter:
         Raises:
             StateError: as `save`.
         """
-        saved = self.save()
-        machine = self._machine
-        functions, solvers, comparators = self._registered
-        other = Interpreter(
-            machine.library,
-            copy.deepcopy(machine.world) if world is None else world,
-            self.seed,
-            machine.settings,
-            functions,
-            solvers,
-            comparators,
-            machine.fast,
-        )
+        saved, machine = self.save(), self._machine
+        made = copy.deepcopy(machine.world) if world is None else world
+        other = self._made_with(machine.library, machine.settings, made)
         other.restore(saved)
         return other
+
+    def remade(self, library: Program, settings: Settings) -> Interpreter:
+        """Return a run of another library, or with other settings, in the same world.
+
+        Its listeners are those of this run. It stands nowhere until a state is restored
+        in it, and only one of the two may go on from then on.
+
+        Raises:
+            RefusedError: if the library cannot be run in the world.
+        """
+        other = self._made_with(library, settings, self._machine.world)
+        other._machine.recorder.take_over(self._machine.recorder)
+        if self._machine.context_asked is not None:
+            other.watch_contexts(self._machine.context_asked)
+        return other
+
+    def _made_with(
+        self, library: Program, settings: Settings, world: World
+    ) -> Interpreter:
+        """Return a run that has not begun, with the callables of this one."""
+        functions, solvers, comparators = self._registered
+        fast = self._machine.fast
+        return Interpreter(
+            library, world, self.seed, settings, functions, solvers, comparators, fast
+        )
 
     # --- the end ------------------------------------------------------------------
 

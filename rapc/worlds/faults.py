@@ -20,6 +20,7 @@ from rapc.base.values import Fact, format_list, is_variable, match, number
 from rapc.errors import PortError
 from rapc.library.signatures import Signatures
 from rapc.world import (
+    Adjustable,
     Drawable,
     Message,
     Refused,
@@ -131,6 +132,8 @@ class FaultyWorld(World):
             self.picture = world.picture
         if isinstance(world, Timed):
             self.usual_time = world.usual_time
+        if isinstance(world, Adjustable):
+            self.adjustable, self.adjust = world.adjustable, world.adjust
         if isinstance(world, Skilled):
             self._skilled = world
             self.activate, self.deactivate = self._activate, self._deactivate

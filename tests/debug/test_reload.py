@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from rapc.debug.reload import reread, typed_in
+import rapc
+from rapc.debug.acts import AssertFact
 from rapc.debug.session import Session
+from rapc.debug.texts import reread, typed_in
 from rapc.errors import RefusedError
 from rapc.host import CheckError
 from rapc.repl.commands.table import commands
@@ -105,8 +107,8 @@ def test_what_cannot_be_taken_up_changes_nothing() -> None:
             "its inputs must stay",
         ),
         (
-            "(declare-memory-proposition p)",
-            r"declarations have changed \(propositions\)",
+            "(declare-primitive shout (?word) (okay))",
+            "`scripted`.*`shout`",
         ),
     ):
         with pytest.raises(RefusedError, match=why):
@@ -115,6 +117,114 @@ def test_what_cannot_be_taken_up_changes_nothing() -> None:
         _typed(session, "(define-rap (speak) (method (primitive (say ?x))))")
     assert session.run.save() == here
     assert session.branch.acts == []
+
+
+WET = """
+(declare-primitive wait-a-bit () (okay) :atomic false)
+(declare-primitive look () (okay))
+(declare-memory-proposition wet (?place))
+(declare-memory-property level (?tank (?amount number)) unknown)
+(define-rap (watch) (method (task-net (t1 (sleep) (for t2)) (t2 (peer)))))
+(define-rap (sleep) (monitor-state (wet cellar)) (method (primitive (look))))
+(define-rap (peer) (method (primitive (look))))
+(define-rap (linger) (method (primitive (wait-a-bit))))
+"""
+
+
+def _wet(*tasks: str) -> Session:
+    rows = (row("(look)"), row("(wait-a-bit)", takes=0, after=9))
+    return scripted(WET, *tasks, rows=rows)
+
+
+def test_declarations_may_change_while_a_run_goes_on() -> None:
+    session = _wet("(watch)", "(linger)")
+    session.step(2)
+    _typed(session, "(declare-memory-proposition dry (?place))")
+    session.act(AssertFact(("dry", "attic")))
+    assert session.question("(dry ?x)").all() == [{"?x": "attic"}]
+    session.step()
+    there = session.run.save()
+    session.goto(1)
+    with pytest.raises(ValueError, match="`dry` is not declared"):
+        session.question("(dry ?x)")
+    session.goto(3)
+    assert session.run.save() == there
+    assert session.question("(dry ?x)").all() == [{"?x": "attic"}]
+
+
+def test_a_monitor_that_is_asked_otherwise_wakes_by_the_new_text() -> None:
+    session = _wet("(watch) :priority 2", "(linger)")
+    session.step(2)
+    assert session.run.agenda()[2].state == "blocked"
+    session.act(AssertFact(("level", "tank", 3)))
+    text = WET.replace("(wet cellar)", "(level ?tank 3)")
+    session.take_up(rapc.loads(text, "small.rap"))
+    session.go()
+    assert session.run.results()[0].outcome == "succeeded"
+
+
+def test_a_task_under_way_may_gain_a_monitor_and_lose_it() -> None:
+    session = _wet("(watch)")
+    session.step(1)
+    looking = "(method (primitive (look))))"
+    _typed(session, f"(define-rap (peer) (monitor-state (wet attic)) {looking}")
+    session.act(AssertFact(("wet", "cellar")))
+    assert session.go().said == "stuck"
+    session.goto(session.cycle)
+    assert not session.over
+    _typed(session, f"(define-rap (peer) {looking}")
+    session.go()
+    assert session.run.results()[0].outcome == "succeeded"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        (
+            "(declare-memory-proposition wet (?place))",
+            "(declare-memory-proposition wet (?place ?how))",
+            r"memory holds 1 fact of `wet`, which is another proposition now, "
+            r"`\(wet \?place \?how\)`; `:erase \(wet\)` takes them away",
+        ),
+        (
+            "(?tank (?amount number))",
+            "(?tank (?amount item))",
+            r"memory holds \(level tank 3\): ",
+        ),
+        (
+            "(declare-primitive wait-a-bit () (okay)",
+            "(declare-primitive wait-a-bit () (okay late)",
+            r"\(wait-a-bit\) is under way: how `wait-a-bit` is declared must stay",
+        ),
+    ],
+)
+def test_what_a_run_keeps_must_be_as_declared(old: str, new: str, why: str) -> None:
+    session = _wet("(linger)")
+    session.step(1)
+    session.act(AssertFact(("wet", "attic")))
+    session.act(AssertFact(("level", "tank", 3)))
+    here = session.run.save()
+    text = WET.replace("(monitor-state (wet cellar))", "").replace(old, new)
+    with pytest.raises(RefusedError, match=why):
+        session.take_up(rapc.loads(text, "small.rap"))
+    assert session.run.save() == here
+
+
+def test_watches_and_breakpoints_go_with_the_text() -> None:
+    shell = Shell(_wet("(watch)", "(linger)"), commands())
+    shell.answer(":step")
+    shell.answer("(declare-memory-proposition dry (?place))")
+    assert "watch 1 (dry ?x): no" in said(shell, ":watch (dry ?x)")
+    shell.answer(":break true (dry attic)")
+    shell.answer(":break rap peer if (dry attic)")
+    assert "* watch 1 (dry ?x): ?x attic" in said(
+        shell, ":assert (dry attic)", ":watch"
+    )
+    shell.answer(":assert (wet cellar)")
+    assert "stopped: breakpoint 1" in said(shell, ":step")
+    assert "watch 1 (dry ?x): `dry` is not declared" in said(
+        shell, ":unbreak 1", ":branch other", ":goto 0", ":watch", width=200
+    )
 
 
 def test_files_are_read_again(tmp_path: Path) -> None:

@@ -16,10 +16,12 @@ from rapc.debug.acts import (
 )
 from rapc.debug.forced import ForceResult
 from rapc.debug.log import Told
-from rapc.debug.reload import reread
+from rapc.debug.options import change_option, options
+from rapc.debug.options import said as said_of
+from rapc.debug.texts import reread
 from rapc.debug.what_if import what_if
 from rapc.errors import TextError
-from rapc.repl.answer import Answer, say
+from rapc.repl.answer import Answer, say, table
 from rapc.repl.arguments import Arguments, split
 from rapc.repl.patterns import pattern
 from rapc.repl.shell import Command, Shell
@@ -114,6 +116,22 @@ def _reload(shell: Shell, args: Arguments) -> Answer:
     return shell.renew(reread(shell.paths, typed, name))
 
 
+def _option(shell: Shell, args: Arguments) -> Answer:
+    """List the options that can be changed, or change one."""
+    run = shell.session.run
+    if not args:
+        rows = [(f"{one.owner}.{one.name}", said_of(one.value)) for one in options(run)]
+        return table(("option", "value"), rows)
+    given, _, value = args.word("an option").partition("=")
+    owner, dot, name = given.partition(".")
+    if not (owner and dot and name):
+        raise TextError(f"an option is `{run.machine.world.name}.NAME` or `rapc.NAME`")
+    if not value:
+        value = args.word(f"a value of `{given}`").removeprefix("=")
+        value = value or args.word(f"a value of `{given}`")
+    return _do(shell, change_option(run, owner, name, value))
+
+
 ACTING = (
     Command(
         "assert",
@@ -174,6 +192,14 @@ ACTING = (
         "Let the method of a task end badly, so that the task chooses again.",
         _with_task(RetryTask),
         (":retry 12",),
+    ),
+    Command(
+        "option",
+        "[OPTION VALUE]",
+        "Change a setting of the interpreter or an option of the world, or list them.",
+        _option,
+        (":option", ":option rapc.futile-limit 3", ":option truck.arm1-drops 0"),
+        "Listed are those that can be changed while a run goes on, with their values.",
     ),
     Command(
         "reload",

@@ -105,7 +105,7 @@ def _unwatch(shell: Shell, args: Arguments) -> Answer:
         number = args.count("a watch")
         if not 0 < number <= len(shell.watches):
             raise ArgumentError(f"there is no watch {number}")
-        del shell.watches[list(shell.watches)[number - 1]]
+        del shell.watches[number - 1]
     return say(*(shell.watched() or ["nothing is watched"]))
 
 

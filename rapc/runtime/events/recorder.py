@@ -64,6 +64,13 @@ class Recorder:
             self._of_kind[kind] = (*before, listener)
         self.on = True
 
+    def take_over(self, other: Recorder) -> None:
+        """Hand all to the listeners of another recorder, which is told no more."""
+        self.on, self.tells_causes = other.on, other.tells_causes
+        self.buffer, self.jumps = other.buffer, other.jumps
+        self._listeners, self._raw = other._listeners, other._raw
+        self._of_kind, self._makes_events = dict(other._of_kind), other._makes_events
+
     def start_buffer(self) -> list[RawEvent]:
         """The buffer to which all is added that is told from now on."""
         if self.buffer is None:

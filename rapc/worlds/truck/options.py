@@ -124,6 +124,40 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     ] = 30
 
 
+ADJUSTABLE = frozenset(
+    {
+        *("scan_tells_gone", "arm1_drops", "arm2_drops", "item_limit"),
+        *("fuel_use", "fuel_spread", "road_time", "time_spread"),
+        *("arm_move_time", "arm_grasp_time", "arm_ungrasp_time", "arm_pour_time"),
+        *("arm_ladle_time", "arm_toggle_time", "arm_examine_time"),
+        *("truck_turn_time", "truck_speed_time", "truck_move_time"),
+        *("eye_examine_time", "eye_scan_time", "eye_monitor_time"),
+        *("shuffle_efficiency", "shuffle_until", "shuffle_tools"),
+        *("enemy_stay", "capture_time", "gun_burst", "gun_hits"),
+        *("rain_time", "rain_fuel", "day_length", "night", "dark_time", "dark_misses"),
+    }
+)
+"""The options that are asked for whenever they matter, so that they may change."""
+
+
+def adjustable(settings: TruckSettings) -> dict[str, Atom | bool]:
+    """Return the options that may change while the truck is at work, with values."""
+    return {
+        _kebab(name): getattr(settings, name)
+        for name in settings.__struct_fields__
+        if name in ADJUSTABLE
+    }
+
+
+def adjusted(settings: TruckSettings, name: str, value: Atom | bool) -> TruckSettings:
+    """Return settings with another value for an option.
+
+    Raises:
+        ValueError: for a value out of range or of the wrong kind.
+    """
+    return read_settings({**msgspec.to_builtins(settings), name: value})
+
+
 def read_settings(options: Mapping[str, Atom | bool]) -> TruckSettings:
     """TruckSettings from option values; those not given have their defaults.
 

@@ -10,6 +10,7 @@ import random
 from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
+from msgspec.structs import replace
 
 from rapc.base.values import Atom, Fact, Number, number
 from rapc.world import (
@@ -29,7 +30,14 @@ from rapc.worlds.truck.handlers import HANDLERS
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map import Lying, Map
 from rapc.worlds.truck.map_text import MapError, read_map
-from rapc.worlds.truck.options import TruckSettings, describe_options, read_settings
+from rapc.worlds.truck.options import (
+    ADJUSTABLE,
+    TruckSettings,
+    adjustable,
+    adjusted,
+    describe_options,
+    read_settings,
+)
 from rapc.worlds.truck.orders import read_orders
 from rapc.worlds.truck.picture import draw
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
@@ -166,7 +174,7 @@ class TruckWorld(World):
             saved = msgspec.json.decode(state, type=Saved)
         except msgspec.DecodeError as error:
             raise ValueError(f"no state of a truck world: {error}") from error
-        if saved.settings != self._scene.settings:
+        if self._as_made(saved.settings) != self._scene.settings:
             raise ValueError("the state is that of a truck world with other options")
         scene = self._scene
         try:
@@ -175,6 +183,20 @@ class TruckWorld(World):
         except (KeyError, ValueError) as error:
             raise ValueError(f"no state of a truck world: {error}") from error
         scene.rng, scene.chance, scene.state = rng, chance, saved.state
+        scene.settings = saved.settings
+
+    def _as_made(self, settings: TruckSettings) -> TruckSettings:
+        """Return settings with the present values of those that may change."""
+        mine = self._scene.settings
+        return replace(settings, **{name: getattr(mine, name) for name in ADJUSTABLE})
+
+    def adjustable(self) -> Mapping[str, Atom | bool]:
+        """Return the options that may change while the truck is at work."""
+        return adjustable(self._scene.settings)
+
+    def adjust(self, name: str, value: Atom | bool) -> None:
+        """Give an option another value. Raises ValueError for one out of range."""
+        self._scene.settings = adjusted(self._scene.settings, name, value)
 
     @property
     def deliveries(self) -> tuple[Delivery, ...]:

@@ -1,0 +1,142 @@
+"""Options changed while a run goes on: settings of the interpreter, some of a world's.
+
+A change is an act: it goes back with the run, and is made again where it was made.
+Settings are part of what a run is made with; options of a world part of its state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import msgspec
+from msgspec.structs import replace
+
+from rapc.base.names import nearest
+from rapc.base.values import Atom, Text, format_atom
+from rapc.debug.acts import Act
+from rapc.debug.setup import Setup
+from rapc.errors import ArgumentError
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.saving.format import decode
+from rapc.runtime.settings import Settings, read_settings
+from rapc.world import Adjustable, World
+from rapc.worlds.registry import read_options
+
+OWN = "rapc"
+"""What owns the settings of the interpreter, as in `--set rapc.futile-limit=3`."""
+
+
+class GivenOption(msgspec.Struct, frozen=True):
+    """An option with its value."""
+
+    #: `rapc`, or the name of the world.
+    owner: str
+    name: str
+    value: Atom | bool
+
+
+class ChangeSetting(Act, frozen=True):
+    """Lets a run go on with another setting of the interpreter."""
+
+    name: str
+    settings: Settings
+
+    def do(self, run: Interpreter) -> Interpreter:
+        """Change the setting.
+
+        Raises:
+            StateError: if the run cannot be saved.
+        """
+        record = replace(decode(run.save()), settings=self.settings)
+        return Setup(run.machine.library, self.settings).taken_up(run, record)
+
+    def setup(self, before: Setup) -> Setup:
+        """Return what the run is made with then: the other settings."""
+        return before._replace(settings=self.settings)
+
+    def __str__(self) -> str:
+        value = getattr(self.settings, self.name.replace("-", "_"))
+        return f"option {OWN}.{self.name} {said(value)}"
+
+
+class AdjustWorld(Act, frozen=True):
+    """Changes an option of the world."""
+
+    owner: str
+    name: str
+    value: Atom | bool
+
+    def do(self, run: Interpreter) -> Interpreter:
+        """Change the option.
+
+        Raises:
+            ArgumentError: if the world does not let it be changed, or not so.
+        """
+        world = run.machine.world
+        if not isinstance(world, Adjustable):
+            raise ArgumentError(
+                f"the world `{world.name}` lets no option be changed while it runs"
+            )
+        try:
+            world.adjust(self.name, self.value)
+        except ValueError as error:
+            raise ArgumentError(f"the world `{world.name}` refuses: {error}") from error
+        return run
+
+    def __str__(self) -> str:
+        return f"option {self.owner}.{self.name} {said(self.value)}"
+
+
+def options(run: Interpreter) -> Iterator[GivenOption]:
+    """Iterate over all that can be changed while a run goes on, with present values."""
+    for name in Settings.__struct_fields__:
+        yield GivenOption(OWN, name.replace("_", "-"), getattr(run.settings, name))
+    world = run.machine.world
+    if isinstance(world, Adjustable):
+        for name, value in world.adjustable().items():
+            yield GivenOption(world.name, name, value)
+
+
+def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
+    """Return the act that gives an option another value.
+
+    Args:
+        run: the run.
+        owner: `rapc`, or the name of the world.
+        name: the name of the option.
+        text: the value, as it is typed.
+
+    Raises:
+        SettingError: for a setting that is none, or a value that it does not take.
+        WorldError: for an option that the world has not, or a value of another kind.
+        ArgumentError: for another owner, or an option of a world that stays as it is.
+    """
+    world = run.machine.world
+    if owner == OWN:
+        field = name.replace("-", "_")
+        value = getattr(read_settings({name: text}), field)
+        return ChangeSetting(name, replace(run.settings, **{field: value}))
+    if owner != world.name:
+        raise ArgumentError(f"`{owner}` is neither `{OWN}` nor `{world.name}`")
+    read = read_options(type(_innermost(world)), {name: text})
+    if isinstance(world, Adjustable) and name not in world.adjustable():
+        near = nearest(name, world.adjustable())
+        hint = f"; did you mean `{near}`?" if near else ""
+        raise ArgumentError(
+            f"`{owner}.{name}` counts at the beginning of a run alone{hint}"
+        )
+    return AdjustWorld(owner, name, read[name])
+
+
+def _innermost(world: World) -> World:
+    """Return the world behind those that answer for it."""
+    while (behind := getattr(world, "__wrapped__", None)) is not None:
+        world = behind
+    return world
+
+
+def said(value: Atom | bool) -> str:
+    """Return a value of an option as it is typed."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value.value if isinstance(value, Text) else format_atom(value)

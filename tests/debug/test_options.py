@@ -1,0 +1,75 @@
+"""Options are changed while a run goes on, and go back with it."""
+
+from __future__ import annotations
+
+from rapc.runtime.events import events
+from tests.debug.sessions import truck
+from tests.repl.shells import rows, said, truck_shell
+
+
+def test_a_setting_counts_from_where_it_was_changed() -> None:
+    shell = truck_shell()
+    shell.answer(":show none")
+    shell.answer(":step 20")
+    shell.answer(":option rapc.cycle-cost 1")
+    states = {}
+    while shell.session.step().kind == "asked":
+        states[shell.session.cycle] = shell.session.run.save()
+    for cycle in (19, 90, 21):
+        shell.session.goto(cycle)
+        assert (shell.session.run.settings.cycle_cost == 1) == (cycle > 19)
+        assert cycle == 19 or shell.session.run.save() == states[cycle]
+    usual = truck()
+    usual.go()
+    shell.session.go()
+    assert shell.session.now > usual.now + 50
+
+
+def test_an_option_of_the_world_counts_from_where_it_was_changed() -> None:
+    shell = truck_shell()
+    shell.answer(":to 20")
+    assert said(shell, ":option truck.arm2-drops=100") == (
+        "done: option truck.arm2-drops 100\n"
+    )
+    assert said(shell, ":option truck.arm1-drops = 100").startswith("done: ")
+    there = shell.session.run.save()
+    shell.answer(":to 90")
+    told = shell.session.scan(events.PrimitiveEnded)
+    grasps = [
+        one.keys["result"] for one in told if one.keys["request"][0] == "arm-grasp"
+    ]
+    assert set(grasps) == {"arm-dropped"}
+    shell.session.goto(10)
+    assert ("truck.arm2-drops", "50") in rows(shell, ":option")
+    shell.session.goto(20)
+    assert shell.session.run.save() == there
+    assert ("truck.arm2-drops", "100") in rows(shell, ":option")
+    assert ("rapc.futile-limit", "2") in rows(shell, ":option")
+
+
+def test_options_are_changed_where_results_are_forced() -> None:
+    shell = truck_shell()
+    shell.answer(":force (arm-grasp ? ?) arm-dropped")
+    assert said(shell, ":option truck.arm2-drops 100").startswith("done: ")
+    assert said(shell, ":option rapc.futile-limit 3").startswith("done: ")
+    shell.answer(":to 90")
+    there = shell.session.run.save()
+    shell.session.goto(30)
+    shell.session.goto(90)
+    assert shell.session.run.save() == there
+
+
+def test_what_cannot_be_changed_is_said() -> None:
+    shell = truck_shell()
+    for text, answer in (
+        ("truck.fuel 3", "`truck.fuel` counts at the beginning of a run alone"),
+        ("truck.fule 3", "the world `truck` has no option `fule`"),
+        ("truck.arm1-drops 300", "`arm1-drops` must be between 0 and 100"),
+        ("truck.arm1-drops", "a value of `truck.arm1-drops` is missing"),
+        ("rapc.futil-limit 3", "did you mean `futile-limit`?"),
+        ("rapc.strict maybe", "takes true or false, not `maybe`"),
+        ("foo 3", "an option is `truck.NAME` or `rapc.NAME`"),
+        ("foo.x 3", "`foo` is neither `rapc` nor `truck`"),
+    ):
+        assert answer in said(shell, f":option {text}", width=200)
+    assert shell.session.branch.acts == []
