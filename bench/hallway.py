@@ -2,6 +2,7 @@
 
 python -m bench.hallway                     processor time of an hour
 python -m bench.hallway --picture FILE.png  the map and one long drive (needs viz)
+python -m bench.hallway --seconds 0 --picture FILE.svg      the map alone
 """
 
 from __future__ import annotations
@@ -28,15 +29,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--picture", type=Path, help="where to draw the drive")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, help="how long to drive")
     given = parser.parse_args()
     seconds = HOUR if given.picture is None else 900.0
+    if given.seconds is not None:
+        seconds = given.seconds
     start = time.process_time()
     driver, track, journeys = drive(given.seed, seconds)
     used = time.process_time() - start
     state = driver.sim.state
     print(
         f"{driver.sim.now:.0f} s of driving in {used:.1f} s of processor time, "
-        f"{used / state.ticks * 1000:.2f} ms a tick; {state.robot.distance:.0f} m, "
+        f"{used / max(state.ticks, 1) * 1000:.2f} ms a tick; "
+        f"{state.robot.distance:.0f} m, "
         f"{journeys} journeys, {len(state.collisions)} collisions"
     )
     if given.picture is not None:
@@ -67,19 +72,25 @@ def drive(seed: int, seconds: float) -> tuple[Driver, Track, int]:
 
 def draw(driver: Driver, track: Track, path: Path) -> None:
     """Draw both floors, the drive, and how things stand at its end."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 (only the picture needs viz)
+    from matplotlib import rc_context  # noqa: PLC0415 (only the picture needs viz)
+    from matplotlib.figure import Figure  # noqa: PLC0415
 
-    figure = Figure(figsize=(15, 9), layout="constrained")
-    for number, floor in enumerate(sorted(driver.sim.plans)):
-        axes = figure.add_subplot(1, len(driver.sim.plans), number + 1)
+    figure = Figure(figsize=(15, 7), layout="constrained")
+    floors = sorted(driver.sim.plans)
+    sheets = figure.subplots(1, len(floors), sharex=True, sharey=True, squeeze=False)
+    for axes, floor in zip(sheets[0], floors, strict=True):
         draw_floor(axes, driver, floor)
         true = [(x, y) for f, x, y, _, _ in track if f == floor]
         reckoned = [(x, y) for f, _, _, x, y in track if f == floor]
-        axes.plot(*zip(*reckoned, strict=True), ",", color="tab:orange")
-        axes.plot(*zip(*true, strict=True), ",", color="tab:blue")
+        if track:
+            axes.plot(*zip(*reckoned, strict=True), ",", color="tab:orange")
+            axes.plot(*zip(*true, strict=True), ",", color="tab:blue")
         axes.set_aspect("equal")
-        axes.set_title(f"floor {floor}: true track blue, dead reckoning orange")
-    figure.savefig(path, dpi=90)
+        told = ": true track blue, dead reckoning orange" if track else ""
+        axes.set_title(f"floor {floor}{told}")
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "hallway"}):
+        about = {"Date": None} if path.suffix == ".svg" else None
+        figure.savefig(path, dpi=90, metadata=about)
 
 
 def draw_floor(axes: Any, driver: Driver, floor: int) -> None:

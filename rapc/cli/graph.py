@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -114,7 +115,7 @@ def _network(
 ) -> Drawing:
     """Return the network of skills at a time of a run; else end the command."""
     begun = prepare(load_checked(path), world_name, **given)
-    world = begun.world
+    world = inspect.unwrap(begun.world)  # type: ignore[arg-type]  # an object, too
     if not isinstance(world, Networked):
         fail(f"the world `{world.name}` has no network of skills to be drawn")
     found: list[Drawing] = []

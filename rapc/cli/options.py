@@ -5,6 +5,7 @@ Kept apart from `rapc.cli.common` so that `rapc --help` imports no more than it 
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import traceback
@@ -32,9 +33,18 @@ class Count(click.IntRange):
 
 
 class Amount(click.FloatRange):
-    """A number within bounds."""
+    """A finite number within bounds."""
 
     name = "number"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
+        """Return the number that a text says; infinite ones are refused."""
+        given = super().convert(value, param, ctx)
+        if not math.isfinite(given):
+            self.fail(f"{value!r} is not a finite number", param, ctx)
+        return given
 
 
 @dataclass

@@ -192,6 +192,9 @@ def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
         (("--task", "(follow-hall)"), "take --skills"),
         (("--skills", "1", *WORLD, "--claims"), "exclude each other"),
         (("--skills", "-1", *WORLD), "-1"),
+        (("--skills", "nan", *WORLD), "'nan' is not a finite number"),
+        (("--skills", "inf", *WORLD), "'inf' is not a finite number"),
+        (("--skills", "soon", *WORLD), "'soon' is not a valid number"),
         (("--skills", "1", *WORLD, "--task", "(gone)"), "no RAP is called `gone`"),
     ],
 )
@@ -202,6 +205,25 @@ def test_what_goes_with_skills_and_what_does_not(
     done = rapc("graph", "hall.rap", *options, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert said in done.stderr
+
+
+def test_a_moment_at_which_nothing_is_on_says_so(tmp_path: Path) -> None:
+    (tmp_path / "hall.rap").write_text(HALL, encoding="utf-8")
+    on = ("graph", "hall.rap", "--skills", "0.5", *WORLD)
+    drawn = [rapc(*on, *form, cwd=tmp_path) for form in ((), ("--format", "mermaid"))]
+    assert all(done.returncode == 0 for done in drawn)
+    assert '  label="no skill is on";\n' in drawn[0].stdout
+    assert drawn[1].stdout == 'flowchart LR\n  n0["no skill is on"]\n'
+    done = rapc(*on, "--format", "json", cwd=tmp_path)
+    assert json.loads(done.stdout) == {"boxes": [], "edges": []}
+
+
+def test_the_network_is_drawn_behind_faults(tmp_path: Path) -> None:
+    (tmp_path / "hall.rap").write_text(HALL, encoding="utf-8")
+    on = ("graph", "hall.rap", "--skills", "0.5", *WORLD, "--task", "(follow-hall)")
+    done = rapc(*on, "--fault", "(:end-o-hall) lost", cwd=tmp_path)
+    assert done.stderr == ""
+    assert '"track-hallway"' in done.stdout
 
 
 def test_a_world_without_a_network_has_none_to_be_drawn() -> None:

@@ -12,9 +12,7 @@ from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.skills.all import SENSORS, catalogue
 from rapc.worlds.skills.catalogue import Catalogue, Request
 from rapc.worlds.skills.declarations import Skill
-from rapc.worlds.skills.drawing import draw, to_mermaid
 from rapc.worlds.skills.runtime import SkillRuntime
-from tests.hallway.driver import FOLLOW_HALL, Driver
 
 PAGE = (Path(__file__).parents[2] / "docs" / "hallway.md").read_text(encoding="utf-8")
 
@@ -42,13 +40,6 @@ def test_the_table_lists_every_skill_with_its_parameters_and_events() -> None:
             if len(words) > 1:
                 carries = [p.name for p in made.events[event].carries]
                 assert words[1:] == carries, event
-
-
-def test_the_drawing_is_that_of_the_network() -> None:
-    driver = Driver()
-    driver.on(*FOLLOW_HALL, events=("end-o-hall", "hall-blocked"))
-    drawn = to_mermaid(draw(driver.sim.runtime))
-    assert _block("mermaid") == drawn
 
 
 def test_the_map_of_the_page_is_one() -> None:

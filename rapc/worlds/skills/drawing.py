@@ -20,12 +20,22 @@ class Box(msgspec.Struct, frozen=True):
 
 
 class Drawing(msgspec.Struct, frozen=True):
-    """The network that is active at a moment, from sensors to actuators and events."""
+    """The network that is active at a moment, from sensors to actuators and events.
+
+    Where nothing is active there are neither boxes nor edges.
+    """
 
     boxes: tuple[Box, ...]
     edges: tuple[Edge, ...]
 
 
+_NOTHING = "no skill is on"
+"""What a drawing says of a moment at which nothing is active."""
+
+_DOT_FONTS = (
+    'node [fontname="Helvetica,Arial,sans-serif", margin="0.2,0.06"]',
+    'edge [fontname="Helvetica,Arial,sans-serif", fontsize=11]',
+)
 _DOT_SHAPES = {
     "sensor": "shape=plaintext",
     "skill": "shape=box, style=rounded",
@@ -67,7 +77,9 @@ def draw(runtime: SkillRuntime) -> Drawing:
 
 def to_dot(drawing: Drawing) -> str:
     """Return a drawing as a directed graph for Graphviz."""
-    lines = ["digraph skills {", "  rankdir=LR;"]
+    lines = ["digraph skills {", "  rankdir=LR;", *map("  {};".format, _DOT_FONTS)]
+    if not drawing.boxes:
+        lines.append(f"  label={_quoted(_NOTHING)};")
     for box in drawing.boxes:
         shape = _DOT_SHAPES[box.kind]
         lines.append(f"  {_quoted(box.key)} [label={_quoted(box.label)}, {shape}];")
@@ -84,6 +96,8 @@ def to_mermaid(drawing: Drawing) -> str:
     """Return a drawing as a Mermaid flowchart."""
     names = {box.key: f"n{number}" for number, box in enumerate(drawing.boxes, 1)}
     lines = ["flowchart LR"]
+    if not drawing.boxes:
+        lines.append(f'  n0["{_NOTHING}"]')
     for box in drawing.boxes:
         left, right = _MERMAID_SHAPES[box.kind]
         label = box.label.replace('"', "#quot;")

@@ -1,0 +1,109 @@
+"""The networks drawn in docs/hallway.md are those of the commands beside them.
+
+python -m tests.hallway.test_figures    draws them anew; needs Graphviz
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import subprocess
+from collections import Counter
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from rapc.worlds.hallway.map_text import named_map
+from tests.cli.command import rapc
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGE = (DOCS / "hallway.md").read_text(encoding="utf-8")
+SVG = "{http://www.w3.org/2000/svg}"
+
+FIGURES: dict[str, list[str]] = {
+    name: shlex.split(command)
+    for command, name in re.findall(
+        r"^rapc (graph .*?) \| dot -Tsvg\n```\n\n!\[.*?\]\((figures/s-figure\d.svg)\)",
+        PAGE,
+        re.M,
+    )
+}
+"""The arguments by which each figure is made, by its file."""
+
+
+def _printed(name: str, form: str = "dot") -> str:
+    done = rapc(*FIGURES[name], "--format", form, cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+def _texts(group: ElementTree.Element) -> list[str]:
+    return [text.text or "" for text in group.iter(f"{SVG}text")]
+
+
+SKILLS = {
+    "figures/s-figure4.svg": ("track-door-jambs", {"movement-complete", "door-closed"}),
+    "figures/s-figure5.svg": ("track-hallway", {"end-o-hall", "hall-blocked"}),
+}
+"""What tells the networks of the paper apart: a skill and its events."""
+
+
+@pytest.mark.parametrize("name", SKILLS)
+def test_a_figure_is_what_its_command_prints(name: str) -> None:
+    network: dict[str, Any] = json.loads(_printed(name, "json"))
+    drawn = ElementTree.parse(DOCS / name)  # noqa: S314  # a file of ours
+    nodes: dict[str, str] = {}
+    edges: Counter[tuple[str, str]] = Counter()
+    for group in drawn.iter(f"{SVG}g"):
+        title, told = group.findtext(f"{SVG}title") or "", _texts(group)
+        if group.get("class") == "node":
+            nodes[title] = " ".join(told)
+        elif group.get("class") == "edge":
+            edges[title, " ".join(told)] += 1
+    assert nodes == {box["key"]: box["label"] for box in network["boxes"]}
+    assert edges == Counter(
+        (f"{edge['start']}->{edge['end']}", edge["channel"])
+        for edge in network["edges"]
+    )
+    kinds: dict[str, set[str]] = {}
+    for box in network["boxes"]:
+        kinds.setdefault(box["kind"], set()).add(box["label"].split()[0])
+    skill, events = SKILLS[name]
+    assert kinds == {
+        "sensor": {"sonar", "pose"},
+        "skill": {"detect-obstacles", skill, "follow-trajectory"},
+        "event": {*events, "stuck"},
+        "actuator": {"drive"},
+    }
+
+
+def test_the_page_has_just_these_figures() -> None:
+    assert set(FIGURES) == set(SKILLS)
+
+
+def test_the_building_is_drawn_with_all_its_spaces() -> None:
+    drawn = ElementTree.parse(DOCS / "figures" / "s-figure1.svg")  # noqa: S314
+    names = {space.name for space in named_map("default").space}
+    assert names <= set(_texts(drawn.getroot()))
+
+
+def main() -> None:
+    """Draw the figures anew."""
+    for name in FIGURES:
+        done = subprocess.run(
+            ["dot", "-Tsvg"],
+            input=_printed(name),
+            text=True,
+            capture_output=True,
+            check=True,
+        )
+        lines = re.sub(r"<!--.*?-->\n*", "", done.stdout, flags=re.S)
+        (DOCS / name).write_text(lines, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
