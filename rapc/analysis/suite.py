@@ -45,10 +45,12 @@ from rapc.analysis.passes import (
     query_circles,
     resource_as_value,
     resources,
+    rivals,
     said_twice,
     settled,
     signals,
     skill_use,
+    standing,
     swapped_arguments,
     task_nets,
     threats,
@@ -65,6 +67,7 @@ from rapc.analysis.passes import (
     until_itself,
     until_order,
     unused_claim,
+    vain_protection,
 )
 from rapc.base.diagnostics import Rule
 from rapc.library import library, loader
@@ -104,6 +107,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     query_circles.ANALYZER,
     kinds.ANALYZER,
     unused_claim.ANALYZER,
+    vain_protection.ANALYZER,
     unknown_agenda.ANALYZER,
     never_holds.ANALYZER,
     settled.ANALYZER,
@@ -111,7 +115,9 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     needs_itself.ANALYZER,
     swapped_arguments.ANALYZER,
     constants.ANALYZER,
+    rivals.ANALYZER,
     skill_use.ANALYZER,
+    standing.ANALYZER,
     dead_case.ANALYZER,
     effects.EFFECTS,
     hopeless.ANALYZER,

@@ -7,9 +7,10 @@ priority and the highest row of steps below it (T 5.4.1).
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.endless import endless
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -107,8 +108,12 @@ def _run(run: Pass) -> None:
         return
     reach = _reach(run)
     told: set[int] = set()
+    never_done = endless(run.library)
     for agenda in run.library.agendas.values():
-        for found in (*_low(run, agenda), *_reaches(run, agenda, reach, told)):
+        for found in (
+            *_low(run, agenda, never_done),
+            *_reaches(run, agenda, reach, told),
+        ):
             run.report(found)
         for task in agenda.tasks:
             ended = _ended(run, task)
@@ -127,11 +132,25 @@ ANALYZER = Analyzer(
 def _stands(run: Pass, task: nodes.GivenTask) -> bool:
     """Whether a task of an agenda stands by for a state of the world."""
     rap = run.library.raps.get(task.goal.name)
-    return task.background and rap is not None and rap.monitor_state is not None
+    return task.background and rap is not None and _reacts(run, rap)
 
 
-def _low(run: Pass, agenda: nodes.DefineAgenda) -> Iterator[Diagnostic]:
+def _reacts(run: Pass, rap: nodes.DefineRap) -> bool:
+    """Whether a RAP has a monitor, or is never done but for steps that have one."""
+    if rap.monitor_state is not None:
+        return True
+    below = [run.library.raps.get(s.goal.name) for m in rap.methods for s in steps(m)]
+    plain = rap.monitor_time is None and rap.succeed is None and below
+    return bool(plain) and all(
+        one is not None and one.monitor_state is not None for one in below
+    )
+
+
+def _low(
+    run: Pass, agenda: nodes.DefineAgenda, never_done: Container[str]
+) -> Iterator[Diagnostic]:
     work = [task for task in agenda.tasks if not task.background]
+    work = [task for task in work if task.goal.name not in never_done]
     if not work:
         return
     highest = max(work, key=lambda one: one.priority)

@@ -108,22 +108,22 @@ def _orders(library: Library, goal: str) -> _Orders:
         rap = library.raps.get(name)
         if rap is None or not rap.methods:
             continue
-        own = [frozenset(_things(library, method)) for method in rap.methods]
+        own = [frozenset(things(library, method)) for method in rap.methods]
         always = frozenset.intersection(*own) - held
         for wanted in sorted(always, key=format_formula):
             for thing in sorted(held, key=format_formula):
                 taken = _Taken(wanted, held, rap)
                 found.setdefault((thing, wanted), []).append(taken)
-        for method, things in zip(rap.methods, own, strict=True):
+        for method, mine in zip(rap.methods, own, strict=True):
             for step in steps(method):
-                below = (step.goal.name, held | things)
+                below = (step.goal.name, held | mine)
                 if below not in seen:
                     seen.add(below)
                     waiting.append(below)
     return found
 
 
-def _things(library: Library, method: nodes.Method) -> Iterator[nodes.Thing]:
+def things(library: Library, method: nodes.Method) -> Iterator[nodes.Thing]:
     """Yield what a method asks for before it starts, if no variable stands in it."""
     asked = [*method.claims]
     if isinstance(method.body, nodes.Primitive):

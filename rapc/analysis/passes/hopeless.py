@@ -7,16 +7,21 @@ be brought about.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.asked import asked_by, asked_through, is_computed, is_known
+from rapc.analysis.certain import done_by_method
 from rapc.analysis.effects import EFFECTS, Effect
-from rapc.analysis.literals import Literal, literals
-from rapc.analysis.passes.settled import is_never
+from rapc.analysis.endless import is_never
+from rapc.analysis.literals import Literal, apart, follows, literals, names
+from rapc.analysis.passes.kinds import ANALYZER as KINDS
+from rapc.analysis.passes.settled import ANALYZER as SETTLED
+from rapc.analysis.passes.standing import ANALYZER as STANDING
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import subformulas
+from rapc.ir.walk import steps
 from rapc.library.library import Library
 
 _WORLD = """\
@@ -58,7 +63,9 @@ task, without a pause, until nothing changes and it fails.""",
     example="""\
 (declare-memory-proposition lamp-lit (?lamp))
 (declare-memory-proposition bell-rung ())
+(declare-primitive press (?lamp) (okay) :on (okay (lamp-lit ?lamp)))
 (declare-primitive ring () (okay) :on (okay (bell-rung)))
+(define-rap (light ?lamp) (method (primitive (press ?lamp))))
 (define-rap (warn)
   (succeed nil)
   (monitor-state (lamp-lit red))
@@ -67,7 +74,9 @@ task, without a pause, until nothing changes and it fails.""",
     better="""\
 (declare-memory-proposition lamp-lit (?lamp))
 (declare-memory-proposition bell-rung ())
+(declare-primitive press (?lamp) (okay) :on (okay (lamp-lit ?lamp)))
 (declare-primitive ring () (okay) :on (okay (bell-rung)))
+(define-rap (light ?lamp) (method (primitive (press ?lamp))))
 (define-rap (warn)
   (succeed nil)
   (monitor-state (and (lamp-lit red) (not (bell-rung))))
@@ -101,23 +110,32 @@ the contrary of which `succeed` asks for, leads to plans that fail.""",
 
 def _run(run: Pass) -> None:
     effects = run.result(EFFECTS)
+    told = run.result(KINDS)
+    hopeless: dict[str, Diagnostic] = {}
     for rap in run.library.raps.values():
         wanted = rap.succeed or rap.effects
-        if not run.complete or not rap.methods or not wanted:
+        if not run.complete or not rap.methods or not wanted or id(rap) in told:
             continue
         for found in _against_succeed(rap):
             run.report(found)
         done = effects.of(rap.name)
         if done is not None:
-            for found in (*_hopeless(run, rap, done), *_empty(rap, done)):
+            lost = _hopeless(run, rap, done)
+            if lost is not None:
+                hopeless[rap.name] = lost
+                continue
+            for found in (*_endless(run, rap, done), *_empty(rap, done)):
                 run.report(found)
+    for name, lost in hopeless.items():
+        if not _is_due_to_another(run.library, name, hopeless):
+            run.report(lost)
 
 
 ANALYZER = Analyzer(
     name="hopeless",
     doc="Finds goals, reactions and promises that nothing a RAP does has to do with.",
     run=_run,
-    needs=(EFFECTS,),
+    needs=(EFFECTS, KINDS, SETTLED, STANDING),
     rules=(HOPELESS, ENDLESS, EMPTY),
     needs_whole="form",
 )
@@ -125,28 +143,81 @@ ANALYZER = Analyzer(
 
 def _hopeless(
     run: Pass, rap: nodes.DefineRap, done: Sequence[Effect]
+) -> Diagnostic | None:
+    goal = rap.succeed
+    if goal is None or is_never(goal) or id(rap) in run.result(SETTLED):
+        return None
+    parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
+    if any(_can_come(run.library, part, done) for part in parts):
+        return None
+    return Diagnostic(
+        rule=HOPELESS.name,
+        message=f"nothing that `{rap.name}` does brings this about",
+        span=goal.span,
+        help=_said(done),
+    )
+
+
+def _is_due_to_another(
+    library: Library, name: str, hopeless: Mapping[str, object]
+) -> bool:
+    """Whether a RAP asks for one that is hopeless too, and does not ask for it."""
+    for other in _below(library, name):
+        if other in hopeless and name not in _below(library, other):
+            return True
+    return False
+
+
+def _below(library: Library, name: str) -> set[str]:
+    """The RAPs that a RAP asks for, directly or not."""
+    found: set[str] = set()
+    waiting = [name]
+    while waiting:
+        rap = library.raps.get(waiting.pop())
+        for method in rap.methods if rap is not None else ():
+            for step in steps(method):
+                if step.goal.name not in found:
+                    found.add(step.goal.name)
+                    waiting.append(step.goal.name)
+    return found
+
+
+def _endless(
+    run: Pass, rap: nodes.DefineRap, done: Sequence[Effect]
 ) -> Iterator[Diagnostic]:
-    goal, monitor = rap.succeed, rap.monitor_state
-    if goal is None:
+    monitor = rap.monitor_state
+    if rap.succeed is None or not is_never(rap.succeed):
         return
-    if not is_never(goal):
-        parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
-        if not any(_can_come(run.library, part, done) for part in parts):
-            yield Diagnostic(
-                rule=HOPELESS.name,
-                message=f"nothing that `{rap.name}` does brings this about",
-                span=goal.span,
-                help=_said(done),
-            )
-    elif monitor is not None and rap.monitor_time is None:
-        names = {effect.name for effect in done}
-        if _is_known(run.library, monitor) and not names & _asked(run.library, monitor):
-            yield Diagnostic(
-                rule=ENDLESS.name,
-                message=f"nothing that `{rap.name}` does ends the state that wakes it",
-                span=monitor.span,
-                help=_said(done),
-            )
+    if monitor is None or rap.monitor_time is not None:
+        return
+    asked = asked_through(run.library, monitor)
+    if asked is None or id(monitor) in run.result(STANDING):
+        return
+    if asked.isdisjoint(effect.name for effect in done):
+        yield Diagnostic(
+            rule=ENDLESS.name,
+            message=f"nothing that `{rap.name}` does ends the state that wakes it",
+            span=monitor.span,
+            help=_said(done),
+        )
+    elif _brings_it_about(run.library, rap, monitor):
+        yield Diagnostic(
+            rule=ENDLESS.name,
+            message=f"what `{rap.name}` does brings about what wakes it",
+            span=monitor.span,
+            help="ask for the contrary in the monitor, or do something else",
+        )
+
+
+def _brings_it_about(
+    library: Library, rap: nodes.DefineRap, monitor: nodes.Formula
+) -> bool:
+    """Whether the monitor surely holds when any method has ended well."""
+    wanted = list(literals(apart(monitor, (), "@monitor")))
+    free = {name for one in wanted for name in names(one.formula)}
+    return all(
+        follows(wanted, done_by_method(library, method), free) for method in rap.methods
+    )
 
 
 def _said(done: Sequence[Effect]) -> str:
@@ -168,22 +239,23 @@ def _can_come(library: Library, part: nodes.Formula, done: Sequence[Effect]) -> 
     What is compared comes from the facts beside it, or nobody knows from where.
     """
     asked = [one for one in literals(part) if not isinstance(one.formula, _BESIDE)]
-    return not asked or any(_one_can_come(library, one, done) for one in asked)
+    return not asked or any(can_come(library, one, done) for one in asked)
 
 
 _BESIDE = (nodes.Compare, nodes.Truth)
 
 
-def _one_can_come(library: Library, one: Literal, done: Sequence[Effect]) -> bool:
+def can_come(library: Library, one: Literal, done: Sequence[Effect]) -> bool:
+    """Whether anything done may make a literal hold, or it is not known."""
     fact = one.formula
     if isinstance(fact, nodes.Believe):
         fact = fact.pattern
     if isinstance(fact, nodes.Proposition) and not _is_declared(library, fact.name):
         return True
-    if not isinstance(fact, nodes.Proposition) or _is_computed(library, fact.name):
-        if not _is_known(library, fact):
+    if not isinstance(fact, nodes.Proposition) or is_computed(library, fact.name):
+        if not is_known(library, fact):
             return True
-        asked = _asked(library, fact)
+        asked = asked_by(library, fact)
         return any(effect.name in asked for effect in done)
     return any(_serves(library, effect, fact, one.holds) for effect in done)
 
@@ -209,55 +281,7 @@ def _serves(
 
 def _is_declared(library: Library, name: str) -> bool:
     stored = name in library.properties or name in library.propositions
-    return stored or _is_computed(library, name)
-
-
-def _is_computed(library: Library, name: str) -> bool:
-    return name in library.functions or name in library.queries
-
-
-_PLAIN = (
-    nodes.Truth,
-    nodes.Proposition,
-    nodes.And,
-    nodes.Or,
-    nodes.Not,
-    nodes.Compare,
-    nodes.Believe,
-)
-
-
-def _is_known(library: Library, formula: nodes.Formula) -> bool:
-    """Whether a formula asks about facts alone, through queries too."""
-    return all(
-        isinstance(one, _PLAIN)
-        and not (isinstance(one, nodes.Proposition) and one.name in library.functions)
-        for one in _through(library, formula)
-    )
-
-
-def _asked(library: Library, formula: nodes.Formula) -> set[str]:
-    """The names of the facts that a formula asks, through queries too."""
-    return {
-        one.name
-        for one in _through(library, formula)
-        if isinstance(one, nodes.Proposition)
-    }
-
-
-def _through(library: Library, formula: nodes.Formula) -> Iterator[nodes.Formula]:
-    waiting, seen = [formula], set[str]()
-    while waiting:
-        for one in subformulas(waiting.pop()):
-            yield one
-            name = one.name if isinstance(one, nodes.Proposition) else ""
-            query = library.queries.get(name)
-            if query is not None and name not in seen:
-                seen.add(name)
-                waiting.append(query.formula)
-
-
-# --- declared effects ----------------------------------------------------------------
+    return stored or is_computed(library, name)
 
 
 def _against_succeed(rap: nodes.DefineRap) -> Iterator[Diagnostic]:

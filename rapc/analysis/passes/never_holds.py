@@ -22,6 +22,7 @@ from rapc.analysis.literals import (
     literals,
     names,
 )
+from rapc.analysis.passes.settled import ANALYZER as SETTLED
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -148,6 +149,7 @@ ANALYZER = Analyzer(
     name="never-holds",
     doc="Finds formulas that never hold, and methods that are never chosen.",
     run=_run,
+    needs=(SETTLED,),
     rules=(CONTRADICTION, UNREACHABLE),
     needs_whole="form",
 )
@@ -232,6 +234,8 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
     }
     held = list(_held(rap, given))
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
+    if id(rap) in run.result(SETTLED):
+        goals = []
     if _succeeds_first(reports, rap, held, goals):
         return
     looped = rap.repeat_while

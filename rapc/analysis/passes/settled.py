@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.endless import is_never
 from rapc.analysis.first_values import FirstValues
 from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -143,14 +144,19 @@ test is the wrong way round.""",
 )
 
 
-def _run(run: Pass) -> None:
+def _run(run: Pass) -> set[int]:
+    """Report, and return the ids of the RAPs that succeed at once."""
     always = Always(run.signatures)
+    at_once: set[int] = set()
     for rap in run.library.forms:
         if isinstance(rap, nodes.DefineRap) and rap.methods:
             given = {v.name for v in rap.inputs}
             given |= {r.variable.name for r in rap.resources}
             for found in (*_copies(rap), *_settled(rap, always, given)):
                 run.report(found)
+                if found.rule == AT_ONCE.name:
+                    at_once.add(id(rap))
+    return at_once
 
 
 ANALYZER = Analyzer(
@@ -248,13 +254,6 @@ def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnost
 
 
 _ADVICE = "a property has a value even if nothing is known: test the value"
-
-
-def is_never(formula: nodes.Formula) -> bool:
-    """Whether a formula says itself that it never holds: `nil`, `(not true)`."""
-    if isinstance(formula, nodes.Not):
-        return isinstance(formula.part, nodes.Truth) and formula.part.value
-    return isinstance(formula, nodes.Truth) and not formula.value
 
 
 def _pauses(rap: nodes.DefineRap) -> bool:

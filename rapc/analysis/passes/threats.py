@@ -1,4 +1,4 @@
-"""RAP126: steps that may undo what another step protects for a third.
+"""RAP126 and RAP129: steps that undo what a step protects, or a constraint asks.
 
 Between the end of a step with `(formula for t)` and the start of t, any step may run
 that order allows there: a threat, as planners with partial orders call it. What a step
@@ -8,17 +8,15 @@ and what all of its primitives do if they end `okay`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-
-import msgspec
+from collections.abc import Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.certain import done, fact_name
 from rapc.analysis.literals import Conjunction, Literal, literals, names
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal
-from rapc.library.library import Library
 
 _WORLD = """\
 (declare-memory-proposition bay-open ())
@@ -57,19 +55,57 @@ before the one that protects, or after the one that needs what is protected.""",
 """,
 )
 
+BROKEN = Rule(
+    code="RAP129",
+    name="broken-constraint",
+    severity=Severity.WARNING,
+    summary="a step undoes what a constraint asks for while other steps are left",
+    why="""`constraints` have to hold for all that is done below (T 4.4.3). A step that
+surely makes one false is the end of those that come after it: they fail with
+`interference`. Ask for it in the context, if it has to hold at first only, or let the
+step come last.""",
+    example=_WORLD
+    + """\
+(define-rap (deliver)
+  (method
+    (constraints (bay-open))
+    (task-net
+      (t1 (close) (for t2))
+      (t2 (empty)))))
+""",
+    better=_WORLD
+    + """\
+(define-rap (deliver)
+  (method
+    (constraints (bay-open))
+    (task-net
+      (t1 (empty) (for t2))
+      (t2 (close)))))
+""",
+)
+
 
 def _run(run: Pass) -> None:
     for steps, net in sure_nets(run):
         for found in _threats(run, steps, net):
             run.report(found)
+    nets = run.result(TASK_NETS)
+    for rap in run.library.raps.values():
+        for method in rap.methods:
+            net_there = nets.get(id(method.body))
+            asked = [*literals(rap.constraints), *literals(method.constraints)]
+            asked = [one for one in asked if fact_name(one)]
+            if isinstance(method.body, nodes.TaskNet) and net_there and asked:
+                for found in _broken(run, method.body.steps, net_there, asked):
+                    run.report(found)
 
 
 ANALYZER = Analyzer(
     name="threats",
-    doc="Finds steps that may undo what another step protects for a third.",
+    doc="Finds steps that undo what another step protects, or a constraint asks for.",
     run=_run,
     needs=(TASK_NETS,),
-    rules=(THREAT,),
+    rules=(THREAT, BROKEN),
     needs_whole="method",
 )
 
@@ -82,14 +118,42 @@ def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagn
     before, after = _reach(net, net.order)
     changes: dict[str, list[tuple[int, Literal]]] = {}
     for at, step in enumerate(steps):
-        for effect in _done(run.library, step.goal) if at not in net.early else ():
-            changes.setdefault(_name(effect), []).append((at, effect))
+        for effect in done(run.library, step.goal) if at not in net.early else ():
+            changes.setdefault(fact_name(effect), []).append((at, effect))
     for at, note, wanted in protected:
         other = places[note.tag]
         apart = before[at] | after[other] | 1 << at | 1 << other
-        for by, effect in changes.get(_name(wanted), ()):
+        for by, effect in changes.get(fact_name(wanted), ()):
             if not apart >> by & 1 and _contradict(run, wanted, effect):
                 yield _finding(note, wanted, steps[by])
+
+
+def _broken(
+    run: Pass, steps: Sequence[nodes.Step], net: Net, asked: Sequence[Literal]
+) -> Iterator[Diagnostic]:
+    """Yield the steps that surely undo what is asked, with others not yet ended."""
+    if net.broken or net.order is None:
+        return
+    before, _ = _reach(net, net.order)
+    everything = (1 << len(steps)) - 1
+    for at, step in enumerate(steps):
+        if before[at] | 1 << at == everything:
+            continue
+        for effect in done(run.library, step.goal):
+            for wanted in asked:
+                if fact_name(wanted) == fact_name(effect) and _contradict(
+                    run, wanted, effect
+                ):
+                    yield Diagnostic(
+                        rule=BROKEN.name,
+                        message=f"step `{step.tag}` undoes "
+                        f"`{format_formula(wanted.formula)}`, a constraint of the "
+                        "steps that are left",
+                        span=step.goal.span,
+                        labels=(Label(wanted.span, "asked here"),),
+                        help="let it come last, or ask for this in the context",
+                    )
+                    return
 
 
 def _protected(
@@ -100,7 +164,7 @@ def _protected(
         for note in step.annotations:
             if isinstance(note, nodes.For):
                 for one in literals(note.formula):
-                    if _name(one):
+                    if fact_name(one):
                         yield at, note, one
 
 
@@ -117,74 +181,11 @@ def _reach(net: Net, order: Sequence[int]) -> tuple[list[int], list[int]]:
     return before, after
 
 
-def _name(literal: Literal) -> str:
-    """The name of the fact that a literal is about; nothing if it is about none."""
-    fact = literal.formula
-    return fact.name if isinstance(fact, nodes.Proposition) else ""
-
-
 def _contradict(run: Pass, wanted: Literal, effect: Literal) -> bool:
     given = names(wanted.formula) | names(effect.formula)
     both = Conjunction(run.signatures.relations, given)
     both.add(wanted)
     return both.add(effect) is not None
-
-
-def _done(library: Library, goal: nodes.Goal) -> list[Literal]:
-    """Return what surely comes of a goal that is reached, in the caller's terms."""
-    rap = library.raps.get(goal.name)
-    if rap is None:
-        return []
-    found = [_effect(effect) for effect in rap.effects]
-    found += [one for one in literals(rap.succeed) if _name(one)]
-    if rap.succeed is None:
-        found += _of_methods(library, rap)
-    return _put_in(
-        found, {v.name: t for v, t in zip(rap.inputs, goal.args, strict=False)}
-    )
-
-
-def _of_methods(library: Library, rap: nodes.DefineRap) -> list[Literal]:
-    """Return what every method of a RAP brings about, if each is a primitive."""
-    every: list[list[Literal]] = []
-    for method in rap.methods:
-        if not isinstance(method.body, nodes.Primitive):
-            return []
-        request = method.body.request
-        form = library.primitives.get(request.name)
-        if form is None:
-            return []
-        given = dict(
-            zip([a.variable.name for a in form.args], request.args, strict=False)
-        )
-        okay = [on for on in form.on if on.result == "okay"]
-        done = [_effect(e) for on in okay for e in on.effects if not e.possible]
-        every.append(_put_in(done, given))
-    return (
-        [one for one in every[0] if all(one in row for row in every)] if every else []
-    )
-
-
-def _effect(effect: nodes.DeclaredEffect) -> Literal:
-    return Literal(effect.pattern, not effect.negated)
-
-
-def _put_in(found: Sequence[Literal], given: Mapping[str, nodes.Term]) -> list[Literal]:
-    """Return literals with terms for their variables, without those that keep some."""
-    made = []
-    for one in found:
-        fact = one.formula
-        assert isinstance(fact, nodes.Proposition)
-        args = [
-            given.get(term.name) if isinstance(term, nodes.Var) else term
-            for term in fact.args
-        ]
-        plain = [arg for arg in args if isinstance(arg, nodes.Var | nodes.Const)]
-        if len(plain) == len(args):
-            made.append(
-                Literal(msgspec.structs.replace(fact, args=tuple(plain)), one.holds)
-            )
-    return made
 
 
 def _finding(note: nodes.For, undone: Literal, step: nodes.Step) -> Diagnostic:

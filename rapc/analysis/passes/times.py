@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.endless import is_never
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import number
-from rapc.analysis.passes.settled import is_never
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

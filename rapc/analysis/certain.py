@@ -1,0 +1,96 @@
+"""What surely comes of a goal: facts that hold, or do not, once it has been reached.
+
+That is what its RAP declares as `effects`, asks for in `succeed` or, without that, what
+all of its primitives do if they end `okay`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import msgspec
+
+from rapc.analysis.literals import Literal, literals
+from rapc.ir import nodes
+from rapc.ir.walk import steps
+from rapc.library.library import Library
+
+
+def fact_name(literal: Literal) -> str:
+    """Return the name of the fact that a literal is about; nothing if about none."""
+    fact = literal.formula
+    return fact.name if isinstance(fact, nodes.Proposition) else ""
+
+
+def done(library: Library, goal: nodes.Goal) -> list[Literal]:
+    """Return what surely comes of a goal that is reached, in the caller's terms."""
+    rap = library.raps.get(goal.name)
+    if rap is None:
+        return []
+    found = [_effect(effect) for effect in rap.effects]
+    found += [one for one in literals(rap.succeed) if fact_name(one)]
+    if rap.succeed is None:
+        found += _of_methods(library, rap)
+    return _put_in(
+        found, {v.name: t for v, t in zip(rap.inputs, goal.args, strict=False)}
+    )
+
+
+def _of_methods(library: Library, rap: nodes.DefineRap) -> list[Literal]:
+    """Return what every method of a RAP brings about, if each is a primitive."""
+    every: list[list[Literal]] = []
+    for method in rap.methods:
+        if not isinstance(method.body, nodes.Primitive):
+            return []
+        every.append(_of_request(library, method.body.request))
+    return (
+        [one for one in every[0] if all(one in row for row in every)] if every else []
+    )
+
+
+def _of_request(library: Library, request: nodes.Request) -> list[Literal]:
+    """Return what a request surely does if it ends `okay`."""
+    form = library.primitives.get(request.name)
+    if form is None:
+        return []
+    given = dict(zip([a.variable.name for a in form.args], request.args, strict=False))
+    okay = [on for on in form.on if on.result == "okay"]
+    sure = [_effect(e) for on in okay for e in on.effects if not e.possible]
+    return _put_in(sure, given)
+
+
+def _effect(effect: nodes.DeclaredEffect) -> Literal:
+    return Literal(effect.pattern, not effect.negated)
+
+
+def _put_in(found: Sequence[Literal], given: Mapping[str, nodes.Term]) -> list[Literal]:
+    """Return literals with terms for their variables, without those that keep some."""
+    made = []
+    for one in found:
+        fact = one.formula
+        assert isinstance(fact, nodes.Proposition)
+        args = [
+            given.get(term.name) if isinstance(term, nodes.Var) else term
+            for term in fact.args
+        ]
+        plain = [arg for arg in args if isinstance(arg, nodes.Var | nodes.Const)]
+        if len(plain) == len(args):
+            made.append(
+                Literal(msgspec.structs.replace(fact, args=tuple(plain)), one.holds)
+            )
+    return made
+
+
+def done_by_method(library: Library, method: nodes.Method) -> list[Literal]:
+    """Return what surely holds when a method has ended well.
+
+    Of a task-net that is what its steps bring about, without facts of which more than
+    one step has something to say.
+    """
+    if isinstance(method.body, nodes.Primitive):
+        return _of_request(library, method.body.request)
+    found = [one for step in steps(method) for one in done(library, step.goal)]
+    often: dict[str, set[bool]] = {}
+    for one in found:
+        often.setdefault(fact_name(one), set()).add(one.holds)
+    return [one for one in found if len(often[fact_name(one)]) == 1]

@@ -1,0 +1,53 @@
+"""Which RAPs are never done: with `(succeed nil)`, or a step that has it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.ir.walk import steps
+from rapc.library.library import Library
+
+
+def is_never(formula: nodes.Formula) -> bool:
+    """Whether a formula says itself that it never holds: `nil`, `(not true)`."""
+    if isinstance(formula, nodes.Not):
+        return isinstance(formula.part, nodes.Truth) and formula.part.value
+    return isinstance(formula, nodes.Truth) and not formula.value
+
+
+def endless(library: Library) -> Mapping[str, Span]:
+    """Return the RAPs that never succeed, each with the clause that says so.
+
+    A RAP without `succeed` is done when a method has ended well: never, if each of its
+    methods has a step that is never done and that nothing ends.
+    """
+    found: dict[str, Span] = {}
+    for rap in library.raps.values():
+        if rap.succeed is not None and is_never(rap.succeed):
+            found[rap.name] = rap.succeed.span
+    grown = bool(found)
+    while grown:
+        grown = False
+        for rap in library.raps.values():
+            if rap.name in found or rap.succeed is not None or not rap.methods:
+                continue
+            causes = [_endless_step(method, found) for method in rap.methods]
+            if all(causes):
+                found[rap.name] = next(cause for cause in causes if cause)
+                grown = True
+    return found
+
+
+def _endless_step(method: nodes.Method, found: Mapping[str, Span]) -> Span | None:
+    for step in steps(method):
+        if step.goal.name in found and not any(map(_may_end, step.annotations)):
+            return found[step.goal.name]
+    return None
+
+
+def _may_end(note: nodes.Annotation) -> bool:
+    if isinstance(note, nodes.WaitFor):
+        return note.mode != "proceed"
+    return isinstance(note, nodes.UntilStart | nodes.UntilEnd | nodes.Window)

@@ -1,0 +1,173 @@
+"""RAP136 and RAP137: standing tasks of an agenda that get in each other's way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.asked import asked_through
+from rapc.analysis.certain import done_by_method
+from rapc.analysis.literals import Literal, apart, follows, literals, names
+from rapc.analysis.passes.crossed_claims import things
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes
+from rapc.ir.printer import format_formula
+from rapc.ir.walk import steps
+from rapc.library.library import Library
+
+_CART = """\
+(declare-memory-property battery (?level) unknown)
+(declare-memory-proposition called (?room))
+(declare-primitive drive (?room) (okay) :uses (wheels))
+(declare-primitive plug-in () (okay) :uses (wheels))
+(define-rap (go ?room) (method (primitive (drive ?room))))
+(define-rap (answer)
+  (succeed nil)
+  (monitor-state (and (called ?room) (battery ?level) (> ?level 10)))
+  (repeat-while (called ?room))
+  (method (task-net (t1 (go ?room)))))
+(define-rap (recharge)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (answer) :priority 4 :background true)
+  (task (recharge) :priority {} :background true))
+"""
+
+RIVALS = Rule(
+    code="RAP136",
+    name="rival-reactions",
+    severity=Severity.WARNING,
+    summary="two standing tasks of one priority wake by one fact and need one thing",
+    why="""Standing tasks that one fact can wake are often awake together. Of one
+priority, neither interrupts the other: which of them gets the thing that both need is
+chance, and the other waits until it is free (T 5.4.1). Say by priorities which one is
+more urgent.""",
+    example=_CART.format(4),
+    better=_CART.format(6),
+)
+
+_LAMP = """\
+(declare-memory-proposition lit (?lamp))
+(declare-primitive press (?lamp) (okay) :on (okay (lit ?lamp)))
+(declare-primitive release (?lamp) (okay) :on (okay (not (lit ?lamp))))
+(define-rap (keep-lit)
+  (succeed nil)
+  (monitor-state (not (lit hall)))
+  (method (primitive (press hall))))
+(define-rap (keep-dark)
+  (succeed nil)
+  (monitor-state (lit {}))
+  (method (primitive (release {}))))
+(define-agenda night
+  (task (keep-lit) :priority 4 :background true)
+  (task (keep-dark) :priority 6 :background true))
+"""
+
+UNDOING = Rule(
+    code="RAP137",
+    name="undoing-reactions",
+    severity=Severity.WARNING,
+    summary="each of two standing tasks brings about what wakes the other one",
+    why="""What one of the two does wakes the other, and the other way round: they undo
+each other's work for good, as fast as the world lets them (T 4.7.1). Let the monitor of
+one of them ask for more, so that there is a state in which both sleep.""",
+    example=_LAMP.format("hall", "hall"),
+    better=_LAMP.format("attic", "attic"),
+)
+
+
+def _run(run: Pass) -> None:
+    told: set[frozenset[str]] = set()
+    for agenda in run.library.agendas.values():
+        tasks = [one for one in agenda.tasks if one.background]
+        standing = {task.goal.name: task for task in tasks}
+        for one, other in combinations(standing.values(), 2):
+            pair = frozenset((one.goal.name, other.goal.name))
+            if pair not in told:
+                for found in _between(run.library, one, other):
+                    told.add(pair)
+                    run.report(found)
+
+
+ANALYZER = Analyzer(
+    name="rivals",
+    doc="Finds standing tasks of an agenda that get in each other's way.",
+    run=_run,
+    rules=(RIVALS, UNDOING),
+)
+
+
+def _between(
+    library: Library, one: nodes.GivenTask, other: nodes.GivenTask
+) -> Iterator[Diagnostic]:
+    first = library.raps.get(one.goal.name)
+    second = library.raps.get(other.goal.name)
+    if first is None or second is None:
+        return
+    if first.monitor_state is None or second.monitor_state is None:
+        return
+    if _wakes(library, first, second) and _wakes(library, second, first):
+        yield Diagnostic(
+            rule=UNDOING.name,
+            message=f"`{first.name}` and `{second.name}` wake each other for good",
+            span=second.monitor_state.span,
+            labels=(Label(first.monitor_state.span, "this one comes true in turn"),),
+            help="let one of them ask for more",
+        )
+    elif one.priority == other.priority:
+        shared = _shared_facts(library, first, second)
+        both = sorted(
+            _needed(library, first) & _needed(library, second), key=format_formula
+        )
+        if shared and both:
+            yield Diagnostic(
+                rule=RIVALS.name,
+                message=f"`{first.name}` and `{second.name}` wake by `{shared[0]}`, "
+                f"need `{format_formula(both[0])}`, and have one priority",
+                span=other.span,
+                labels=(Label(one.span, f"priority {one.priority} too"),),
+                help="give the more urgent one the higher priority",
+            )
+
+
+def _shared_facts(
+    library: Library, first: nodes.DefineRap, second: nodes.DefineRap
+) -> Sequence[str]:
+    """The facts that can wake both."""
+    assert first.monitor_state is not None
+    assert second.monitor_state is not None
+    one = asked_through(library, first.monitor_state) or set()
+    other = asked_through(library, second.monitor_state) or set()
+    return sorted((one & other) - library.queries.keys())
+
+
+def _needed(library: Library, rap: nodes.DefineRap) -> frozenset[nodes.Thing]:
+    """The things that methods of a RAP, or of those it asks for, take."""
+    found: set[nodes.Thing] = set()
+    waiting, seen = [rap], {rap.name}
+    while waiting:
+        for method in waiting.pop().methods:
+            found.update(things(library, method))
+            for step in steps(method):
+                below = library.raps.get(step.goal.name)
+                if below is not None and below.name not in seen:
+                    seen.add(below.name)
+                    waiting.append(below)
+    return frozenset(found)
+
+
+def _wakes(library: Library, one: nodes.DefineRap, other: nodes.DefineRap) -> bool:
+    """Whether what a RAP does surely brings about what another one waits for."""
+    monitor = other.monitor_state
+    assert monitor is not None
+    wanted = list(literals(apart(monitor, (), "@other")))
+    free = {name for literal in wanted for name in names(literal.formula)}
+    done = [_plain(done_by_method(library, method)) for method in one.methods]
+    return bool(done) and all(follows(wanted, there, free) for there in done)
+
+
+def _plain(found: Sequence[Literal]) -> list[Literal]:
+    return [one for one in found if isinstance(one.formula, nodes.Proposition)]

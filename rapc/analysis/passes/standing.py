@@ -1,0 +1,177 @@
+"""RAP134 and RAP135: tasks that stand by where they should not, or for nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.asked import asked_through
+from rapc.analysis.endless import endless
+from rapc.analysis.index import INDEX, Index
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+)
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.library.library import Library
+
+_GARDEN = """\
+(declare-memory-property soil (?plant ?state) unknown)
+(declare-primitive pour (?plant) (okay) :on (okay (soil ?plant wet)))
+(define-rap (water ?plant) (method (primitive (pour ?plant))))
+(define-rap (keep-wet)
+  (succeed nil)
+  (monitor-state (soil ?plant dry))
+  (repeat-while (soil ?plant dry))
+  (method (task-net (t1 (water ?plant)))))
+(define-agenda day (task (keep-wet){}) (task (water rose)))
+"""
+
+ENDLESS = Rule(
+    code="RAP134",
+    name="endless-task",
+    severity=Severity.WARNING,
+    summary="an agenda gives a task as work that is never done",
+    why="""A run ends when all tasks have ended but those of the background. A task that
+is never done, for its RAP has `(succeed nil)` or a step that has, keeps the run going
+for good: nothing tells any more whether the work was done. Give it
+`:background true`. Where the run is ended by a time, as in a test, ignore the rule
+there.""",
+    example=_GARDEN.format(" :priority 4"),
+    better=_GARDEN.format(" :priority 4 :background true"),
+)
+
+_CALL = """\
+(declare-memory-property battery (?level) unknown)
+(declare-memory-proposition called ())
+(declare-primitive plug-in () (okay) :on (okay (battery 100)))
+(declare-primitive look () (okay) :tells (gauge) :on (okay))
+(declare-sensor-datum gauge (?level) :on ((battery ?level)))
+(define-rap (watch-gauge) (succeed nil) (monitor-time now 5 9)
+  (method (primitive (look))))
+"""
+
+UNHEARD = Rule(
+    code="RAP135",
+    name="unheard-monitor",
+    severity=Severity.WARNING,
+    summary="a monitor asks for what nothing in the library ever changes",
+    why="""A monitor is passive: it notices what comes into memory while others act, and
+senses nothing itself (T 4.7.1). Where no primitive, datum, rule or notation changes any
+of the facts that it asks for, it never wakes, or it always holds: another fact was
+meant, a RAP that looks is missing, or what a datum does to memory is not declared. Told
+where the library says of its primitives what they do; what comes from the host's own
+program is not seen.""",
+    example=_CALL
+    + """\
+(define-rap (answer)
+  (succeed nil)
+  (monitor-state (called))
+  (method (primitive (plug-in))))
+""",
+    better=_CALL
+    + """\
+(define-rap (answer)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+""",
+)
+
+
+def _run(run: Pass) -> set[int]:
+    """Report, and return the ids of the monitors that nothing ever changes."""
+    library = run.library
+    unheard: set[int] = set()
+    never_done = endless(library) if library.agendas else {}
+    for agenda in library.agendas.values():
+        for task in agenda.tasks:
+            cause = never_done.get(task.goal.name)
+            if cause is not None and not task.background and task.deadline is None:
+                run.report(_endless(task, cause))
+    index = run.result(INDEX)
+    if run.complete and is_described(library):
+        changed = _changed(library, index)
+        for rap in library.raps.values():
+            if rap.monitor_state is not None and rap.monitor_time is None:
+                for found in _unheard(library, rap.monitor_state, changed):
+                    unheard.add(id(rap.monitor_state))
+                    run.report(found)
+    return unheard
+
+
+ANALYZER = Analyzer(
+    name="standing",
+    doc="Finds tasks that never end where they should, and monitors of what never is.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(ENDLESS, UNHEARD),
+)
+
+
+def _endless(task: nodes.GivenTask, cause: Span) -> Diagnostic:
+    end = task.span.end - 1
+    edit = Edit(Span(task.span.file, end, end), " :background true")
+    return Diagnostic(
+        rule=ENDLESS.name,
+        message=f"`{task.goal.name}` is never done, so a run with this task never ends",
+        span=task.goal.span,
+        labels=(Label(cause, "this never succeeds"),),
+        help="write `:background true`",
+        fix=Fix(Applicability.UNSAFE, "let it stand by", (edit,)),
+    )
+
+
+# --- what nothing changes -------------------------------------------------------------
+
+
+def is_described(library: Library) -> bool:
+    """Whether most of a library's primitives, or its rules, say what they do."""
+    forms = library.primitives.values()
+    told = sum(bool(form.on or form.tells) for form in forms)
+    if not told and not library.memory_rules and not library.event_rules:
+        return False
+    silent = any(datum.on is None for datum in library.data.values())
+    return not silent and told * _OF >= len(forms) * _MOST
+
+
+_MOST, _OF = 3, 4
+"""So many of so many primitives have to say what they do."""
+
+
+def _changed(library: Library, index: Index) -> set[str]:
+    """The names of all facts that anything in the library brings or takes away."""
+    found = {one.name for use in ("asserted", "erased") for one in _used(index, use)}
+    for call in library.functions.values():
+        found.add(call.name)
+    return found
+
+
+def _used(index: Index, use: str) -> Iterator[nodes.Pattern]:
+    for one in index.uses():
+        if one.use == use and isinstance(one.node, nodes.Pattern):
+            yield one.node
+
+
+def _unheard(
+    library: Library, monitor: nodes.Formula, changed: set[str]
+) -> Iterator[Diagnostic]:
+    asked = asked_through(library, monitor)
+    if asked is None:
+        return
+    facts = sorted(asked - library.queries.keys())
+    known = library.properties.keys() | library.propositions.keys()
+    if facts and known.issuperset(facts) and changed.isdisjoint(facts):
+        names = ", ".join(f"`{name}`" for name in facts)
+        yield Diagnostic(
+            rule=UNHEARD.name,
+            message=f"nothing in the library ever changes {names}",
+            span=monitor.span,
+            help="ask for what a primitive, a datum or a rule changes, or declare that",
+        )
