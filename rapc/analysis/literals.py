@@ -29,7 +29,7 @@ from rapc.base.source import Span
 from rapc.base.values import Atom, Number
 from rapc.ir import nodes
 from rapc.ir.walk import variables
-from rapc.library.signatures import Signature
+from rapc.library.signature import Signature
 
 Relations = Mapping[str, Signature]
 """The propositions and properties of a library."""

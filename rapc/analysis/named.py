@@ -18,7 +18,8 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.library.library import word_span
-from rapc.library.signatures import Fault, Signature, Use
+from rapc.library.signature import Signature
+from rapc.library.signatures import Fault, Use
 
 _SHOWN = 2
 """How many places are shown besides the first one."""

@@ -14,7 +14,8 @@ import msgspec
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Atom
 from rapc.ir import nodes
-from rapc.library.signatures import Signature, Signatures
+from rapc.library.signature import Signature
+from rapc.library.signatures import Signatures
 
 ANYTHING: tuple[str, ...] = ("*",)
 """The key of watches that every change to memory concerns."""

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from rapc.base.names import plural
 from rapc.base.values import Fact, format_list
 from rapc.compiler.program import Program
-from rapc.library.signatures import Signature
+from rapc.library.signature import Signature
 from rapc.runtime.saving.records import RunRecord
 
 

@@ -30,7 +30,8 @@ from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library, link
 from rapc.library.saved_check import UnsoundError, Verifier
-from rapc.library.signatures import Signature, Signatures
+from rapc.library.signature import Signature
+from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
 
 FORMAT = 4

@@ -12,34 +12,31 @@ share a table, for a formula does not say which it means.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import msgspec
 
 from rapc.base.names import Suggestions
-from rapc.base.source import NOWHERE, Span
-from rapc.base.values import Atom, format_list
-from rapc.ir import nodes
+from rapc.base.values import Atom
 from rapc.language.heads import CALLS, QUERIES
 from rapc.library.kinds import Kinds, misfits, said_of
 from rapc.library.library import Library
+from rapc.library.signature import (
+    Kind,
+    RapSignatures,
+    Signature,
+    amount,
+    of_counts,
+    of_function,
+    of_primitive,
+    of_property,
+    of_query,
+    plain,
+)
 
 if TYPE_CHECKING:
     from rapc.world import Offer
-
-Kind = Literal[
-    "RAP",
-    "proposition",
-    "property",
-    "function",
-    "query",
-    "primitive",
-    "sensor datum",
-    "skill",
-    "event",
-]
-"""What a name is declared to be."""
 
 Use = Literal[
     "goal",
@@ -59,80 +56,6 @@ to a world or comes from there."""
 
 _IN_MEMORY: Sequence[Kind] = ("proposition", "property")
 """The kinds of predicates of which memory holds facts."""
-
-CONSTANT_DEFAULTS = ("unknown", "true", "false")
-"""Defaults of properties that are values; any other names a registered function."""
-
-
-class Signature(msgspec.Struct, frozen=True):
-    """What one declaration says about a name."""
-
-    kind: Kind
-    name: str
-    #: The fewest arguments (inputs of a RAP) that a use may have.
-    least: int
-    #: The most arguments; None where the declaration gives no list (T A.1).
-    most: int | None
-    #: The declared arguments with their kinds; None where there is no list of them.
-    args: tuple[nodes.Argument, ...] | None = None
-    #: The declaration; of a RAP, its name in the index.
-    span: Span = NOWHERE
-    #: The number of outputs of a RAP.
-    outputs: int = 0
-    #: The results of a primitive.
-    results: tuple[str, ...] = ()
-    #: A property's default value, or the name of the function that computes it.
-    default: str | None = None
-    #: The predicates that a function reads; None where nothing is said of them.
-    reads: tuple[str, ...] | None = None
-    #: What a query stands for; None for all else.
-    formula: nodes.Formula | None = None
-
-    @property
-    def is_property(self) -> bool:
-        """Whether this is a property, so that its last argument is its value."""
-        return self.kind == "property"
-
-    @property
-    def default_function(self) -> str | None:
-        """The name of the default function, if the default is not a value."""
-        return None if self.default in CONSTANT_DEFAULTS else self.default
-
-    @property
-    def written(self) -> str:
-        """The name with its arguments' names, as a use would write them."""
-        args = self.args or ()
-        return format_list([self.name, *(arg.variable.name for arg in args)])
-
-    def full(self, terms: Sequence[nodes.Term]) -> tuple[nodes.Term, ...]:
-        """Return the arguments of a use with the value `true` that was left out.
-
-        A property one argument short means the value `true` [L 2.11].
-        """
-        if self.leaves_value_out(len(terms)):
-            return (*terms, nodes.Const("true"))
-        return tuple(terms)
-
-    def leaves_value_out(self, count: int) -> bool:
-        """Whether a use with `count` arguments is a property without its value."""
-        return self.kind == "property" and count > 0 and count + 1 == self.most
-
-    def miscount(self, count: int, *, erased: bool = False) -> str | None:
-        """Say what is wrong with `count` arguments, or return None.
-
-        What is `erased` is a prefix, which may be shorter than what is declared.
-        """
-        least, most = 0 if erased else self.least, self.most
-        if most is not None and (count > most or count < least):
-            if self.kind == "RAP":
-                return f"`{self.name}` has {_number(most, 'input')}, not {count}"
-            bound = "at most " if erased else ""
-            wanted = bound + _number(most, "argument")
-        elif count < least:
-            wanted = "at least " + _number(least, "argument")
-        else:
-            return None
-        return f"`{self.name}` takes {wanted}, not {count}"
 
 
 class Fault(msgspec.Struct, frozen=True):
@@ -205,20 +128,20 @@ class Signatures:
         """
         predicates = {
             **{
-                n: _plain("proposition", form)
+                n: plain("proposition", form)
                 for n, form in library.propositions.items()
             },
-            **{n: _property(form) for n, form in library.properties.items()},
-            **{n: _function(form) for n, form in library.functions.items()},
-            **{n: _query(form) for n, form in library.queries.items()},
+            **{n: of_property(form) for n, form in library.properties.items()},
+            **{n: of_function(form) for n, form in library.functions.items()},
+            **{n: of_query(form) for n, form in library.queries.items()},
         }
         return cls(
-            _Raps(library.raps) if raps is None else raps,
+            RapSignatures(library.raps) if raps is None else raps,
             predicates,
-            {n: _primitive(form) for n, form in library.primitives.items()},
-            {n: _plain("sensor datum", form) for n, form in library.data.items()},
-            {n: _plain("skill", form) for n, form in library.skills.items()},
-            {n: _plain("event", form) for n, form in library.events.items()},
+            {n: of_primitive(form) for n, form in library.primitives.items()},
+            {n: plain("sensor datum", form) for n, form in library.data.items()},
+            {n: plain("skill", form) for n, form in library.skills.items()},
+            {n: plain("event", form) for n, form in library.events.items()},
             Kinds(library.kinds),
         )
 
@@ -233,9 +156,9 @@ class Signatures:
             {},
             {},
             primitives,
-            _counts("sensor datum", offer.data),
-            _counts("skill", offer.skills),
-            _counts("event", offer.events),
+            of_counts("sensor datum", offer.data),
+            of_counts("skill", offer.skills),
+            of_counts("event", offer.events),
             Kinds({}),
         )
 
@@ -262,8 +185,8 @@ class Signatures:
             return Fault("kind", message, help_, declared)
         message = declared.miscount(count, erased=use == "erased") or ""
         if outputs is not None and outputs != declared.outputs:
-            amount = f"{_number(declared.outputs, 'output')}, not {outputs}"
-            message = f"{message} and {amount}" if message else f"`{name}` has {amount}"
+            wrong = f"{amount(declared.outputs, 'output')}, not {outputs}"
+            message = f"{message} and {wrong}" if message else f"`{name}` has {wrong}"
         return Fault("arguments", message, "", declared) if message else None
 
     def wrong_kind(self, use: Use, name: str, values: Sequence[Atom]) -> str | None:
@@ -332,91 +255,7 @@ class Signatures:
         return self.functions if use == "computed" else self.table(use)
 
 
-class _Raps(Mapping[str, Signature]):
-    """The signatures of RAPs that may be read only when they are asked for."""
-
-    def __init__(self, raps: Mapping[str, nodes.DefineRap]) -> None:
-        self._raps = raps
-        self._made: dict[str, Signature] = {}
-
-    def __getitem__(self, name: str) -> Signature:
-        made = self._made.get(name)
-        if made is None:
-            rap = self._raps[name]
-            kinds = {one.variable: one.kind for one in rap.kinds}
-            args = tuple(
-                [nodes.Argument(v, kinds.get(v.name), v.span) for v in rap.inputs]
-            )
-            count, outputs = len(args), len(rap.outputs)
-            made = Signature("RAP", name, count, count, args, rap.name_span, outputs)
-            self._made[name] = made
-        return made
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._raps
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._raps)
-
-    def __len__(self) -> int:
-        return len(self._raps)
-
-
-# --- from declarations ----------------------------------------------------------------
-
-
-def _plain(
-    kind: Kind,
-    form: nodes.DeclareProposition
-    | nodes.DeclareDatum
-    | nodes.DeclareSkill
-    | nodes.DeclareEvent,
-) -> Signature:
-    count = None if form.args is None else len(form.args)
-    return Signature(kind, form.name, count or 0, count, form.args, form.span)
-
-
-def _query(form: nodes.DefineQuery) -> Signature:
-    count = len(form.args)
-    return Signature(
-        "query",
-        form.name,
-        count,
-        count,
-        form.args,
-        form.name_span,
-        formula=form.formula,
-    )
-
-
-def _property(form: nodes.DeclareProperty) -> Signature:
-    """A property needs a value, which may be left out where something precedes it."""
-    count = None if form.args is None else len(form.args)
-    least = max(1, (count or 0) - 1)
-    return Signature(
-        "property", form.name, least, count, form.args, form.span, default=form.default
-    )
-
-
-def _function(form: nodes.DeclareFunction) -> Signature:
-    count = None if form.args is None else len(form.args)
-    return Signature(
-        "function", form.name, count or 0, count, form.args, form.span, reads=form.reads
-    )
-
-
-def _primitive(form: nodes.DeclarePrimitive) -> Signature:
-    count = len(form.args)
-    return Signature(
-        "primitive", form.name, count, count, form.args, form.span, results=form.results
-    )
-
-
-def _counts(kind: Kind, offered: Mapping[str, int]) -> dict[str, Signature]:
-    return {name: Signature(kind, name, n, n) for name, n in offered.items()}
-
-
-# --- words ----------------------------------------------------------------------------
+# --- words ---------------------------------------------------------------------------
 
 _QUESTION = "did you mean"
 
@@ -483,7 +322,3 @@ def _other_kind(use: Use, kind: Kind) -> str | None:
     if kind == "function" or (kind == "query" and use != "computed"):
         return _NO_FACT.get(use)
     return "computes nothing" if use == "computed" else None
-
-
-def _number(count: int, word: str) -> str:
-    return f"{count or 'no'} {word}{'' if count == 1 else 's'}"

@@ -19,27 +19,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rapc.base.source import Span
-from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.language.grammar import RULES, TERMINALS
-from rapc.language.heads import ARROW, heads, rules_by_head, words
+from rapc.language.grammar import RULES
+from rapc.language.heads import heads, rules_by_head, words
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
 from rapc.language.words import WORDS, spelling
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
-from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
+from rapc.parser.syntax import Datum, List, Symbol
+from rapc.parser.terminals import WANTED, Part, is_string, one_word, terminal
 from rapc.parser.terms import term
-
-Fits = Callable[[Datum], bool]
-"""Whether a datum is of the kind wanted, by its type and first word alone."""
-
-
-class Part(NamedTuple):
-    """What a single operand must be."""
-
-    fits: Fits
-    read: Read
-    #: Whether `read` is for data that fit only; lists tell by themselves what is wrong.
-    strict: bool
 
 
 class Operand(NamedTuple):
@@ -98,17 +86,17 @@ class Readers(dict[str, Read]):
         if isinstance(shape, str):
             if is_word(shape):
                 word = shape[1:-1]
-                return Part(_is_word(word), lambda _, d: word.removeprefix(":"), True)
+                return Part(one_word(word), lambda _, d: word.removeprefix(":"), True)
             if shape in _PLAIN:
                 return self.part(RULES[shape])
             if is_rule(shape):
                 return self._rule_part(shape)
-            return _terminal(shape)
+            return terminal(shape)
         if shape[0] != "or":
             raise TypeError(f"no single operand has the shape {shape}")
         parts = [self.part(one) for one in shape[1:]]
         if "SYMBOL" in shape and "STRING" in shape:
-            parts[shape.index("STRING") - 1] = Part(_is_string, term, True)
+            parts[shape.index("STRING") - 1] = Part(is_string, term, True)
 
         def read(ctx: Context, datum: Datum) -> Any:
             fitting = next((one for one in parts if one.fits(datum)), parts[-1])
@@ -211,26 +199,6 @@ class Readers(dict[str, Read]):
 _PLAIN = [rule for rule in RULES if all(map(is_terminal, leaves(RULES[rule])))]
 """Rules of terminals alone, which may stand for one."""
 
-_COUNTS = {"?": (0, 1), "*": (0, None), "+": (1, None)}
-
-WANTED: Mapping[str, str] = {
-    "expectation": "an expectation",
-    "resource": "a resource",
-    "TIME": "a time",
-    "PERIOD": "a time above 0",
-    "COUNT": "a whole number",
-    "POSITIVE": "a whole number above 0",
-    "INTEGER": "a whole number",
-    "SIGNAL": "a name with a colon",
-    "told_signal": "a signal",
-    "KIND": "the name of a kind",
-    "reads": "a list of predicates",
-    "tells": "a list of data",
-    "uses": "a list of things",
-    "skill_events": "a list of events",
-}
-"""What is wanted where something else stands, by rule or terminal."""
-
 FINDINGS: Mapping[str, str] = {
     **dict.fromkeys(leaves(RULES["formula"]), "malformed-formula"),
     **dict.fromkeys(leaves(RULES["annotation"]), "malformed-annotation"),
@@ -243,6 +211,8 @@ FINDINGS: Mapping[str, str] = {
     **dict.fromkeys(("primitive_atomic", "skill_events"), "malformed-form"),
 }
 """Which rule of the checker a fault breaks; in clauses it is `malformed-clause`."""
+
+_COUNTS = {"?": (0, 1), "*": (0, None), "+": (1, None)}
 
 
 def _named_like(rule: str) -> Maker:
@@ -385,80 +355,3 @@ def _wanted(rule: str, shape: Shape, part: Part) -> Read:
 def made(found: Iterable[Any]) -> tuple[Any, ...]:
     """Return the nodes in `found` that could be read, dropping None."""
     return tuple([one for one in found if one is not None])
-
-
-# --- terminals ---------------------------------------------------------------------
-
-
-def _is_word(word: str) -> Fits:
-    def fits(datum: Datum) -> bool:
-        return isinstance(datum, Symbol | Keyword) and datum.name == word
-
-    return fits
-
-
-def _is_name(datum: Datum) -> bool:
-    return type(datum) is Symbol and datum.name != ARROW
-
-
-def _is_string(datum: Datum) -> bool:
-    return type(datum) is String
-
-
-def _is_parameter(datum: Datum) -> bool:
-    return type(datum) is Variable and datum.name != "?"
-
-
-def _terminal(name: str) -> Part:
-    """Return what reads a terminal: constants, variables to nodes, names to strings."""
-    if name in _NODES:
-        return Part(_NODES[name], term, True)
-    if name in _NUMBERS:
-        return Part(_is_numeral, _number(name), False)
-    if name == "STRING":
-        return Part(_is_string, _text, True)
-    if TERMINALS[name] == TERMINALS["SYMBOL"]:
-        return Part(_is_name, _named, True)
-    if TERMINALS[name] == TERMINALS["KEYWORD"]:
-        return Part(_NODES["KEYWORD"], _named, True)
-    raise TypeError(f"no operand is a {name} alone")
-
-
-def _named(ctx: Context, datum: Datum) -> str:
-    assert isinstance(datum, Symbol | Keyword)
-    return datum.name
-
-
-def _text(ctx: Context, datum: Datum) -> str:
-    assert isinstance(datum, String)
-    return datum.value
-
-
-def _is_numeral(datum: Datum) -> bool:
-    return type(datum) is Numeral
-
-
-_NODES: Mapping[str, Fits] = {
-    "SYMBOL": _is_name,
-    "VARIABLE": lambda datum: type(datum) is Variable,
-    "NUMBER": _is_numeral,
-    "KEYWORD": lambda datum: type(datum) is Keyword,
-}
-_NUMBERS: Mapping[str, Callable[[Number], bool]] = {
-    "INTEGER": lambda value: isinstance(value, int),
-    "COUNT": lambda value: isinstance(value, int) and value >= 0,
-    "POSITIVE": lambda value: isinstance(value, int) and value > 0,
-    "TIME": lambda value: value >= 0,
-    "PERIOD": lambda value: value > 0,
-}
-"""For each terminal of numbers which of them it is."""
-
-
-def _number(name: str) -> Read:
-    def read(ctx: Context, datum: Datum) -> Number | None:
-        if isinstance(datum, Numeral) and _NUMBERS[name](datum.value):
-            return datum.value
-        ctx.report("malformed-clause", f"{WANTED[name]} is wanted here", datum)
-        return None
-
-    return read

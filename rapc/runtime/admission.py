@@ -14,7 +14,8 @@ from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.library.signatures import CONSTANT_DEFAULTS, Signatures, Use
+from rapc.library.signature import CONSTANT_DEFAULTS
+from rapc.library.signatures import Signatures, Use
 from rapc.runtime.authors import (
     PORT,
     SKILLED,

@@ -16,7 +16,8 @@ from rapc.errors import FactError, PortError
 from rapc.ir.nodes import Argument
 from rapc.library.kinds import misfits, said_of
 from rapc.library.library import Library
-from rapc.library.signatures import Signature, Signatures, Use
+from rapc.library.signature import Signature
+from rapc.library.signatures import Signatures, Use
 from rapc.runtime.authors import (
     breach,
     is_fact,

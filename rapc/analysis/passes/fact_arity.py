@@ -20,7 +20,8 @@ from rapc.base.diagnostics import (
 )
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.library.signatures import Signature, Use
+from rapc.library.signature import Signature
+from rapc.library.signatures import Use
 
 ARITY = Rule(
     code="RAP016",

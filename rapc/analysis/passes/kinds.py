@@ -20,7 +20,8 @@ from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.ir import nodes
 from rapc.library.kinds import said_of
-from rapc.library.signatures import Fault, Signature
+from rapc.library.signature import Signature
+from rapc.library.signatures import Fault
 
 UNKNOWN = Rule(
     code="RAP081",

@@ -13,7 +13,8 @@ from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
 from rapc.language.heads import CALLS
-from rapc.library.signatures import Signature, Use
+from rapc.library.signature import Signature
+from rapc.library.signatures import Use
 
 NOT_A_NUMBER = Rule(
     code="RAP069",

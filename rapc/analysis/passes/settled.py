@@ -15,7 +15,8 @@ from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.operands import operands
-from rapc.library.signatures import CONSTANT_DEFAULTS, Signature, Signatures
+from rapc.library.signature import CONSTANT_DEFAULTS, Signature
+from rapc.library.signatures import Signatures
 
 COPY = Rule(
     code="RAP112",

@@ -23,7 +23,7 @@ from rapc.compiler.query.term_code import (
     registered,
 )
 from rapc.ir import nodes
-from rapc.library.signatures import Signature
+from rapc.library.signature import Signature
 
 
 class _Query(msgspec.Struct, frozen=True):

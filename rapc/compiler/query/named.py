@@ -22,7 +22,8 @@ from rapc.compiler.query.plan_steps import AccessPath
 from rapc.ir import nodes
 from rapc.ir.fields import CHILDREN
 from rapc.ir.walk import subformulas, subterms, terms
-from rapc.library.signatures import Signature, Signatures
+from rapc.library.signature import Signature
+from rapc.library.signatures import Signatures
 
 MOST_INLINE = 24
 """The most parts that the formula of a query written where it is used may come to."""

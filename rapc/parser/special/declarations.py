@@ -24,7 +24,7 @@ from rapc.parser.terms import constant
 from rapc.parser.terms import proposition as read_proposition
 
 
-class Operand(NamedTuple):
+class DeclaredOperand(NamedTuple):
     """An operand of a declaration behind its name."""
 
     field: str
@@ -42,7 +42,7 @@ class Declaration(NamedTuple):
     colon: bool
     #: Whether its node keeps the text that explains it.
     explained: bool
-    operands: tuple[Operand, ...]
+    operands: tuple[DeclaredOperand, ...]
     #: The rules of its options by their words.
     options: Mapping[str, str]
     #: The options that may stand more than once.
@@ -59,7 +59,7 @@ def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
         part.shape for part in known if not part.field and not is_word(part.shape)
     ]
     operands = [
-        Operand(name, next(leaves(shape)), shape[0] == "?")
+        DeclaredOperand(name, next(leaves(shape)), shape[0] == "?")
         for name, shape in zip(names, wanted[1:], strict=False)
         if name != "doc"
     ]

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 from rapc.base.values import Atom, Fact, Text, format_list, number
 from rapc.errors import FactError
-from rapc.library.signatures import Signature
+from rapc.library.signature import Signature
 
 _KINDS = frozenset((str, int, float, Text))
 """The types of what may stand in a fact."""

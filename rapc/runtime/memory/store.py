@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from rapc.base.values import Atom, Fact
-from rapc.library.signatures import Signature
+from rapc.library.signature import Signature
 from rapc.world import Time
 
 NEVER: Time = float("-inf")

@@ -1,0 +1,121 @@
+"""What one operand of a list must be, and the readers of words, names and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from rapc.base.values import Number
+from rapc.language.grammar import TERMINALS
+from rapc.language.heads import ARROW
+from rapc.parser.context import Context, Read
+from rapc.parser.syntax import Datum, Keyword, Numeral, String, Symbol, Variable
+from rapc.parser.terms import term
+
+Fits = Callable[[Datum], bool]
+"""Whether a datum is of the kind wanted, by its type and first word alone."""
+
+
+class Part(NamedTuple):
+    """What a single operand must be."""
+
+    fits: Fits
+    read: Read
+    #: Whether `read` is for data that fit only; lists tell by themselves what is wrong.
+    strict: bool
+
+
+WANTED: Mapping[str, str] = {
+    "expectation": "an expectation",
+    "resource": "a resource",
+    "TIME": "a time",
+    "PERIOD": "a time above 0",
+    "COUNT": "a whole number",
+    "POSITIVE": "a whole number above 0",
+    "INTEGER": "a whole number",
+    "SIGNAL": "a name with a colon",
+    "told_signal": "a signal",
+    "KIND": "the name of a kind",
+    "reads": "a list of predicates",
+    "tells": "a list of data",
+    "uses": "a list of things",
+    "skill_events": "a list of events",
+}
+"""What is wanted where something else stands, by rule or terminal."""
+
+
+def one_word(word: str) -> Fits:
+    """Return what tells the symbol or keyword `word` from all other data."""
+
+    def fits(datum: Datum) -> bool:
+        return isinstance(datum, Symbol | Keyword) and datum.name == word
+
+    return fits
+
+
+def _is_name(datum: Datum) -> bool:
+    return type(datum) is Symbol and datum.name != ARROW
+
+
+def is_string(datum: Datum) -> bool:
+    """Whether a datum is a string."""
+    return type(datum) is String
+
+
+def _is_parameter(datum: Datum) -> bool:
+    return type(datum) is Variable and datum.name != "?"
+
+
+def terminal(name: str) -> Part:
+    """Return what reads a terminal: constants, variables to nodes, names to strings."""
+    if name in _NODES:
+        return Part(_NODES[name], term, True)
+    if name in _NUMBERS:
+        return Part(_is_numeral, _number(name), False)
+    if name == "STRING":
+        return Part(is_string, _text, True)
+    if TERMINALS[name] == TERMINALS["SYMBOL"]:
+        return Part(_is_name, _named, True)
+    if TERMINALS[name] == TERMINALS["KEYWORD"]:
+        return Part(_NODES["KEYWORD"], _named, True)
+    raise TypeError(f"no operand is a {name} alone")
+
+
+def _named(ctx: Context, datum: Datum) -> str:
+    assert isinstance(datum, Symbol | Keyword)
+    return datum.name
+
+
+def _text(ctx: Context, datum: Datum) -> str:
+    assert isinstance(datum, String)
+    return datum.value
+
+
+def _is_numeral(datum: Datum) -> bool:
+    return type(datum) is Numeral
+
+
+_NODES: Mapping[str, Fits] = {
+    "SYMBOL": _is_name,
+    "VARIABLE": lambda datum: type(datum) is Variable,
+    "NUMBER": _is_numeral,
+    "KEYWORD": lambda datum: type(datum) is Keyword,
+}
+_NUMBERS: Mapping[str, Callable[[Number], bool]] = {
+    "INTEGER": lambda value: isinstance(value, int),
+    "COUNT": lambda value: isinstance(value, int) and value >= 0,
+    "POSITIVE": lambda value: isinstance(value, int) and value > 0,
+    "TIME": lambda value: value >= 0,
+    "PERIOD": lambda value: value > 0,
+}
+"""For each terminal of numbers which of them it is."""
+
+
+def _number(name: str) -> Read:
+    def read(ctx: Context, datum: Datum) -> Number | None:
+        if isinstance(datum, Numeral) and _NUMBERS[name](datum.value):
+            return datum.value
+        ctx.report("malformed-clause", f"{WANTED[name]} is wanted here", datum)
+        return None
+
+    return read
