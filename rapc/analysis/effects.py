@@ -64,7 +64,15 @@ class Effects:
         """Return all that a RAP may bring about; None if that is not known."""
         if self._unsure.get(name, 1) or self._library.event_rules:
             return None
-        bits, found = self._sums[name], []
+        return self.known(name)
+
+    def is_open(self, name: str) -> bool:
+        """Whether a RAP may itself do more than what is known, steps aside."""
+        return name in self._open
+
+    def known(self, name: str) -> Sequence[Effect]:
+        """Return what is known that a RAP may bring about, whether it is all or not."""
+        bits, found = self._sums[name], list[Effect]()
         while bits:
             low = bits & -bits
             found.append(self._effects[low.bit_length() - 1])

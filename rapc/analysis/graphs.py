@@ -16,7 +16,10 @@ from rapc.ir.printer import format_node
 from rapc.ir.walk import steps, subformulas
 from rapc.library.library import Library
 
-Kind = Literal["rap", "primitive", "skill", "agenda", "step", "fact", "thing", "datum"]
+Kind = Literal[
+    "rap", "primitive", "skill", "agenda", "step", "fact", "thing", "datum", "event"
+]
+"""What is drawn."""
 
 
 class Vertex(msgspec.Struct, frozen=True):
@@ -46,7 +49,7 @@ class Graph(msgspec.Struct, frozen=True):
     edges: tuple[Edge, ...]
 
 
-class _Drawing:
+class GraphDrawing:
     """A graph that is being made; what is added twice is there once."""
 
     def __init__(self, title: str) -> None:
@@ -74,7 +77,7 @@ class _Drawing:
 
 def calls(library: Library) -> Graph:
     """Return which RAP asks for which RAPs, primitives and skills, by which methods."""
-    drawing = _Drawing("calls")
+    drawing = GraphDrawing("calls")
     for agenda in library.agendas.values():
         source = drawing.vertex("agenda", agenda.name)
         for task in agenda.tasks:
@@ -115,7 +118,7 @@ def task_nets(rap: nodes.DefineRap) -> Graph:
     A solid arrow without a label is an order; labels name what else an annotation says:
     the formula that a step protects, who ends whom, windows, signals.
     """
-    drawing = _Drawing(rap.name)
+    drawing = GraphDrawing(rap.name)
     for method in rap.methods:
         group = _called(rap, method) or "method"
         if not steps(method):
@@ -154,13 +157,13 @@ def _drawn(tag: str, note: nodes.Annotation) -> Iterator[tuple[str, str, str]]:
 
 def monitors(library: Library) -> Graph:
     """Return which facts wake which RAPs, and what is declared to bring them about."""
-    drawing = _Drawing("monitors")
+    drawing = GraphDrawing("monitors")
     heard: dict[str, str] = {}
     for rap in library.raps.values():
         if rap.monitor_state is None:
             continue
         target = drawing.vertex("rap", rap.name)
-        for name in _facts(library, rap.monitor_state):
+        for name in facts_of(library, rap.monitor_state):
             heard[name] = drawing.vertex("fact", name)
             drawing.edge(heard[name], target, "wakes")
     for rap in library.raps.values():
@@ -175,7 +178,7 @@ def monitors(library: Library) -> Graph:
     return drawing.done()
 
 
-def _facts(library: Library, formula: nodes.Formula) -> Iterator[str]:
+def facts_of(library: Library, formula: nodes.Formula) -> Iterator[str]:
     """Yield the facts that a formula asks for, by way of named queries too."""
     asked, stack = set(), [formula]
     while stack:
@@ -191,7 +194,7 @@ def _facts(library: Library, formula: nodes.Formula) -> Iterator[str]:
 
 
 def _bring_about(
-    drawing: _Drawing,
+    drawing: GraphDrawing,
     kind: Kind,
     name: str,
     effects: list[nodes.DeclaredEffect],
@@ -210,7 +213,7 @@ def _bring_about(
 
 def things(library: Library) -> Graph:
     """Return which things methods claim, and primitives and skills use."""
-    drawing = _Drawing("claims and uses")
+    drawing = GraphDrawing("claims and uses")
     for rap in library.raps.values():
         for method in rap.methods:
             for thing in method.claims:

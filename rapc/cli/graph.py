@@ -10,7 +10,6 @@ import click
 
 from rapc.analysis import graphs
 from rapc.analysis.driver import check_library
-from rapc.analysis.graphs import Graph
 from rapc.analysis.selection import errors
 from rapc.base.names import nearest
 from rapc.base.values import format_atom, number
@@ -24,6 +23,7 @@ from rapc.cli.common import (
 )
 from rapc.cli.given import prepare, run_options
 from rapc.cli.options import Amount
+from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.worlds.skills.drawing import (
     Drawing,
@@ -37,6 +37,7 @@ EXAMPLES = """\b
 Examples:
   rapc graph my-library/ | dot -Tsvg > calls.svg
   rapc graph my-library/ --rap deliver --format mermaid
+  rapc graph my-library/ --effects deliver --format text
   rapc graph my-library/ --monitors --format json
   rapc graph my-library/ --skills 20 --world my_robot:World --task '(tour)'
 """
@@ -47,15 +48,16 @@ Examples:
 )
 @click.argument("path", metavar="PATH")
 @click.option("--rap", metavar="RAP", help="The task-nets of a RAP instead.")
+@click.option("--effects", metavar="RAP", help="What a RAP may do, all told.")
 @click.option("--monitors", is_flag=True, help="Monitors, and what wakes them.")
 @click.option("--claims", is_flag=True, help="What is claimed and used, and by whom.")
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(["dot", "mermaid", "json"]),
+    type=click.Choice(["dot", "mermaid", "json", "text"]),
     default="dot",
     show_default=True,
-    help="For Graphviz, for Mermaid, or for programs.",
+    help="For Graphviz, for Mermaid, for programs, or for people.",
 )
 @click.option(
     "--skills",
@@ -70,6 +72,7 @@ Examples:
 def graph(
     path: str,
     rap: str | None,
+    effects: str | None,
     monitors: bool,
     claims: bool,
     output_format: str,
@@ -81,8 +84,12 @@ def graph(
 
     Exit status: 0; 2 for a library with errors, and for what cannot be read.
     """
-    if (rap is not None) + monitors + claims + (moment is not None) > 1:
-        fail("--rap, --monitors, --claims and --skills exclude each other")
+    wholes = (rap is not None, effects is not None, moment is not None)
+    if sum((*wholes, monitors, claims)) > 1:
+        said = "--rap, --effects, --monitors, --claims and --skills"
+        fail(f"{said} exclude each other")
+    if moment is not None and output_format == "text":
+        fail("--skills is drawn: --format is dot, mermaid or json")
     if moment is not None and world_name is not None:
         written = _SKILLS[output_format](_network(path, world_name, moment, given))
         click.echo(written, nl=False)
@@ -91,7 +98,11 @@ def graph(
         fail("--skills takes --world; --world, --task and the like take --skills")
     library = _library(path)
     if rap is not None:
-        drawn = _task_nets(library, rap)
+        drawn = graphs.task_nets(_named(library, rap))
+    elif effects is not None:
+        from rapc.analysis.effects_graph import effects as all_told  # noqa: PLC0415  # for few
+
+        drawn = all_told(library, _named(library, effects).name)
     elif monitors:
         drawn = graphs.monitors(library)
     elif claims:
@@ -138,9 +149,9 @@ def _library(path: str) -> Library:
     return loaded.library
 
 
-def _task_nets(library: Library, name: str) -> Graph:
+def _named(library: Library, name: str) -> nodes.DefineRap:
     rap = library.raps.get(name.lower())
     if rap is None:
         near = nearest(name.lower(), library.raps)
         fail(f"no RAP is called `{name}`", f"did you mean `{near}`?" if near else None)
-    return graphs.task_nets(rap)
+    return rap

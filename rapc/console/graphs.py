@@ -1,9 +1,9 @@
-"""Graphs as text that other programs draw: Graphviz dot, Mermaid, JSON."""
+"""Graphs as text: for Graphviz, Mermaid and other programs that draw, for people."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 import msgspec
 
@@ -18,6 +18,7 @@ _SHAPES: Mapping[str, tuple[str, str, str]] = {
     "fact": ("hexagon", "{{", "}}"),
     "thing": ("cylinder", "[(", ")]"),
     "datum": ("parallelogram", "[/", "/]"),
+    "event": ("cds", ">", "]"),
 }
 """The shape of each kind of vertex: in dot, and the brackets of Mermaid."""
 
@@ -64,6 +65,39 @@ def mermaid(graph: Graph) -> str:
     return _lines(rows)
 
 
+def text(graph: Graph) -> str:
+    """Return a graph for people to read: each vertex with what its arrows lead to."""
+    labels = {one.id: one.label for one in graph.vertices}
+    led: dict[str, dict[str, list[str]]] = {one.id: {} for one in graph.vertices}
+    ends = set()
+    for edge in graph.edges:
+        led[edge.source].setdefault(edge.label, []).append(labels[edge.target])
+        ends.add(edge.target)
+    rows = []
+    for one in graph.vertices:
+        if led[one.id] or one.id not in ends:
+            rows.append(f"{one.group}: {one.label}" if one.group else one.label)
+        for label, targets in led[one.id].items():
+            rows += _told(f"  {label or '->'} ", targets)
+    return _lines(rows)
+
+
+def _told(head: str, targets: Iterable[str]) -> Iterator[str]:
+    """Yield lines of words behind a head, none too long if it can be helped."""
+    line, filled = head, False
+    for target in targets:
+        if filled and len(line) + len(target) + 2 > _WIDTH:
+            yield f"{line},"
+            line, filled = " " * len(head), False
+        line += f", {target}" if filled else target
+        filled = True
+    yield line
+
+
+_WIDTH = 80
+"""How long the lines of a text are."""
+
+
 def as_json(graph: Graph) -> str:
     """Return a graph as JSON: its title, vertices and edges."""
     return json.dumps(msgspec.to_builtins(graph), indent=2, ensure_ascii=False) + "\n"
@@ -73,6 +107,7 @@ WRITERS: Mapping[str, Callable[[Graph], str]] = {
     "dot": dot,
     "mermaid": mermaid,
     "json": as_json,
+    "text": text,
 }
 """What writes graphs in each format."""
 

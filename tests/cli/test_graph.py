@@ -108,7 +108,46 @@ def test_claims_and_uses(folder: Path) -> None:
     ]
 
 
-@pytest.mark.parametrize("args", [(), ("--rap", "go"), ("--monitors",), ("--claims",)])
+def test_what_a_rap_may_do_is_told_of_all_below_it(folder: Path) -> None:
+    told = "watch\n"
+    told += "  asserts (busy), (at ?), (parked)\n"
+    told += "  erases (busy), (parked)\n"
+    told += "  waits for close, at, busy, :clear\n"
+    told += "  requests drive: okay\n"
+    told += "  uses wheels\n"
+    told += "  claims wheels\n"
+    told += "  not all is known of go\n"
+    done = rapc(
+        "graph", "lib.rap", "--effects", "watch", "--format", "text", cwd=folder
+    )
+    assert done.stdout == told
+    done = rapc("graph", "lib.rap", "--effects", "step", "--format", "text", cwd=folder)
+    told = "step\n  asserts (at ?), (parked)\n  erases (parked)\n"
+    assert done.stdout == told + "  requests drive: okay\n  uses wheels\n"
+
+
+def test_data_are_sensed_and_constants_stay(folder: Path) -> None:
+    library = folder / "lib.rap"
+    text = LIBRARY.replace(":uses (wheels)", ":tells (seen) :uses (wheels)")
+    library.write_text(text.replace("(drive ?place)", "(drive home)"))
+    _, edges = _drawn(folder, "--effects", "step")
+    assert ("rap step", "datum senses seen", "senses") in edges
+    assert ("rap step", "fact asserts (at home)", "asserts") in edges
+    assert ("rap step", "fact asserts (close ?)", "asserts") in edges
+
+
+def test_the_text_of_a_graph(folder: Path) -> None:
+    done = rapc("graph", "lib.rap", "--format", "text", cwd=folder)
+    assert done.stdout == (
+        "day\n  priority 3 watch\n  -> go\nwatch\n  rest go\ngo\n  -> step\n"
+        "step\n  -> drive\n"
+    )
+
+
+@pytest.mark.parametrize(
+    "args",
+    [(), ("--rap", "go"), ("--effects", "watch"), ("--monitors",), ("--claims",)],
+)
 def test_dot_and_mermaid_hold_the_same_graph(
     args: tuple[str, ...], folder: Path
 ) -> None:
@@ -137,7 +176,10 @@ def test_the_manual_shows_what_is_printed() -> None:
     shown = re.findall(r"^```mermaid\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     library = str(ROOT / "stdlib" / "truck")
     done = rapc("graph", library, "--rap", "fill-order", "--format", "mermaid")
-    assert shown == [done.stdout]
+    courier = str(ROOT / "examples" / "courier")
+    told = ("graph", courier, "--effects", "keep-charged", "--format")
+    assert shown == [done.stdout, rapc(*told, "mermaid").stdout]
+    assert f"```text\n{rapc(*told, 'text').stdout}```" in page
 
 
 def test_bad_usage(folder: Path) -> None:
@@ -146,8 +188,10 @@ def test_bad_usage(folder: Path) -> None:
     assert done.stderr == ("error: no RAP is called `setp`\n  did you mean `step`?\n")
     done = rapc("graph", "lib.rap", "--rap", "go", "--claims", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    said = "error: --rap, --monitors, --claims and --skills exclude each other\n"
-    assert done.stderr == said
+    said = "--rap, --effects, --monitors, --claims and --skills exclude each other"
+    assert done.stderr == f"error: {said}\n"
+    done = rapc("graph", "lib.rap", "--effects", "setp", cwd=folder)
+    assert done.stderr == ("error: no RAP is called `setp`\n  did you mean `step`?\n")
     (folder / "lib.rap").write_text("(define-rap (a) (succeed (b)))")
     done = rapc("graph", "lib.rap", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
@@ -195,6 +239,7 @@ def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
         (("--skills", "nan", *WORLD), "'nan' is not a finite number"),
         (("--skills", "inf", *WORLD), "'inf' is not a finite number"),
         (("--skills", "soon", *WORLD), "'soon' is not a valid number"),
+        (("--skills", "1", *WORLD, "--format", "text"), "--format is dot, mermaid or"),
         (("--skills", "1", *WORLD, "--task", "(gone)"), "no RAP is called `gone`"),
     ],
 )

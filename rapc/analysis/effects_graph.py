@@ -1,0 +1,139 @@
+"""What a RAP may do with all that lies below it, as a graph around it.
+
+What it may bring about is summed up in `rapc.analysis.effects`; what it may sense, wait
+for, request, use and claim is gathered here, along the steps of its methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rapc.analysis.effects import Effect, Effects
+from rapc.analysis.graphs import Graph, GraphDrawing, Kind, facts_of
+from rapc.base.values import Atom, format_atom, format_list
+from rapc.ir import nodes
+from rapc.ir.printer import format_node
+from rapc.ir.walk import steps
+from rapc.library.library import Library
+
+
+class _Said(NamedTuple):
+    """What a RAP may do with something."""
+
+    verb: str
+    kind: Kind
+    #: What tells it from others of its kind.
+    name: str
+    label: str
+
+
+_VERBS = (
+    *("senses", "asserts", "erases", "waits for", "requests", "enables"),
+    *("uses", "claims", "not all is known of"),
+)
+"""What is told, in this order."""
+
+
+def effects(library: Library, name: str) -> Graph:
+    """Return what a RAP may sense, assert, erase, wait for, request, use and claim.
+
+    An argument that is not a constant wherever the fact is brought about is a `?`.
+    Requests are told with all results that they may have. The last names are those of
+    which the declarations do not say all.
+
+    Args:
+        library: the library.
+        name: the RAP, one of the library.
+    """
+    drawing = GraphDrawing(f"effects of {name}")
+    source = drawing.vertex("rap", name)
+    summed = Effects(library)
+    found = [*_facts(summed, name)]
+    for below in _below(library, name):
+        rap = library.raps.get(below)
+        if rap is None or summed.is_open(below):
+            found.append(_Said("not all is known of", "rap", below, below))
+        if rap is not None:
+            found += _of_rap(library, rap)
+    if library.event_rules:
+        said = _Said("not all is known of", "rap", "event rules", "event rules")
+        found.append(said)
+    for one in sorted(found, key=lambda one: _VERBS.index(one.verb)):
+        target = drawing.vertex(one.kind, f"{one.verb} {one.name}", one.label)
+        drawing.edge(source, target, one.verb)
+    return drawing.done()
+
+
+def _below(library: Library, name: str) -> Iterator[str]:
+    """Yield a RAP and all that its steps may lead to, each once."""
+    waiting, seen = [name], {name}
+    while waiting:
+        here = waiting.pop()
+        yield here
+        rap = library.raps.get(here)
+        asked = [s.goal.name for m in rap.methods for s in steps(m)] if rap else []
+        new = list(dict.fromkeys(one for one in asked if one not in seen))
+        seen.update(new)
+        waiting += reversed(new)
+
+
+def _facts(summed: Effects, name: str) -> Iterator[_Said]:
+    for effect in summed.known(name):
+        said = _written(effect)
+        yield _Said("erases" if effect.gone else "asserts", "fact", said, said)
+
+
+def _written(effect: Effect) -> str:
+    return format_list([effect.name, *map(_value, effect.values)])
+
+
+def _value(value: object) -> str:
+    return format_atom(value) if isinstance(value, Atom) else "?"
+
+
+def _of_rap(library: Library, rap: nodes.DefineRap) -> Iterator[_Said]:
+    if rap.monitor_state is not None:
+        for name in facts_of(library, rap.monitor_state):
+            yield _Said("waits for", "fact", name, name)
+    for method in rap.methods:
+        for thing in method.claims:
+            yield _thing("claims", thing)
+        for step in steps(method):
+            for note in step.annotations:
+                if isinstance(note, nodes.WaitFor):
+                    yield _event(note)
+        body = method.body
+        if isinstance(body, nodes.Primitive):
+            yield from _of_request(library, body.request)
+        enabled = [*method.skills]
+        if isinstance(body, nodes.Skills):
+            yield from map(_event, body.waits)
+            enabled += body.enable
+        for skill in enabled:
+            yield _Said("enables", "skill", skill.name, skill.name)
+            declared = library.skills.get(skill.name)
+            for thing in declared.uses if declared is not None else ():
+                yield _thing("uses", thing)
+
+
+def _of_request(library: Library, request: nodes.Request) -> Iterator[_Said]:
+    form = library.primitives.get(request.name)
+    results = ", ".join(form.results) if form is not None else ""
+    label = f"{request.name}: {results}" if results else request.name
+    yield _Said("requests", "primitive", request.name, label)
+    if form is not None:
+        for thing in form.uses:
+            yield _thing("uses", thing)
+        for name in form.tells:
+            yield _Said("senses", "datum", name, name)
+
+
+def _thing(verb: str, thing: nodes.Thing) -> _Said:
+    """Say what is done with a thing; whatever stands for a variable may be meant."""
+    said = format_node(thing)
+    return _Said(verb, "thing", said, said)
+
+
+def _event(wait: nodes.WaitFor) -> _Said:
+    return _Said("waits for", "event", wait.signal, wait.signal)
