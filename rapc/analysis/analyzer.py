@@ -8,8 +8,9 @@ each one runs and what becomes of its findings is decided in `rapc.analysis.driv
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar, cast
+
+import msgspec
 
 from rapc.base.diagnostics import Diagnostic, Rule
 from rapc.base.source import Span
@@ -23,8 +24,7 @@ Whole = Literal["node", "method", "form"]
 """How much around a finding must have been read for it to be sure."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Analyzer(Generic[T]):
+class Analyzer(msgspec.Struct, Generic[T], frozen=True, eq=False):
     """One pass.
 
     Args:

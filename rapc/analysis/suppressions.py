@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 
 import msgspec
 
@@ -62,8 +63,18 @@ names or codes of rules, separated by commas; anything else silences nothing."""
 RULES = (UNUSED, BAD)
 """The rules about suppressions themselves."""
 
-_MEANT = re.compile(r";+\s*rapc:\s*(?P<what>.*)", re.IGNORECASE | re.DOTALL)
-_FORM = re.compile(r"(?P<kind>ignore|file-ignore)\[(?P<rules>[^\]]*)\]", re.IGNORECASE)
+
+@cache
+def _meant() -> re.Pattern[str]:
+    """Return what finds comments that are meant as suppressions."""
+    return re.compile(r";+\s*rapc:\s*(?P<what>.*)", re.IGNORECASE | re.DOTALL)
+
+
+@cache
+def _form() -> re.Pattern[str]:
+    """Return what finds the parts of a suppression."""
+    form = r"(?P<kind>ignore|file-ignore)\[(?P<rules>[^\]]*)\]"
+    return re.compile(form, re.IGNORECASE)
 
 
 class Suppression(msgspec.Struct, frozen=True):
@@ -89,7 +100,10 @@ def find(
         rules: all rules by name.
     """
     source = unit.file
-    meant = [(c, m["what"]) for c in unit.comments if (m := _MEANT.match(c.text))]
+    if not unit.comments:
+        return [], []
+    match = _meant().match
+    meant = [(c, m["what"]) for c in unit.comments if (m := match(c.text))]
     if not meant:
         return [], []
     by_word = {word: rule for rule in rules.values() for word in (rule.name, rule.code)}
@@ -98,7 +112,7 @@ def find(
     found: list[Suppression] = []
     wrong: list[Diagnostic] = []
     for comment, what in meant:
-        form = _FORM.match(what)
+        form = _form().match(what)
         words = [w.strip() for w in form["rules"].split(",")] if form else []
         if form is None or not any(words):
             wrong.append(_malformed(comment))

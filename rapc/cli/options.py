@@ -10,7 +10,6 @@ import os
 import sys
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NoReturn, TypeVar
 
 import click
@@ -47,7 +46,6 @@ class Amount(click.FloatRange):
         return given
 
 
-@dataclass
 class CliSettings:
     """What the options common to all commands say; lives in click's root context."""
 

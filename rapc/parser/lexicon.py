@@ -12,6 +12,7 @@ import re
 import sys
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
 from typing import Any
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix
@@ -93,7 +94,7 @@ class Lexicon:
         block = terminals["BLOCK_OPEN"]
         tokens = (left, right, "#'", atom, '"', comment, block, other)
         choice = "|".join(f"({token})" for token in tokens)
-        self.loose = re.compile(rf"{space}*(?:{choice}|\Z)")
+        self._loose = rf"{space}*(?:{choice}|\Z)"
         pieces = (
             f"(?:{left})*+(?!#'){atom}(?:{right})*+{space}*+",
             f"(?:{left})++{space}*+|(?:{right})++{space}*+|{space}++",
@@ -101,11 +102,28 @@ class Lexicon:
         )
         self.words = re.compile("|".join(pieces))
         kinds = "|".join(f"(?P<{kind}>{terminals[kind]})" for kind in MAKERS)
-        self.atom = re.compile(kinds)
+        self._atom = kinds
         self.word = re.compile(f"(?:{left})*+(?!#')(?:{kinds})")
         self.block = re.compile(rf"(?<!\|){block}")
+        self._string = string
         self.comment = re.compile(comment)
-        self.string = re.compile(string)
+
+    # What most files have no use for is compiled when it is asked for.
+
+    @cached_property
+    def loose(self) -> re.Pattern[str]:
+        """Return what finds one token after the other, where a text is put right."""
+        return re.compile(self._loose)
+
+    @cached_property
+    def atom(self) -> re.Pattern[str]:
+        """Return what an atom alone is."""
+        return re.compile(self._atom)
+
+    @cached_property
+    def string(self) -> re.Pattern[str]:
+        """Return what a string that is closed is."""
+        return re.compile(self._string)
 
 
 def atom_value(kind: str, raw: str) -> Number | str | None:

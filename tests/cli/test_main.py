@@ -112,7 +112,7 @@ def test_slips_get_one_line_and_one_suggestion(
     assert done.stderr.count("\n") == 1
 
 
-def _fault(*_: object) -> None:
+def _fault(*_: object, **__: object) -> None:
     raise RuntimeError("two\nlines")
 
 
@@ -142,7 +142,7 @@ def test_debug_shows_the_traceback(
     assert "Traceback" in capsys.readouterr().err
 
 
-def _interrupt(*_: object) -> None:
+def _interrupt(*_: object, **__: object) -> None:
     raise KeyboardInterrupt
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import cache
 
 import msgspec
 
@@ -34,17 +35,19 @@ from rapc.parser.syntax import Datum, List, String
 CUT = STRING + 100
 """The kind of a string that does not close: it ends with its line."""
 
-_FORM = re.compile(
+_FORM = (
     r"\({1,2}(?:define-|declare-|require[\s\"]"
-    r"|(?:def|dec)[a-z]{0,6}-(?:rap|test|mem|event|class|indi|prim|sens|skill))",
-    re.I,
+    r"|(?:def|dec)[a-z]{0,6}-(?:rap|test|mem|event|class|indi|prim|sens|skill))"
 )
-_FORM_LINE = re.compile(rf"^{_FORM.pattern}", re.I | re.M)
-_BARE_FORM = re.compile(r"(?:define|declare)-\w", re.I)
-_STRING = re.compile(
-    r'"[^"\\\n]*+(?:(?:\\[^\n]|\\?\n(?!\((?:define|declare)-))[^"\\\n]*+)*+"', re.I
-)
-_LINE_STRING = re.compile(r'"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*+"')
+_BARE_FORM = r"(?:define|declare)-\w"
+_STRING = r'"[^"\\\n]*+(?:(?:\\[^\n]|\\?\n(?!\((?:define|declare)-))[^"\\\n]*+)*+"'
+_LINE_STRING = r'"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*+"'
+
+
+@cache
+def _compiled(pattern: str) -> re.Pattern[str]:
+    """Return an expression, compiled when the first text has to be put right."""
+    return re.compile(pattern, re.I | re.M)
 
 
 class Segment(msgspec.Struct):
@@ -107,7 +110,7 @@ class _Cutter:
         self.text = log.source.text
         self.loose = log.lexicon.loose
         self.closers = closers
-        self.string = _LINE_STRING if lines else _STRING
+        self.string = _compiled(_LINE_STRING if lines else _STRING)
         self.segment = Segment(start, len(self.text), [])
         self.depth = 0
         self.surplus = 0
@@ -117,7 +120,7 @@ class _Cutter:
         """The segment; given up where a string that might have lines is not closed."""
         at = self.segment.start
         while at < self.segment.end:
-            if self.segment.string is not None and self.string is _STRING:
+            if self.segment.string is not None and self.string is _compiled(_STRING):
                 break
             match = self.loose.match(self.text, at)
             kind = match.lastindex if match else None
@@ -141,10 +144,11 @@ class _Cutter:
         if at == self.segment.start or self.text[at - 1] != "\n":
             return False
         if kind == ATOM:
-            return not self.depth and _BARE_FORM.match(self.text, at) is not None
+            found = _compiled(_BARE_FORM).match(self.text, at)
+            return not self.depth and found is not None
         if kind != OPEN:
             return False
-        found = _FORM.match(self.text, at)
+        found = _compiled(_FORM).match(self.text, at)
         return found is not None and not (self.in_test and "require" in found[0])
 
     def _parenthesis(self, kind: int, at: int) -> None:
@@ -181,7 +185,7 @@ class _Cutter:
         if end is None:
             if self.segment.comment is None:
                 self.segment.comment = start
-            form = _FORM_LINE.search(self.text, start)
+            form = _compiled(f"^{_FORM}").search(self.text, start)
             end = form.start() if form else len(self.text)
         self.segment.tokens.append((BLOCK, start, end))
         return end
