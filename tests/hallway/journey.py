@@ -113,7 +113,7 @@ class Traveller:
         ]
         if not passed:
             return False
-        heading = passed[-1].arguments[0]
+        heading = passed[-1].arguments[2]
         assert isinstance(heading, float | int)
         leading = [
             sign

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -11,12 +12,15 @@ import msgspec
 
 import rapc
 from rapc.base.values import Atom, Number, Text
+from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.hallway import HallwayWorld
 from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.map_text import named_map
+from rapc.worlds.hallway.simulation import STANDOFF
 from rapc.worlds.hallway.world import Figures
 from rapc.worlds.registry import build_world
+from tests.hallway.strays import Stray, Strays
 
 STDLIB = Path(__file__).parents[2] / "stdlib" / "hallway"
 
@@ -37,6 +41,12 @@ class Journey(msgspec.Struct, frozen=True):
     believed: str
     #: The truth at the end.
     truth: Figures
+    #: How far the robot is from its place before the goal, in metres.
+    away: float
+    #: When it was wrong about the space that it was in.
+    strays: Sequence[Stray] = ()
+    #: Why the journey failed, if it did.
+    because: events.Cause | None = None
 
     @property
     def arrived(self) -> bool:
@@ -77,11 +87,30 @@ def travel(
     start, goal = Random(seed).sample(map.landmark, 2)
     given = {**(options or {}), "start": Text(start.name)}
     run, world = begin(seed, f"(go-to {goal.name}) :at 1", options=given)
+    strays = Strays(run, world)
+    run.listen(lambda _: None, events.TaskFailed)
     run.run(until=LATEST)
     sent = next(task for task in run.results() if not task.background)
     ((*_, believed),) = run.memory.query("current-space", "robot", None)
     succeeded = sent.outcome == "succeeded"
-    truth = world.figures()
     return Journey(
-        start.name, goal.name, succeeded, run.now, goal.space, str(believed), truth
+        start.name,
+        goal.name,
+        succeeded,
+        run.now,
+        goal.space,
+        str(believed),
+        world.figures(),
+        away(world, goal.name, goal.space),
+        strays.found,
+        sent.because,
     )
+
+
+def away(world: HallwayWorld, landmark: str, space: str) -> float:
+    """Return how far the robot is from its place before a landmark, in metres."""
+    sign, body = world.simulation.sign_of(landmark, space), world.simulation.state.robot
+    if sign.floor != body.floor:
+        return math.inf
+    x, y = sign.front(STANDOFF)
+    return math.hypot(body.x - x, body.y - y)

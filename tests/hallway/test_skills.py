@@ -208,14 +208,14 @@ def test_a_watch_tells_when_the_landmark_comes_into_view() -> None:
     assert heading == pytest.approx(true, abs=0.1)
 
 
-def test_tags_are_told_of_without_being_watched_for() -> None:
+def test_landmarks_in_view_are_told_of_in_turn_without_being_watched_for() -> None:
     driver = Driver()
     sign = driver.place_at("charger", "lab")
     driver.on(Request("see-tags"), events=("tags-seen",))
-    driver.tick(25)
+    driver.tick(45)
     seen = [one.arguments for _, one in driver.heard]
-    assert len(seen) == 3
-    for left, right, spread, heading in seen:
+    assert [left for left, *_ in seen] == [0, 2, 8, 0, 2]
+    for left, right, spread, heading in (seen[0], seen[3]):
         assert (left, right) == sign.tags
         assert spread == pytest.approx(2 * math.atan(sign.apart / 2), abs=0.06)
         assert abs(math.remainder(float(str(heading)) - math.pi, math.tau)) < 0.05
@@ -305,7 +305,9 @@ def test_pushed_through_a_door_the_robot_notices_by_sonar() -> None:
     assert driver.sim.state.space == "lab"
     (told,) = [one for _, one in driver.heard if one.event == "passed-doorway"]
     assert told.tickets == (ticket,)
-    assert told.arguments[0] == pytest.approx(NORTH, abs=0.3)
+    x, y, heading = told.arguments
+    assert (x, y) == pytest.approx((5.0, 15.1), abs=0.2)
+    assert heading == pytest.approx(NORTH, abs=0.05)
 
 
 def test_a_push_against_a_wall_is_no_collision_of_the_robots_own() -> None:

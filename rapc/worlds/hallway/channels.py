@@ -147,7 +147,7 @@ GAP = Channel("gap", Gap, "", "the passage of a doorway", own=True)
 TRAVEL = Channel("travel", Travel, "", "the end of a movement", own=True)
 SIGHTING = Channel("sighting", Sighting, "m, rad", "a landmark in view", own=True)
 SEEN = Channel("seen", tuple[Tag, ...], "rad", "pairs of tags in view", own=True)
-PASSED = Channel("passed", float, "rad", "the heading of a passage", own=True)
+PASSED = Channel("passed", Pose, "m, rad", "a doorway that was passed", own=True)
 DONE = Channel("done", bool, "", "whether the work is done", own=True)
 
 DRIVE = Channel("drive", Drive, "m/s, rad/s", "to the motors")

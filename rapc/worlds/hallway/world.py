@@ -16,6 +16,7 @@ import msgspec
 from rapc.base.values import Atom, Fact, Number, Text, number
 from rapc.world import (
     NOT_KNOWN,
+    Callables,
     Kit,
     Offer,
     Option,
@@ -26,7 +27,13 @@ from rapc.world import (
     World,
 )
 from rapc.worlds.hallway import facts, planner
-from rapc.worlds.hallway.geometry import far_from, turn_between
+from rapc.worlds.hallway.geometry import (
+    far_from,
+    heading_to,
+    new_x,
+    new_y,
+    turn_between,
+)
 from rapc.worlds.hallway.map import Map, MapError
 from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.picture import picture
@@ -54,6 +61,15 @@ OPTIONS = (
     Option("drift", "number", 1, "", "how much dead reckoning drifts; 1 is usual"),
     Option("usage", "number", 1, "", "how fast the battery is used up; 1 is usual"),
 )
+
+
+FUNCTIONS: Callables = {
+    "turn-between": turn_between,
+    "far-from": far_from,
+    "new-x": new_x,
+    "new-y": new_y,
+    "heading-to": heading_to,
+}
 
 
 class Figures(msgspec.Struct, frozen=True):
@@ -98,7 +114,7 @@ class HallwayWorld(World):
     kit = Kit(
         offer(catalogue()),
         options=OPTIONS,
-        functions={"turn-between": turn_between, "far-from": far_from},
+        functions=FUNCTIONS,
         solvers={"travel-to-distant-space": planner.plan},
     )
 

@@ -9,7 +9,7 @@ from rapc.worlds.hallway.skills.avoiding import (
     LimitSpeed,
     LowestLimit,
 )
-from rapc.worlds.hallway.skills.doorways import DetectDoorway, TrackDoorJambs
+from rapc.worlds.hallway.skills.doorways import TrackDoorJambs
 from rapc.worlds.hallway.skills.halls import TrackHallway
 from rapc.worlds.hallway.skills.landmarks import (
     MARK,
@@ -23,6 +23,7 @@ from rapc.worlds.hallway.skills.moving import (
     FaceDirection,
     SteerInDirection,
 )
+from rapc.worlds.hallway.skills.passages import DetectDoorway
 from rapc.worlds.hallway.skills.reporting import ReportPosition, WatchBattery
 from rapc.worlds.hallway.skills.services import CallLift, Charge, Speak
 from rapc.worlds.skills.catalogue import Catalogue

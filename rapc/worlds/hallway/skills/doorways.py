@@ -1,4 +1,4 @@
-"""Going through a doorway by sonar, and noticing that the robot has gone through one.
+"""Going through a doorway by sonar.
 
 The skill is told roughly where the doorway leads to. It squares that direction to the
 walls it sees, finds the wall ahead as the plane that most echoes share, and asks of
@@ -21,7 +21,6 @@ import msgspec
 from rapc.base.values import Atom
 from rapc.worlds.hallway.channels import (
     GAP,
-    PASSED,
     POSE,
     SONAR,
     SONAR_RANGE,
@@ -40,7 +39,7 @@ from rapc.worlds.hallway.skills.sonar import (
     square_to,
     vote,
 )
-from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
+from rapc.worlds.skills.declarations import Event, Ports, Skill
 
 BIN = 0.05
 BINS = 60
@@ -257,93 +256,3 @@ def _edge(bins: Sequence[float], last: int, step: int) -> float:
     while 0 <= number < len(bins) and bins[number] == 0 and abs(number - last) < 8:
         number += step
     return (last + number) / 2 + 0.5
-
-
-Place = tuple[float, float]
-"""A point in the frame of dead reckoning."""
-
-
-class Between(msgspec.Struct):
-    """What `detect-doorway` remembers."""
-
-    #: Where the left and the right side were last open.
-    open: list[Place | None] = msgspec.field(default_factory=lambda: [None, None])
-    #: Where the robot came between two jambs; None while it is not between any.
-    start: Place | None = None
-    #: Where it left them; None while it is not just behind some.
-    end: Place | None = None
-    #: The heading of the passage that ended there.
-    heading: float = 0.0
-
-
-SIDES = (5, 6, 7), (17, 18, 19)
-"""The sonars that look to the left and to the right."""
-
-TIGHT = 0.85
-"""In a doorway there is something as near as that on both sides, in metres."""
-
-TOGETHER = 1.15
-"""And both together are not farther away than that."""
-
-THROUGH = 0.3
-"""What the robot travels between the jambs at least, in metres."""
-
-AROUND = 0.8
-"""So shortly before and behind a doorway both sides are open, in metres."""
-
-
-class PassedDoorway(Event):
-    """The robot has come through something like a doorway, wherever it meant to go."""
-
-    name = "passed-doorway"
-    inputs = (PASSED,)
-    carries = (Parameter("heading", "number", "rad", "of the passage"),)
-
-    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether it has just left a narrow place on the other side."""
-        heading = ports.get(PASSED)
-        return None if heading is None else (round(heading, 2),)
-
-
-class DetectDoorway(Skill):
-    """Notice by sonar that the robot goes between two jambs.
-
-    Both sides are open, then both are near, then both are open again, all within a
-    short way. Beside somebody in a hallway one side is near all the time: the wall.
-    """
-
-    name = "detect-doorway"
-    inputs = (SONAR, POSE)
-    outputs = (PASSED,)
-    events = (PassedDoorway,)
-    State = Between
-    state: Between
-
-    def step(self, now: float, ports: Ports) -> None:
-        """Compare both sides, and say when they are open again."""
-        state, ranges = self.state, ports[SONAR]
-        here = (ports[POSE].x, ports[POSE].y)
-        near = [min(ranges[number] for number in side) for side in SIDES]
-        if max(near) < TIGHT and sum(near) < TOGETHER:
-            if state.start is None and all(_within(p, here) for p in state.open):
-                state.start, state.end = here, None
-            return
-        if state.start is not None:
-            if math.dist(state.start, here) >= THROUGH:
-                (x, y), (a, b) = state.start, here
-                state.end, state.heading = here, math.atan2(b - y, a - x)
-                state.open = [None, None]
-            state.start = None
-        for side, far in enumerate(near):
-            if far >= TIGHT:
-                state.open[side] = here
-        if state.end is not None:
-            if all(place is not None for place in state.open):
-                ports[PASSED] = state.heading
-                state.end = None
-            elif not _within(state.end, here):
-                state.end = None
-
-
-def _within(place: Place | None, here: Place) -> bool:
-    return place is not None and math.dist(place, here) <= AROUND

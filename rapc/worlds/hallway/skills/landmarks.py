@@ -63,6 +63,9 @@ OPEN = 0.4
 AT = 0.12
 """How near to its place before the landmark the robot stops, in metres."""
 
+EACH = 1.0
+"""Seconds for which one of several landmarks in view is told of."""
+
 MARK = (
     Parameter("mark", "symbol", "", "what the landmark is called"),
     Parameter("left", "number", "", "the code of its left tag"),
@@ -297,10 +300,10 @@ class TagsSeen(Event):
         Parameter("spread", "number", "rad", "the angle between them"),
         Parameter("heading", "number", "rad", "in the frame of dead reckoning"),
     )
-    again = 1.0
+    again = EACH
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether a pair is in view; of several the one seen under the widest angle."""
+        """Whether a pair is in view, and which."""
         seen = ports[SEEN]
         if not seen:
             return None
@@ -311,28 +314,44 @@ class TagsSeen(Event):
         return left.code, right.code, round(spread, 3), round(heading, 2)
 
 
+class Turns(msgspec.Struct):
+    """What `see-tags` remembers."""
+
+    #: The left codes of the pairs in view, the one that has its turn now last.
+    queue: list[int] = []
+    #: Since when it has its turn.
+    since: float = 0.0
+
+
 class SeeTags(Skill):
-    """Look out for landmarks, whichever they are: an even tag and the next one."""
+    """Look out for landmarks, whichever they are: an even tag and the next one.
+
+    Those in view take turns.
+    """
 
     name = "see-tags"
     inputs = (TAGS,)
     outputs = (SEEN,)
     events = (TagsSeen,)
+    State = Turns
+    state: Turns
 
     def step(self, now: float, ports: Ports) -> None:
-        """Write the nearest pair in view, left tag first."""
-        tags = {tag.code: tag for tag in ports[TAGS]}
-        pairs = [
-            (tag, tags[code + 1])
-            for code, tag in tags.items()
-            if code % 2 == 0 and code + 1 in tags
-        ]
-        widest = max(
-            pairs,
-            key=lambda p: abs(math.remainder(p[0].bearing - p[1].bearing, 2 * math.pi)),
-            default=(),
-        )
-        ports[SEEN] = tuple(widest)
+        """Write the pair in view that has its turn, left tag first."""
+        tags, state = {tag.code: tag for tag in ports[TAGS]}, self.state
+        pairs = [code for code in sorted(tags) if code % 2 == 0 and code + 1 in tags]
+        if not pairs:
+            state.queue = []
+            ports[SEEN] = ()
+            return
+        last = state.queue[-1:]
+        waiting = [code for code in state.queue if code in pairs]
+        state.queue = [code for code in pairs if code not in waiting] + waiting
+        if state.queue[-1:] != last or now - state.since >= EACH - 0.05:
+            state.queue.append(state.queue.pop(0))
+            state.since = now
+        left = state.queue[-1]
+        ports[SEEN] = (tags[left], tags[left + 1])
 
 
 def open_to(ranges: Sequence[float], bearing: float, wall: float) -> bool:

@@ -1,0 +1,266 @@
+"""Noticing by sonar that the robot has come through a doorway, wherever it meant to go.
+
+A narrow place is one where something is near on two sides. A person beside a box makes
+one, too; so a narrow place is judged from behind, by what was heard before and behind
+it. A doorway is a gap in a wall: on both sides of the way the echoes lie in one plane
+across it, unbroken from the edge of the gap for longer than a person or a post is wide,
+and no beam has gone through the plane there.
+
+    wall wall wall ...|        |... wall wall wall     echoes near one plane
+                   one     the other
+                  edge     edge
+
+Echoes are kept with the place from which they were heard, in the frame of dead
+reckoning: over the few metres of way that they cover, that drifts by less than they are
+noisy.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import msgspec
+
+from rapc.base.values import Atom
+from rapc.worlds.hallway.channels import (
+    DIRECTIONS,
+    PASSED,
+    POSE,
+    SONAR,
+    SONARS,
+    Pose,
+)
+from rapc.worlds.hallway.skills.sonar import Point, Votes, vote
+from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
+
+KEPT = 50
+"""So many rings of echoes are kept."""
+
+APART = 0.05
+"""A ring is kept when the robot has gone on so far, in metres,"""
+
+TURNED = 0.3
+"""or has turned so far, in radians."""
+
+TIGHT = 1.25
+"""At a narrow place the two nearest things leave no more than this, in metres."""
+
+OPPOSITE = range(9, 16)
+"""Sonars that look more or less the other way, counted from one of them."""
+
+PAST = 0.75
+"""So far behind a narrow place the robot looks back at it, in metres."""
+
+BEFORE, BEHIND = 0.25, 0.35
+"""So far across the plane it has come from and gone to at least, in metres."""
+
+BIN = 0.05
+"""The size of pieces of a plane, in metres."""
+
+FLAT = 0.05
+"""Echoes of one wall lie so near to its plane, in metres."""
+
+THROUGH = 0.15
+"""A beam that ends farther than this from the plane has gone through it, in metres."""
+
+AWAY = 9
+"""The plane is so many bins from the narrow place at most."""
+
+SIDE = (0.15, 1.3)
+"""How far to the side its echoes are looked for, in metres."""
+
+RUN = 8
+"""From the edge of the gap on a wall runs on for so many bins at least."""
+
+PIECES = 5
+"""So many bins of a run have echoes at least, of a dozen beginning with the edge."""
+
+PLANES = 6
+"""So many planes are tried, those with most bins first."""
+
+GAP = (0.55, 1.35)
+"""How wide a doorway can be, in metres."""
+
+
+class Ring(msgspec.Struct, frozen=True, array_like=True):
+    """What all sonars measured from one place, to the millimetre."""
+
+    pose: Pose
+    ranges: tuple[float, ...]
+
+
+class Trail(msgspec.Struct):
+    """What `detect-doorway` remembers."""
+
+    votes: Votes = msgspec.field(default_factory=Votes)
+    #: The last rings, oldest first.
+    rings: list[Ring] = []
+    #: Narrow places that are not judged yet, oldest first.
+    narrow: list[Point] = []
+
+
+class PassedDoorway(Event):
+    """The robot has come through something like a doorway, wherever it meant to go."""
+
+    name = "passed-doorway"
+    inputs = (PASSED,)
+    carries = (
+        Parameter("x", "number", "m", "the middle of the gap"),
+        Parameter("y", "number", "m"),
+        Parameter("heading", "number", "rad", "of the passage, square to the wall"),
+    )
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether there is a doorway close behind the robot."""
+        gap = ports.get(PASSED)
+        if gap is None:
+            return None
+        return round(gap.x, 2), round(gap.y, 2), round(gap.heading, 2)
+
+
+class DetectDoorway(Skill):
+    """Notice by sonar that the robot has gone through a gap in a wall."""
+
+    name = "detect-doorway"
+    inputs = (SONAR, POSE)
+    outputs = (PASSED,)
+    events = (PassedDoorway,)
+    State = Trail
+    state: Trail
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Keep what is heard, and judge the narrow places left behind."""
+        state, pose, ranges = self.state, ports[POSE], ports[SONAR]
+        vote(state.votes, ranges, pose)
+        if state.rings and not _moved(state.rings[-1].pose, pose):
+            return
+        state.rings.append(Ring(pose, tuple([round(r, 3) for r in ranges])))
+        del state.rings[:-KEPT]
+        if is_narrow(ranges):
+            state.narrow.append((pose.x, pose.y))
+        while state.narrow and _far(state.narrow[0], pose) >= PAST:
+            gap = find_gap(state.rings, state.narrow.pop(0), state.votes)
+            if gap is not None:
+                ports[PASSED] = gap
+                state.narrow, state.rings = [], state.rings[-1:]
+
+
+def is_narrow(ranges: Sequence[float]) -> bool:
+    """Return whether there is something near on two sides that are opposite."""
+    near = min(ranges)
+    first = ranges.index(near)
+    return near + min(ranges[(first + n) % SONARS] for n in OPPOSITE) < TIGHT
+
+
+def find_gap(rings: Sequence[Ring], place: Point, votes: Votes) -> Pose | None:
+    """Return the middle of the gap that the robot came through, and which way.
+
+    Args:
+        rings: what was heard, oldest first; the robot is where the last one was.
+        place: the narrow place, in the frame of dead reckoning.
+        votes: on how the walls run.
+    """
+    axis = math.atan2(votes.sin, votes.cos) / 4
+    for quarter in range(4):
+        heading = axis + quarter * math.pi / 2
+        ways = [_along(ring.pose, place, heading)[0] for ring in rings]
+        if ways[-1] < BEHIND or min(ways) > -BEFORE:
+            continue
+        found = _gap_across(list(_beams(rings, place, heading)))
+        if found is not None:
+            ahead, aside = found
+            cos, sin = math.cos(heading), math.sin(heading)
+            x, y = place[0] + ahead * cos - aside * sin, ahead * sin + aside * cos
+            return Pose(x, place[1] + y, math.remainder(heading, 2 * math.pi))
+    return None
+
+
+Beam = tuple[float, float, float, float]
+"""From where to where: each along and across the way through a narrow place."""
+
+
+def _beams(rings: Sequence[Ring], place: Point, heading: float) -> Iterator[Beam]:
+    """Yield all beams, the narrow place at (0, 0)."""
+    for ring in rings:
+        x, y = _along(ring.pose, place, heading)
+        turn = ring.pose.heading - heading
+        cos, sin = math.cos(turn), math.sin(turn)
+        for far, (dx, dy) in zip(ring.ranges, DIRECTIONS, strict=True):
+            yield x, y, x + far * (dx * cos - dy * sin), y + far * (dx * sin + dy * cos)
+
+
+def _gap_across(beams: Sequence[Beam]) -> Point | None:
+    """Return the middle of a gap between two runs of one wall across the way."""
+    for plane in _planes(beams):
+        left, right = (_edge(votes) for votes in _votes(beams, plane * BIN))
+        if left is not None and right is not None:
+            wide = (left + right) * BIN
+            if GAP[0] <= wide <= GAP[1]:
+                return plane * BIN, (left - right) / 2 * BIN
+    return None
+
+
+def _planes(beams: Sequence[Beam]) -> list[int]:
+    """Return planes with echoes on both sides of the way, in bins along the way."""
+    hit: dict[int, tuple[set[int], set[int]]] = {}
+    low, high = SIDE
+    for _, _, x, y in beams:
+        if low < abs(y) < high and abs(x) < (AWAY + 1) * BIN:
+            sides = hit.setdefault(round(x / BIN), (set(), set()))
+            sides[y < 0].add(math.floor(abs(y) / BIN))
+    rated = []
+    for plane in range(-AWAY, AWAY + 1):
+        near = [hit[p] for p in (plane - 1, plane, plane + 1) if p in hit]
+        pieces = min(len(set().union(*(n[side] for n in near))) for side in (0, 1))
+        if pieces >= PIECES:
+            rated.append((pieces, plane))
+    return [plane for _, plane in sorted(rated, reverse=True)[:PLANES]]
+
+
+def _votes(
+    beams: Sequence[Beam], plane: float
+) -> tuple[dict[int, int], dict[int, int]]:
+    """Return for the bins to the left and to the right how often there was wall.
+
+    A beam that went through a bin counts against it.
+    """
+    sides: tuple[dict[int, int], dict[int, int]] = ({}, {})
+    for x, y, end, aside in beams:
+        if abs(end - plane) <= FLAT:
+            where, hit = aside, 1
+        elif (x - plane) * (end - plane) < 0 and abs(end - plane) > THROUGH:
+            where, hit = y + (aside - y) * (plane - x) / (end - x), -1
+        else:
+            continue
+        votes, number = sides[where < 0], math.floor(abs(where) / BIN)
+        votes[number] = votes.get(number, 0) + hit
+    return sides
+
+
+def _edge(votes: dict[int, int]) -> int | None:
+    """Return the bin at which a run of wall begins; None if there is no such run."""
+    wall = sorted(number for number, hits in votes.items() if hits > 0)
+    if not wall:
+        return None
+    edge = wall[0]
+    run = [number for number in wall if number < edge + 12]
+    pierced = sum(votes.get(number, 0) < 0 for number in range(edge, edge + RUN))
+    whole = len(run) >= PIECES and run[-1] >= edge + RUN - 1 and pierced <= 1
+    return edge if whole else None
+
+
+def _along(pose: Pose, place: Point, heading: float) -> Point:
+    """How far a robot is from a place, along a heading and to the left of it."""
+    x, y = pose.x - place[0], pose.y - place[1]
+    cos, sin = math.cos(heading), math.sin(heading)
+    return x * cos + y * sin, y * cos - x * sin
+
+
+def _moved(before: Pose, now: Pose) -> bool:
+    turned = math.remainder(before.heading - now.heading, 2 * math.pi)
+    return _far((before.x, before.y), now) >= APART or abs(turned) >= TURNED
+
+
+def _far(place: Point, pose: Pose) -> float:
+    return math.hypot(place[0] - pose.x, place[1] - pose.y)
