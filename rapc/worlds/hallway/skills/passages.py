@@ -251,7 +251,7 @@ def _edge(votes: dict[int, int]) -> int | None:
 
 
 def _along(pose: Pose, place: Point, heading: float) -> Point:
-    """How far a robot is from a place, along a heading and to the left of it."""
+    """Return how far the robot is past a place along a heading, and to its left."""
     x, y = pose.x - place[0], pose.y - place[1]
     cos, sin = math.cos(heading), math.sin(heading)
     return x * cos + y * sin, y * cos - x * sin
