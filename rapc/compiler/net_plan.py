@@ -59,7 +59,7 @@ class StepPlan:
         #: Whether its success brings outputs or effects.
         self.has_results = False
         #: The step that waits for this one, if it is the only one.
-        self.next: int | None = None
+        self.next: StepPlan | None = None
 
 
 class OutputTarget:
@@ -121,7 +121,7 @@ def steps_of(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
             _annotate(compiler, plans, at_tag, plan, annotation)
     for plan in plans:
         plan.after.sort()
-        plan.next = plan.after[0] if len(plan.after) == 1 else None
+        plan.next = plans[plan.after[0]] if len(plan.after) == 1 else None
         plan.has_timing = bool(plan.windows or plan.waits or plan.until)
         plan.has_results = bool(plan.outputs or plan.effects)
     return plans

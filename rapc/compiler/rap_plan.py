@@ -31,13 +31,16 @@ class MethodPlan:
         "choice",
         "computes",
         "conditions",
+        "constrains",
         "constraints",
+        "first_steps",
         "gives_back",
         "index",
         "key",
         "name",
         "node",
         "notations",
+        "ordered_alone",
         "otherwise",
         "raps",
         "request",
@@ -70,6 +73,8 @@ class MethodPlan:
         if node.constraints is not None:
             what = f"constraints of method `{self.name}`"
             self.constraints = compiler.query(node.constraints, what, node.span)
+        #: Whether it or its RAP states constraints.
+        self.constrains = bool(node.constraints or rap.constraints)
         self.notations = tuple(
             compiler.assertion(p, "notation") for p in node.notations
         )
@@ -83,16 +88,29 @@ class MethodPlan:
         self.activation: ActivationPlan | None = activation_of(compiler, node)
         #: What it asks for before it starts.
         self.things: tuple[ThingPlan, ...] = things_of(compiler, node)
-        #: Whether something is to be given back when it ends: notations, skills.
-        self.gives_back = bool(self.notations or self.activation is not None)
+        #: Whether something is to be given back when it ends, things aside:
+        #: notations, skills, the identity of a task that recursion is looked for in.
+        self.gives_back = (
+            bool(self.notations)
+            or self.activation is not None
+            or compiler.recursion.covers(rap.name)
+        )
+        self._sum_up_steps()
+
+    def _sum_up_steps(self) -> None:
+        """Say what holds of the steps together, so that nobody asks each of them."""
         #: The positions of the steps whose inputs or windows use a variable.
         self.steps_by_variable = steps_using(self.steps)
         #: The RAPs that the steps ask for, once they have been looked up.
         self.raps: tuple[RapPlan, ...] = ()
+        #: Whether order alone decides when the steps run, once `raps` are there.
+        self.ordered_alone = False
         #: Whether steps may add to the environment of the method.
         self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
         self.binds |= self.activation is not None and bool(self.activation.waits)
         self.size = len(self.steps)
+        #: The positions of the steps that follow none.
+        self.first_steps = tuple([s.position for s in self.steps if not s.before])
         #: Whether any step has `for` formulas put on it.
         self.conditions = any(step.conditions for step in self.steps)
         #: Whether inputs of steps are computed.

@@ -229,6 +229,7 @@ class Interpreter:
                 self._machine.state.scheduled,
                 (task.at, self._machine.state.requests, task),
             )
+            self._machine.monitors.look_by(task.at)
         else:
             create_top(self._machine, task)
 

@@ -15,6 +15,7 @@ from rapc.runtime.authors import is_time, wrong
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.port import next_in_the_past, no_time_passed, stopped_for_nothing
+from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.hold_things import resume_skills
 from rapc.runtime.tasks.start import create_top, release_at_start_time
@@ -41,6 +42,8 @@ class Loop:
         machine = self._machine
         machine.turning = machine.broken = True
         try:
+            if machine.state.until is not None and most != 0:
+                machine.set_clock(machine.recorder.time)  # it may not go on
             reason = self._run(most, wait, choose)
         finally:
             machine.turning = False
@@ -48,53 +51,51 @@ class Loop:
         return reason
 
     def _run(self, most: int | None, wait: bool, choose: bool) -> str | None:
-        machine, left = self._machine, -1 if most is None else most
-        state, recorder, agenda = machine.state, machine.recorder, machine.agenda
+        machine, state = self._machine, self._machine.state
+        recorder, agenda, world = machine.recorder, machine.agenda, machine.world
+        chosen_from = agenda if choose else Agenda(machine.rng)
         # These stay the same objects for the life of the machine; see where they are.
         monitors, unsettled = machine.monitors, machine.recognizer.unsettled
         to_test, host_timers = monitors.to_test, machine.host_timers
-        changed = machine.things.changed
-        scheduled, gone = state.scheduled, state.activations.off
-        clock, receive, cost = machine.world.now, machine.world.messages, self._cost
-        limited = state.until is not None
+        changed, gone = machine.things.changed, state.activations.off
+        cost, cycle = self._cost, recorder.cycle
         # A world that may end the run by itself is asked in each turn.
-        may_end = type(machine.world).ended is not World.ended
-        idle, patience = state.idle, -1 if may_end else self._patience
-        while left != 0 and not state.over:
-            now = clock()
-            if limited or now != recorder.time:
-                machine.set_clock(now)
-                if state.past_until:
-                    return "until"
+        patience = self._patience if type(world).ended is World.ended else -1
+        last = -1 if most is None else cycle + most
+        # The last cycle that the clock may stand still; it moved `patience` before.
+        limit = cycle - state.idle + patience
+        while cycle != last and not state.over:
+            now = world.now()
+            if now != recorder.time and machine.set_clock(now):
+                return "until"
             if host_timers or unsettled:
                 machine.run_host_timers()
                 machine.access.recognise()
-            messages = receive()
+            messages = world.messages()
             if messages or gone or messages is None:
                 take_in(machine, messages)
-            if scheduled:
-                self._create_scheduled()
             if to_test or changed or recorder.time >= monitors.next_look:
                 self._wake()
-            if idle > patience or not state.foreground:
-                state.idle = idle
+            if cycle > limit or not state.foreground:
+                state.idle = cycle - limit + patience
                 reason = self.reason()
                 if reason is not None:
                     return reason
-            task = agenda.choose() if choose else None
+            task = chosen_from.choose()
             if task is None:
-                state.idle = idle
+                state.idle = cycle - limit + patience
                 reason = self._wait() if wait and not len(agenda) else _QUIET
                 if reason is not None:
                     return reason or None
-                idle = state.idle
+                limit = cycle - state.idle + patience
                 continue
+            recorder.cycle = cycle = cycle + 1
             run_cycle(machine, task)
-            left -= 1
             if cost:
                 self._spend(cost)
-            idle = idle + 1 if recorder.time == now else 0
-        state.idle = idle
+            if recorder.time != now:
+                limit = cycle + patience
+        state.idle = cycle - limit + patience
         return None
 
     def reason(self) -> str | None:
@@ -122,6 +123,9 @@ class Loop:
     def _wake(self) -> None:
         """Start what has waited for this time, and test what has changed."""
         machine, monitors = self._machine, self._machine.monitors
+        scheduled = machine.state.scheduled
+        if scheduled:
+            self._create_scheduled()
         if machine.recorder.time >= monitors.next_look:
             for task in monitors.due():
                 if task.wait is None or not task.wait.awaits_signal:
@@ -130,6 +134,8 @@ class Loop:
         while machine.things.resumable:
             resume_skills(machine)
             monitors.test_changed()
+        if scheduled:
+            monitors.look_by(scheduled[0][0])
 
     def _spend(self, cost: Time) -> None:
         """Let a cycle take its time."""

@@ -22,7 +22,7 @@ from rapc.runtime.monitors.monitors import Monitors
 from rapc.runtime.port import Port
 from rapc.runtime.query_context import NotingContext, QueryContext
 from rapc.runtime.settings import Settings
-from rapc.runtime.state.agenda import Agenda
+from rapc.runtime.state.agenda import Agenda, SortingAgenda
 from rapc.runtime.state.run_state import RunState
 from rapc.runtime.state.things import Things
 from rapc.world import ResultHandler, Time, World
@@ -82,7 +82,7 @@ class Machine:
         self.context = QueryContext(self.memory, self.recorder, functions)
         #: Asks what kept a task from going on, without leaving a mark on the run.
         self.noting = NotingContext(self.memory, self.recorder, functions)
-        self.agenda = Agenda(rng, fast)
+        self.agenda = Agenda(rng) if fast else SortingAgenda(rng)
         self.things = Things()
         self.held, self.waits = self.things.held, self.things.waits  # parts of them
         self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)
@@ -114,8 +114,8 @@ class Machine:
         if now != self.recorder.time or self.state.until is not None:
             self.set_clock(now)
 
-    def set_clock(self, now: Time) -> None:
-        """Set the run's clock to `now`, capped at `until`; note if it was capped.
+    def set_clock(self, now: Time) -> bool:
+        """Set the run's clock to `now`, capped at `until`; return if it was capped.
 
         Raises:
             PortError: for what is no time, or before the time it was.
@@ -129,6 +129,7 @@ class Machine:
         self.monitors.changes += now != before
         self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)
+        return self.state.past_until
 
     def _in_one_form(self, now: object) -> Time:
         """Return a time as the trace has it: a whole one as an integer."""

@@ -44,10 +44,10 @@ def fill_in(machine: Machine, plan: RequestPlan, env: Env) -> Fact | None:
         value = env.get(arg.name) if arg.name is not None else None
         if value is None:
             value = arg.needed(context, env)
+            if value is None:
+                return None
         if isinstance(value, _RESOURCES):
             context.unfit(plan.where, value, "a symbol, number or string")
-            return None
-        if value is None:
             return None
         parts.append(value)
     return tuple(parts)
@@ -81,11 +81,14 @@ def request(
     will not carry it out beside others.
     """
     asked = ground(machine, run, plan) if plan.args else plan.bare
-    sent, items = asked, machine.memory.items
-    if asked is not None and (items.known or items.gone):
-        sent = sensed(items, asked)
-    if asked is None or sent is None:
+    if asked is None:
         return INTERFERENCE
+    sent, items = asked, machine.memory.items
+    if items.known or items.gone:
+        named = sensed(items, asked)
+        if named is None:
+            return INTERFERENCE
+        sent = named
     task = run.task
     if machine.recorder.on:
         machine.recorder.emit(
@@ -95,8 +98,7 @@ def request(
             sent=sent,
         )
     world, state = machine.world, machine.state
-    state.tickets += 1
-    run.ticket = ticket = state.tickets
+    state.tickets = run.ticket = ticket = state.tickets + 1
     answer = world.perform(ticket, sent)
     if type(answer) is Reply and answer == _DONE:
         reply: Reply | None = answer
@@ -105,15 +107,13 @@ def request(
     else:
         reply = machine.port.checked(sent, answer)
     now = world.now()
-    if now != machine.recorder.time or state.until is not None:
+    if now != machine.recorder.time:
         machine.set_clock(now)
-    if reply is None:
+    if reply is None or state.past_until:
+        # It ends later; or when the run is over: nobody will know.
         state.pending[ticket] = task, asked
-        if task.run is not run:
+        if reply is None and task.run is not run:
             cancel(machine, run)
-        return None
-    if state.past_until:  # it ends when the run is over: nobody will know
-        state.pending[ticket] = task, asked
         return None
     if machine.host_timers:
         state.pending[ticket] = task, asked  # a host may cancel it now

@@ -152,12 +152,16 @@ class Monitors:
 
     def at(self, time: Time, task: Task) -> None:
         """Look at a task again when the clock has come to `time`, not before."""
-        self.next_look = min(self.next_look, time)
+        self.look_by(time)
         self._timers.set(time, task)
+
+    def look_by(self, time: float) -> None:
+        """Let the loop look, at `time` at the latest, at what has fallen due."""
+        self.next_look = min(self.next_look, time)
 
     def state_deadline(self, task: Task) -> None:
         """Take up the deadline of a task, which has been set or has changed."""
-        self.next_look = min(self.next_look, self.deadlines.state(task))
+        self.look_by(self.deadlines.state(task))
 
     def next_time(self) -> Time | None:
         """Return the next time at which something that is waited for comes, or None."""
@@ -255,7 +259,7 @@ class Monitors:
             or (self._waits and state is BLOCKED and task.number in self._waits)
         ):
             return
-        if self.holds(task):
+        if self.holds(task, wait):
             if state is BLOCKED and self._recorder.on:
                 self._recorder.emit(
                     TaskWoken, task=task.number, on=wait.blocked_on or self.reason(task)
@@ -291,7 +295,8 @@ class Monitors:
         elif obstacle is None:
             wait.woken = True
             self._tell_way(TaskWoken, wait)
-            if task.plan.monitored and not self.holds(task):
+            monitors = task.wait if task.plan.monitored else None
+            if monitors is not None and not self.holds(task, monitors):
                 self.block(task)
             else:
                 task.state = ELIGIBLE
@@ -313,16 +318,15 @@ class Monitors:
         """
         if wait.after_method or wait.keys is None or task.number in self.to_test:
             wait.after_method = False
-            return self.holds(task)
+            return self.holds(task, wait)
         return True
 
-    def holds(self, task: Task) -> bool:
+    def holds(self, task: Task, wait: WaitState) -> bool:
         """Whether a task's monitors hold now; listens for when that may change."""
-        wait = task.wait
-        assert wait is not None
         if wait.keys is None:
             self._listen(task, wait)
-        self.to_test.pop(task.number, None)
+        if self.to_test:
+            self.to_test.pop(task.number, None)
         wait.timer = None
         if self._recorder.time < wait.ready_at:
             self.at(wait.ready_at, task)

@@ -43,11 +43,9 @@ class Agenda:
     Args:
         rng: the interpreter's random stream; drawn from once whenever more than one
             candidate is left.
-        fast: whether a task that is alone may be left unsorted.
     """
 
-    def __init__(self, rng: random.Random, fast: bool = True) -> None:
-        self._fast = fast
+    def __init__(self, rng: random.Random) -> None:
         self.stack: list[tuple[int, int]] = []
         self.last_family: int | None = None
         self._rng = rng
@@ -68,7 +66,7 @@ class Agenda:
         if only is not None:
             self._only = None
             self._insert(only)
-        elif not self._tasks and self._fast:
+        elif not self._tasks:
             # fast twin of sorting it in: holds while it is alone
             self._only = task
             return
@@ -156,9 +154,15 @@ class Agenda:
             stack.pop()
 
     def _focus(self, task: Task) -> None:
-        self._drop_above(task.priority)
-        stack = self.stack
-        if not stack or task.priority > stack[-1][0]:
-            stack.append((task.priority, task.family))
-        elif stack[-1][1] != task.family:
-            stack[-1] = (task.priority, task.family)
+        stack, priority = self.stack, task.priority
+        while stack and stack[-1][0] >= priority:
+            stack.pop()
+        stack.append((priority, task.family))
+
+
+class SortingAgenda(Agenda):
+    """An agenda that sorts in a task that is alone, too."""
+
+    def add(self, task: Task) -> None:
+        """A task has become eligible."""
+        self._insert(task)

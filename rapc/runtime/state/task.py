@@ -118,15 +118,17 @@ class Task:
             self.priority = 0
             #: How many steps it still follows.
             self.waiting = 0
-            self.wait = WaitState() if plan.needs_wait_state else None
+            self.wait: WaitState | None = WaitState() if plan.needs_wait_state else None
         else:
             parent = within.task
             self.family = parent.family
             self.limit = parent.limit
             self.priority = parent.priority + step.priority
             self.waiting = step.before
-            waits = plan.needs_wait_state or step.has_timing
-            self.wait = WaitState(step.windows) if waits else None
+            if plan.needs_wait_state or step.has_timing:
+                self.wait = WaitState(step.windows)
+            else:
+                self.wait = None
         #: Its inputs as far as they are known.
         self.goal_args: tuple[Value | None, ...] = ()
         #: Its inputs and resources, by variable.
@@ -384,17 +386,14 @@ class MethodRun:
         self.skills: tuple[Fact, ...] = ()
         #: The number of its request, if it has sent one.
         self.ticket: int | None = None
-        #: The nearest that states constraints: itself, its task, or what is above.
-        self.constrained: Task | MethodRun | None
         outer = task.within
-        if plan.constraints is not None:
-            self.constrained = self
-        elif task.plan.constraints is not None:
-            self.constrained = task
-        else:
-            self.constrained = None if outer is None else outer.constrained
+        nearest = None if outer is None else outer.constrained
+        if plan.constrains:
+            nearest = task if plan.constraints is None else self
+        #: The nearest that states constraints: itself, its task, or what is above.
+        self.constrained: Task | MethodRun | None = nearest
         #: Whether these, or conditions of steps, may keep steps from being carried out.
-        self.has_conditions = plan.conditions or self.constrained is not None
+        self.has_conditions = plan.conditions or nearest is not None
 
     @property
     def constrained_above(self) -> Task | MethodRun | None:

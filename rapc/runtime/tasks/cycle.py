@@ -30,30 +30,31 @@ from rapc.world import OKAY
 
 def run_cycle(machine: Machine, task: Task) -> None:
     """Process the task that the agenda has chosen."""
-    recorder, plan, run = machine.recorder, task.plan, task.within
-    recorder.cycle += 1
+    plan, wait, run = task.plan, task.wait, task.within
     if machine.waits:
         machine.things.stop_waiting(task)
-    wait = task.wait
-    special = task.identity is None or (
+    if task.identity is None or (
         wait is not None and (wait.setup_failed or not wait.first_selected)
-    )
-    if special and not task.bound:
-        read_inputs(machine, task)
-    if recorder.on:
-        _tell_selected(machine, task)
-    machine.agenda.last_family = task.family
-    if special:
+    ):
         _first_of_all(machine, task)
         if task.state is ENDED:
             return
+    else:
+        if machine.recorder.on:
+            _tell_selected(machine, task)
+        machine.agenda.last_family = task.family
     if plan.succeed is None:
         found: Env | None = {} if task.last_result == OKAY else None
     else:
-        found = _found(machine, task, plan.succeed)
+        never = plan.never_succeeds
+        found = None if never else _found(machine, task, plan.succeed)
     if found is not None:
         succeed(machine, task, found)
-    elif plan.monitored and not _monitors_hold(machine, task):
+    elif (
+        plan.monitored
+        and wait is not None
+        and not (wait.first_selected and machine.monitors.still_hold(task, wait))
+    ):
         machine.monitors.block(task)
     elif (plan.conditional or (run is not None and run.has_conditions)) and not (
         _conditions_hold(machine, task)
@@ -68,6 +69,11 @@ def run_cycle(machine: Machine, task: Task) -> None:
 def _first_of_all(machine: Machine, task: Task) -> None:
     """Step 1, and what sets off others at the first selection; may end the task."""
     wait = task.wait
+    if not task.bound:
+        read_inputs(machine, task)
+    if machine.recorder.on:
+        _tell_selected(machine, task)
+    machine.agenda.last_family = task.family
     if wait is not None and not (wait.first_selected or task.plan.monitored):
         _begin(machine, task, wait)
     if task.identity is None and _misses_inputs(machine, task):
@@ -81,17 +87,8 @@ def _first_of_all(machine: Machine, task: Task) -> None:
 
 def _found(machine: Machine, task: Task, succeed: Query) -> Env | None:
     """Return what the `succeed` clause binds if it holds."""
-    if task.plan.never_succeeds:
-        return None
     machine.context.task = task
     return succeed.first(machine.context, task.env)
-
-
-def _monitors_hold(machine: Machine, task: Task) -> bool:
-    wait = task.wait
-    return wait is None or (
-        wait.first_selected and machine.monitors.still_hold(task, wait)
-    )
 
 
 def _tell_selected(machine: Machine, task: Task) -> None:

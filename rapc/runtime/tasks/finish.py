@@ -68,7 +68,11 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     machine.state.succeeded += 1
     if machine.recorder.on:
         _tell_success(machine, task, {})
-    finish_step(machine, run, step)
+    run.steps_left -= 1
+    if run.ends is None:
+        _go_on(machine, run, step)
+    else:
+        _finish_step_with(machine, run, step, ())
 
 
 def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
@@ -151,15 +155,26 @@ def finish_step(
     run.steps_left -= 1
     if run.ends is not None or bound or not machine.fast:
         _finish_step_with(machine, run, step, bound)
+    else:
+        _go_on(machine, run, step)
+
+
+def _go_on(machine: Machine, run: MethodRun, step: StepPlan) -> None:
+    """Let a method go on after one of its steps, or end."""
     # fast twin of `_finish_step_with`: holds when nothing asks how steps have ended,
     # and nothing was bound
-    elif run.steps_left == 0:
+    if run.steps_left == 0:
         end_method(machine, run, OKAY)
     elif step.next is not None:
-        task = run.steps[step.next]
+        following = step.next
+        task = run.steps[following.position]
         if task.waiting == 1 and task.wait is None and task.state is WAITING:
+            # fast twin of `release`: holds when order alone decides
             task.waiting = 0
-            release(machine, task)
+            if following.computes:
+                read_inputs(machine, task)
+            task.state = ELIGIBLE
+            machine.agenda.add(task)
         else:
             release_followers(machine, run, (step,))
     elif step.after:
@@ -306,21 +321,17 @@ def end_method(
 
     `because` says why it ends badly, `cause` why its steps leave.
     """
-    task, recorder, badly = run.task, machine.recorder, result != OKAY
-    if badly and because is None:
+    task, recorder = run.task, machine.recorder
+    if result != OKAY and because is None:
         because = causes.of_result(machine, run, result)
     task.run = None
-    if task.plan.recursive or machine.all_may_recur:
-        _discount(machine, task)
     if run.steps_left:
         for step in run.steps:
             if step.state is not ENDED:
                 remove(machine, step, cause)
     run.steps = ()
-    if run.plan.gives_back or machine.held:
-        if run.plan.activation is not None:
-            _switch_off(machine, run)
-        _free(machine, run)
+    if run.plan.gives_back or machine.held or machine.all_may_recur:
+        _give_back(machine, run)
     if recorder.on:
         recorder.emit(
             MethodEnded,
@@ -330,16 +341,27 @@ def end_method(
             because=because,
         )
     task.last_result = result
-    if badly or task.history is not None:
+    if result != OKAY or task.history is not None:
         task.note_result(run.plan, result)
         task.remember().because = because
-    if task.plan.outputs and not badly:
+    if task.plan.outputs and result == OKAY:
         task.remember().success = run.env
     task.state = ELIGIBLE
     if task.wait is not None:
         task.wait.after_method = True
-        machine.monitors.arm(task, recorder.time)
+        if task.plan.monitor_time is not None:
+            machine.monitors.arm(task, recorder.time)
     machine.agenda.add(task)
+
+
+def _give_back(machine: Machine, run: MethodRun) -> None:
+    """Give back what a method has had: its identity, skills, things, notations."""
+    task = run.task
+    if task.plan.recursive or machine.all_may_recur:
+        _discount(machine, task)
+    if run.plan.activation is not None:
+        _switch_off(machine, run)
+    _free(machine, run)
 
 
 def _switch_off(machine: Machine, run: MethodRun) -> None:

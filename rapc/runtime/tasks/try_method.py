@@ -39,8 +39,10 @@ from rapc.world import OKAY, Refused
 
 def try_method(machine: Machine, task: Task) -> None:
     """Steps 5 to 9: choose a method and start it, or fail."""
-    sole = machine.may_choose_sole
-    choice = choose_sole(machine, task) if sole else choose(machine, task)
+    if machine.may_choose_sole:
+        choice = choose_sole(machine, task)
+    else:
+        choice = choose(machine, task)
     if choice is None:
         fail(machine, task, NO_METHOD, causes.of_no_method(machine, task))
         return
@@ -59,10 +61,11 @@ def try_method(machine: Machine, task: Task) -> None:
     elif method.binds:
         env = env.copy()
     run = MethodRun(task, method, env, machine.recorder.time)
-    repeating = _spawn(machine, run) if method.steps else None
-    if repeating is not None:
-        fail(machine, task, FUTILE_LOOP, causes.of_recursion(machine, repeating))
-        return
+    if method.steps:
+        repeating = _spawn(machine, run)
+        if repeating is not None:
+            fail(machine, task, FUTILE_LOOP, causes.of_recursion(machine, repeating))
+            return
     if method.things:
         _start_if_free(machine, run, others)
     else:
@@ -81,17 +84,29 @@ def _spawn(machine: Machine, run: MethodRun) -> Task | None:
     run.steps = tasks = []
     method = run.plan
     if not method.raps:
-        names = [step.node.goal.name for step in method.steps]
-        method.raps = tuple([machine.library.known_rap(name) for name in names])
+        _look_up(machine, method)
     for step, rap in zip(method.steps, method.raps, strict=True):
         task = Task(rap, run, step)
         tasks.append(task)
         if rap.inputs:
             read_inputs(machine, task)
-        untested = task.identity is None or machine.solvers
-        if untested and task.bound and repeats_ancestor(machine, task):
+        if (
+            (task.identity is None or machine.all_may_recur)
+            and task.bound
+            and repeats_ancestor(machine, task)
+        ):
             return task
     return None
+
+
+def _look_up(machine: Machine, method: MethodPlan) -> None:
+    """Find the RAPs that the steps of a method ask for, once for all runs."""
+    names = [step.node.goal.name for step in method.steps]
+    method.raps = raps = tuple([machine.library.known_rap(name) for name in names])
+    method.ordered_alone = not (
+        any(rap.needs_wait_state for rap in raps)
+        or any(step.has_timing for step in method.steps)
+    )
 
 
 def start_method(machine: Machine, run: MethodRun, unfilled: bool = False) -> None:
@@ -107,7 +122,9 @@ def start_method(machine: Machine, run: MethodRun, unfilled: bool = False) -> No
     task.state = RUNNING
     if task.wait is not None:
         task.wait.timer = None
-    if task.method is not method:
+    if task.method is None:
+        task.method = method
+    elif task.method is not method:
         task.begin_method(method)
     elif task.history is not None:
         task.history.before = method
@@ -170,16 +187,25 @@ def _switch_on(
 
 def _release_steps(machine: Machine, run: MethodRun) -> None:
     """The steps' tasks join the run; those that wait for none may go on."""
-    steps = run.steps
-    special = machine.recorder.on or run.plan.computes or not machine.fast
-    state = machine.state
-    for task in steps:
-        if special or task.wait is not None:
-            create(machine, task)
+    steps, plan = run.steps, run.plan
+    if plan.ordered_alone and machine.fast:
+        if machine.recorder.on or plan.computes:
+            for task in steps:
+                create(machine, task)
         else:
-            # fast twin of `create`: holds when nothing is made of the task's inputs,
-            # and nobody is told of it
-            state.numbers = task.number = state.numbers + 1
+            # fast twin of `create`: holds when nothing is made of the tasks' inputs,
+            # and nobody is told of them
+            number = machine.state.numbers
+            for task in steps:
+                number += 1
+                task.number = number
+            machine.state.numbers = number
+        # fast twin of looking at all of them: holds when order alone decides
+        for position in plan.first_steps:
+            release(machine, steps[position])
+        return
+    for task in steps:
+        create(machine, task)
     for task in steps:
         if task.wait is not None:
             read_windows(machine, task)
