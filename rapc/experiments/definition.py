@@ -39,6 +39,8 @@ class Reference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     at: tuple[Value, ...] = ()
     #: For a measure what is said in words: a value of `vary`, from how much, to what.
     bounds: Mapping[str, tuple[tuple[Value, float, float], ...]] = {}
+    #: Whether nothing can go below them: a line in plots, and compared with nothing.
+    least: bool = False
 
 
 class Mark(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

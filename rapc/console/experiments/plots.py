@@ -18,6 +18,7 @@ from matplotlib.ticker import MaxNLocator
 
 from rapc.console.experiments.tables import heading, show
 from rapc.console.wrapping import wrapped
+from rapc.experiments.definition import Reference
 from rapc.experiments.summary import Summary
 
 _STYLE: Any = {
@@ -112,20 +113,25 @@ def _theirs(axes: Axes, summary: Summary, number: int, measure: str) -> None:
         for place, row in zip(_places(summary), summary.rows, strict=True)
         if measure in (figures := summary.reference(row.value))
     ]
-    if told and summary.part.reference is not None:
+    reference = summary.part.reference
+    if told and reference is not None:
         axes.plot(
             [place for place, _ in told],
             [figure for _, figure in told],
             color=_THEIRS,
-            marker=_CROSSES.get(measure, "x+*"[number % 3]),
+            marker="" if reference.least else _CROSSES.get(measure, "x+*"[number % 3]),
             markersize=8,
-            linestyle="none",
+            linestyle="dashed" if reference.least else "none",
+            linewidth=1,
             zorder=3,
-            label=_theirs_called(summary, summary.part.reference.title, measure),
+            label=_theirs_called(summary, reference, measure),
         )
 
 
-def _theirs_called(summary: Summary, title: str, measure: str) -> str:
+def _theirs_called(summary: Summary, reference: Reference, measure: str) -> str:
+    title = reference.title
+    if reference.least:
+        return f"{summary.part.name}: {title}"
     told = measure if measure in _ACTIONS else "single runs"
     return f"{summary.part.name}: {title}, {told}"
 

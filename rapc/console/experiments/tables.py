@@ -103,7 +103,8 @@ def _first(row: Row) -> tuple[str, str, str]:
 
 
 def _main(row: Row, summary: Summary, names: Sequence[str]) -> tuple[str, ...]:
-    theirs = summary.reference(row.value)
+    theirs, reference = summary.reference(row.value), summary.part.reference
+    least = reference is not None and reference.least
     cells = []
     for name in names:
         spread = row.figures.get(name)
@@ -113,7 +114,8 @@ def _main(row: Row, summary: Summary, names: Sequence[str]) -> tuple[str, ...]:
             cell += f" ± {_cell(name, spread.deviation)}"
         if name in theirs:
             cell += f" / {_theirs(name, theirs[name])}"
-            if known and spread is not None and _far(spread, theirs[name]):
+            far = known and spread is not None and _far(spread, theirs[name])
+            if far and not least:
                 cell += " !"
         cells.append(cell)
     return (*_first(row), *cells)
@@ -230,10 +232,11 @@ def remarks(summary: Summary, most: int | None = _REASONS) -> Iterator[str]:
     """
     reference = summary.part.reference
     if reference is not None:
-        yield (
-            f"Ours with the standard deviation, {reference.title} behind the stroke; "
-            "! where that lies more than two deviations from our mean."
+        behind = (
+            f"Ours with the standard deviation, {reference.title} behind the stroke"
         )
+        far = "; ! where that lies more than two deviations from our mean"
+        yield f"{behind}{'' if reference.least else far}."
     for row in summary.rows:
         at = "" if row.value is None else f" at {show(row.value)}"
         told = [*row.disasters.items()]
