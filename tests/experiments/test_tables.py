@@ -196,6 +196,19 @@ def test_bounds_told_in_words_are_drawn_as_bars(tmp_path: Path) -> None:
     assert "T, as told" in svg.read_text()
 
 
+def test_what_nothing_can_go_below_is_a_line_and_no_comparison(tmp_path: Path) -> None:
+    figures = {"completed": (9, 9), "time": (10, 10)}
+    least = Reference("least", figures, (0, 40), least=True)
+    drawn = summary(STILL, WILD, part=msgspec.structs.replace(PART, reference=least))
+    svg, _ = plots.draw([drawn], tmp_path / "least")
+    assert "drops: least<" in svg.read_text().replace(" --", "<")
+    assert "stroke-dasharray" in svg.read_text()
+    told = [cell for row in grid(drawn).rows for cell in row]
+    assert any(" / 9" in cell for cell in told)
+    assert not any("!" in cell for cell in told)
+    assert [line for line in remarks(drawn) if "!" in line] == []
+
+
 def test_a_plot_of_nothing_with_an_odd_title(tmp_path: Path) -> None:
     part = msgspec.structs.replace(PART, title="$\\nothing_ \n " + "\u4eba" * 200)
     svg, png = plots.draw([summary([], [], part=part)], tmp_path / "nothing")

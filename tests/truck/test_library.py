@@ -21,15 +21,21 @@ from rapc.testing.run import Status, run_case
 
 from .runs import STDLIB
 
-LIBRARY = STDLIB / "truck"
-TESTED = tuple(sorted(path.name for path in LIBRARY.glob(f"*{TEST_SUFFIX}")))
+LIBRARIES = (STDLIB / "truck", STDLIB / "truck-beyond")
+TESTED = tuple(
+    sorted(
+        str(path.relative_to(STDLIB))
+        for library in LIBRARIES
+        for path in library.glob(f"*{TEST_SUFFIX}")
+    )
+)
 SEEDS = range(3)
 
 
 @cache
 def covered(file: str) -> Coverage:
     """What the tests of one file exercise, under all seeds; they must pass."""
-    found = find([LIBRARY / file])
+    found = find([STDLIB / file])
     assert found.reports == ()
     assert found.cases
     coverage = Coverage()
@@ -49,7 +55,7 @@ def test_the_tests_pass_whatever_the_seed(file: str) -> None:
 
 @pytest.mark.parametrize("file", TESTED)
 def test_the_tests_of_a_file_choose_every_method(file: str) -> None:
-    own = file.removesuffix(TEST_SUFFIX) + ".rap"
+    own = Path(file.removesuffix(TEST_SUFFIX) + ".rap").name
     [mine] = [each for each in covered(file).files() if Path(each.file).name == own]
     chosen = {
         f"{rap.name} {method.name}": method.chosen
@@ -60,8 +66,9 @@ def test_the_tests_of_a_file_choose_every_method(file: str) -> None:
     assert never == []
 
 
-def test_nothing_is_found_wrong_with_library_and_tests() -> None:
-    assert check_library(load([LIBRARY], tests=True)).findings == ()
+@pytest.mark.parametrize("library", LIBRARIES, ids=lambda path: path.name)
+def test_nothing_is_found_wrong_with_library_and_tests(library: Path) -> None:
+    assert check_library(load([library], tests=True)).findings == ()
 
 
 def test_no_conjunction_of_four_parts_stands_twice() -> None:
