@@ -314,7 +314,7 @@ def _verb_turned_round(base: Base) -> Iterator[Edit]:
 
 def _change_dropped(base: Base) -> Iterator[Edit]:
     for change in _changes(base):
-        yield Edit(change.span, "")
+        yield Edit(change.span, "", base.text(change.resource.span))
 
 
 def _amount_no_number(base: Base) -> Iterator[Edit]:

@@ -12,7 +12,7 @@ along the calls, callees first, and again as long as circles of calls add to the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 import msgspec
 
@@ -38,10 +38,12 @@ class Effects:
 
     Args:
         library: the library.
+        unread: the RAPs of which not all is known what they do.
     """
 
-    def __init__(self, library: Library) -> None:
+    def __init__(self, library: Library, unread: Container[str] = ()) -> None:
         self._library = library
+        self._unread = unread
         self._numbers: dict[Effect, int] = {}
         self._own: dict[str, int] = {}
         self._calls: dict[str, tuple[str, ...]] = {}
@@ -100,6 +102,8 @@ class Effects:
                 if step.goal.name not in self._library.raps or _awaits(step):
                     self._open.add(rap.name)
         if not rap.methods or any(map(_does_nothing, rap.methods)):
+            self._open.add(rap.name)
+        if rap.name in self._unread:
             self._open.add(rap.name)
         self._own[rap.name] = bits
         self._calls[rap.name] = tuple(dict.fromkeys(calls))
@@ -219,7 +223,24 @@ def _callees_first(calls: Mapping[str, Sequence[str]]) -> Iterator[str]:
 
 
 def _run(run: Pass) -> Effects:
-    return Effects(run.library)
+    raps = run.library.raps.values()
+    unread = {rap.name for rap in raps if _is_broken(rap) or run.unsure(rap.span)}
+    return Effects(run.library, unread)
+
+
+_NAMING = nodes.For | nodes.UntilStart | nodes.UntilEnd
+"""The annotations that name a step and nothing else."""
+
+
+def _is_broken(rap: nodes.DefineRap) -> bool:
+    """Whether a task-net of a RAP speaks of a step that it does not have."""
+    for method in rap.methods:
+        tags = {step.tag for step in steps(method)}
+        for step in steps(method):
+            for note in step.annotations:
+                if isinstance(note, _NAMING) and note.tag not in tags:
+                    return True
+    return False
 
 
 EFFECTS = Analyzer(

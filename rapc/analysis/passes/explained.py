@@ -16,6 +16,7 @@ from rapc.analysis.index import INDEX, NameUse
 from rapc.analysis.named import MISUSES
 from rapc.analysis.passes.bindings import Missing
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
+from rapc.analysis.passes.outputs import ANALYZER as OUTPUTS
 from rapc.ir import nodes
 from rapc.ir.walk import subterms
 
@@ -25,7 +26,7 @@ class Explained(msgspec.Struct, frozen=True):
 
     #: By the `id` of a form: the variables that something else was to bind.
     names: Mapping[int, set[str]]
-    #: The `id` of each form with a step that names no outputs where its RAP has some.
+    #: The `id` of each form with a step that names no outputs, or the wrong ones.
     without_outputs: set[int]
     #: The `id` of each `?` beside or in a fact that stands where a value is computed.
     anonymous: set[int]
@@ -46,7 +47,7 @@ class Explained(msgspec.Struct, frozen=True):
 
 def _run(run: Pass) -> Explained:
     names: dict[int, set[str]] = {}
-    without: set[int] = set()
+    without: set[int] = run.result(OUTPUTS).copy()
     anonymous: set[int] = set()
     for form, name in run.result(CONSTANTS):
         names.setdefault(form, set()).add(name)
@@ -85,5 +86,5 @@ EXPLAINED = Analyzer(
     name="explained",
     doc="Gathers the variables that lack a value because of another slip.",
     run=_run,
-    needs=(INDEX, MISUSES, CONSTANTS),
+    needs=(INDEX, MISUSES, CONSTANTS, OUTPUTS),
 )

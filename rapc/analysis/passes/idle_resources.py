@@ -1,21 +1,20 @@
-"""RAP124: resources that nobody changes in a way that anybody could notice.
+"""RAP124 and RAP164: resources that nobody changes, or asks about.
 
-What becomes of a resource is known where it stays in its RAP: one that is handed to
-steps, or given a value by another resource, may be changed elsewhere.
+What becomes of a resource that is handed to steps is looked up in their RAPs
+(`rapc.analysis.resource_flow`); of one that goes elsewhere nothing is said.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-import msgspec
-
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.first_values import FirstValues
-from rapc.analysis.index import INDEX, Occurrence
+from rapc.analysis.index import INDEX
 from rapc.analysis.literals import literals, number
+from rapc.analysis.passes.resources import ANALYZER as RESOURCES
+from rapc.analysis.resource_flow import Flow, flows, whole
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
-from rapc.base.source import Span
 from rapc.ir import nodes
 
 IDLE = Rule(
@@ -46,103 +45,141 @@ nobody uses at all is left over.""",
 )
 
 
-class _Uses(msgspec.Struct):
-    """What a RAP does with one of its resources."""
-
-    resource: nodes.Resource
-    changes: list[nodes.ResourceChange]
-    #: Where it is asked about.
-    asked: list[Span]
-    #: Whether others may change it.
-    shared: bool = False
+UNREAD = Rule(
+    code="RAP164",
+    name="unread-resource",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a set or counter is changed, and nobody asks about it",
+    why="""What a resource holds matters where a formula or a term asks for it, here or
+in a RAP that it is handed to (T 4.8). A counter may still be there to show the
+interpreter that a loop gets on, or to be seen in a trace. The rule is opt-in for that
+reason.""",
+    example="""\
+(declare-primitive load () (okay))
+(define-rap (lift) (method (primitive (load))))
+(define-rap (load-some)
+  (resources (counter ?loaded))
+  (method (task-net (t1 (lift) (counter-add ?loaded 1)))))
+""",
+    better="""\
+(declare-primitive load () (okay))
+(define-rap (lift) (method (primitive (load))))
+(define-rap (load-some)
+  (resources (counter ?loaded))
+  (repeat-while (< (value ?loaded) 4))
+  (method (task-net (t1 (lift) (counter-add ?loaded 1)))))
+""",
+)
 
 
 def _run(run: Pass) -> None:
-    found: dict[tuple[int, str], _Uses] = {}
     index = run.result(INDEX)
-    for one in index.of(nodes.Resource):
-        key = (id(one.owner), one.node.variable.name)
-        found[key] = _Uses(one.node, [], [])
-    if not found:
+    if not index.of(nodes.Resource):
         return
-    for variable in index.of(nodes.Var):
-        uses = found.get((id(variable.owner), variable.node.name))
-        if uses is not None and variable.node is not uses.resource.variable:
-            _note(uses, variable)
-    for (owner, _), uses in found.items():
-        rap = next(r.node for r in index.of(nodes.DefineRap) if id(r.node) == owner)
-        for finding in _judge(uses, rap):
-            run.report(finding)
+    wrong = run.result(RESOURCES)
+    every = flows(index)
+    for rap in run.library.raps.values():
+        for resource in rap.resources:
+            if (id(rap), resource.variable.name) in wrong:
+                continue
+            own = every[id(rap), resource.variable.name]
+            for finding in _judge(resource, whole(own, every, run.library), rap):
+                run.report(finding)
 
 
 ANALYZER = Analyzer(
     name="idle-resource",
     doc="Finds resources that nothing changes, or changes the wrong way.",
     run=_run,
-    needs=(INDEX,),
-    rules=(IDLE,),
+    needs=(INDEX, RESOURCES),
+    rules=(IDLE, UNREAD),
     needs_whole="form",
 )
 
 
-def _note(uses: _Uses, variable: Occurrence[nodes.Var]) -> None:
-    parent = variable.parent
-    if isinstance(parent, nodes.ResourceChange):
-        if parent.resource is variable.node:
-            uses.changes.append(parent)
-    elif isinstance(parent, nodes.SetTest | nodes.Call):
-        uses.asked.append(variable.node.span)
-    else:
-        uses.shared = True
-
-
-def _judge(uses: _Uses, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
-    resource = uses.resource
+def _judge(
+    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap
+) -> Iterator[Diagnostic]:
     name = resource.variable.name
-    if uses.shared:
+    if uses.escapes:
         return
     if not uses.asked:
         if not uses.changes:
-            yield _finding(uses, f"nobody uses the {resource.kind} `{name}`")
+            message = f"nobody uses the {resource.kind} `{name}`"
+            yield _finding(resource, uses, message)
+        else:
+            yield _unread(resource, uses)
         return
     if not uses.changes and resource.initial is None:
         what = "put into" if resource.kind == "set" else "counted by"
-        yield _finding(uses, f"nothing is ever {what} `{name}`")
+        yield _finding(resource, uses, f"nothing is ever {what} `{name}`")
     elif not uses.changes and _is_awaited(uses, rap):
-        yield _finding(uses, f"nothing changes `{name}`, for which `succeed` waits")
+        message = f"nothing changes `{name}`, for which `succeed` waits"
+        yield _finding(resource, uses, message)
     elif resource.kind == "set" and resource.initial is None:
         if all(change.op == "set-sub" for change in uses.changes):
-            yield _finding(uses, f"nothing is ever put into `{name}`")
+            yield _finding(resource, uses, f"nothing is ever put into `{name}`")
     elif resource.kind == "counter":
-        way = _wanted(rap.succeed, name, FirstValues((resource,)))
+        yield from _wrong_way(resource, uses, rap)
+
+
+def _wrong_way(
+    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap
+) -> Iterator[Diagnostic]:
+    """Yield a finding if a counter only goes away from what a clause waits for."""
+    name, first = resource.variable.name, FirstValues((resource,))
+    for clause, formula, sign in (
+        ("succeed", rap.succeed, 1),
+        ("repeat-while", rap.repeat_while, -1),
+    ):
+        way = sign * _wanted(formula, name, first if sign > 0 else FirstValues(()))
+        if sign < 0 and first.fails(formula) is not None:
+            continue
         if way and all(_way(change) == -way for change in uses.changes):
             turn = "fall" if way < 0 else "rise"
             yield _finding(
-                uses, f"`succeed` waits for `{name}` to {turn}, and it never does"
+                resource,
+                uses,
+                f"`{clause}` waits for `{name}` to {turn}, and it never does",
             )
+            return
 
 
-def _finding(uses: _Uses, message: str) -> Diagnostic:
+def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
+    return Diagnostic(
+        rule=UNREAD.name,
+        message=f"nobody asks what is in `{resource.variable.name}`"
+        if resource.kind == "set"
+        else f"nobody asks what `{resource.variable.name}` has come to",
+        span=resource.variable.span,
+        labels=tuple([Label(c.span, "changed here") for c in uses.changes[:2]]),
+    )
+
+
+def _finding(resource: nodes.Resource, uses: Flow, message: str) -> Diagnostic:
     changes = [Label(change.span, "changed here") for change in uses.changes]
-    asked = [Label(span, "asked here") for span in uses.asked[:1]]
+    asked = [Label(one.span, "asked here") for one in uses.asked[:1]]
     return Diagnostic(
         rule=IDLE.name,
         message=message,
-        span=uses.changes[0].span if uses.changes else uses.resource.variable.span,
+        span=uses.changes[0].span if uses.changes else resource.variable.span,
         labels=(*changes[1:3], *asked),
     )
 
 
-def _is_awaited(uses: _Uses, rap: nodes.DefineRap) -> bool:
+def _is_awaited(uses: Flow, rap: nodes.DefineRap) -> bool:
     goal = rap.succeed
     if goal is None or isinstance(goal, nodes.Or):
         return False
-    return any(goal.span.start <= span.start < goal.span.end for span in uses.asked)
+    own = [one.span.start for one in uses.asked if one.span.file == goal.span.file]
+    return any(goal.span.start <= start < goal.span.end for start in own)
 
 
 def _wanted(goal: nodes.Formula | None, name: str, first: FirstValues) -> int:
     """Which way a counter has to go for `succeed` to hold: -1, 1, or 0 if not known."""
-    for literal in literals(goal):
+    parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
+    for literal in (one for part in parts for one in literals(part)):
         test = literal.formula
         if not isinstance(test, nodes.Compare) or not literal.holds:
             continue

@@ -20,7 +20,7 @@ from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.ir import nodes
 from rapc.library.kinds import said_of
-from rapc.library.signature import Signature
+from rapc.library.signature import CONSTANT_DEFAULTS, Signature
 from rapc.library.signatures import Fault
 
 UNKNOWN = Rule(
@@ -104,6 +104,7 @@ def _run(run: Pass) -> Container[int]:
             own = declared.get(id(used.owner))
             if own and _variables(run, used, signature, own):
                 told.add(id(used.owner))
+    _defaults(run)
     _inferred(run, index)
     return told.union(id(clash.form) for clash in run.result(INFERRED).clashes)
 
@@ -180,6 +181,26 @@ def _constants(run: Pass, used: NameUse, signature: Signature) -> None:
                     span=term.span,
                     labels=(label,),
                     help=help_ or _listing(words),
+                )
+            )
+
+
+def _defaults(run: Pass) -> None:
+    """Report defaults that are no values of the kind of their property."""
+    kinds = run.signatures.kinds
+    for form in run.library.properties.values():
+        kind = form.args[-1].kind if form.args else None
+        if kind is None or form.default not in CONSTANT_DEFAULTS:
+            continue
+        if not kinds.holds(kind, form.default):
+            place = form.args[-1].span if form.args else form.span
+            words = {format_atom(value): None for value in kinds.values(kind) or ()}
+            run.report(
+                Diagnostic(
+                    rule=WRONG.name,
+                    message=f"the default `{form.default}` is no {kind}",
+                    span=place,
+                    help=_listing(words) or "write `unknown`, which is of every kind",
                 )
             )
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, Index
+from rapc.analysis.index import INDEX, Index, Occurrence
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
@@ -114,11 +114,18 @@ def _times(index: Index) -> Found:
     for rap in index.of(nodes.DefineRap):
         yield from _must_be_numbers("is no time", rap.node.duration)
     for effect in index.of(nodes.ResourceChange):
-        if effect.node.op in ("counter-add", "counter-sub"):
+        if effect.node.op.startswith("counter") and not _is_set(effect):
             yield from _must_be_numbers("is no amount", effect.node.amount)
     for resource in index.of(nodes.Resource):
         if resource.node.kind == "counter":
             yield from _must_be_numbers("is no number", resource.node.initial)
+
+
+def _is_set(effect: Occurrence[nodes.ResourceChange]) -> bool:
+    """Whether a set is changed as if it were a counter, which is told of already."""
+    rap, term = effect.owner, effect.node.resource
+    resources = rap.resources if isinstance(rap, nodes.DefineRap) else ()
+    return any(one.kind == "set" and one.variable == term for one in resources)
 
 
 def _must_be_numbers(why: str, *terms: nodes.Term | None) -> Found:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX
+from rapc.analysis.index import INDEX, Index
+from rapc.analysis.passes.resources import ANALYZER as RESOURCES
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -45,24 +46,40 @@ It equals no number, stands in no fact, and a request that holds one fails. Step
 
 def _run(run: Pass) -> None:
     index = run.result(INDEX)
-    resources = {
-        (id(use.owner), use.node.variable.name): use.node
+    wrong = run.result(RESOURCES)
+    resources: dict[tuple[int, str], tuple[str, nodes.Var]] = {
+        (id(use.owner), use.node.variable.name): (use.node.kind, use.node.variable)
         for use in index.of(nodes.Resource)
     }
+    resources.update(_inputs(index))
     effects = {id(use.node.pattern) for use in index.of(nodes.DeclaredEffect)}
     for use in index.of(nodes.Var) if resources else ():
-        declared = resources.get((id(use.owner), use.node.name))
-        if declared is None or id(use.parent) in effects:
+        key = (id(use.owner), use.node.name)
+        if key not in resources or key in wrong or id(use.parent) in effects:
+            continue
+        kind, declared = resources[key]
+        if use.node is declared or isinstance(use.parent, nodes.DefineRap):
             continue
         if _needs_value(use.node, use.parent, run.library.functions):
-            run.report(_finding(use.node, declared))
+            run.report(_finding(use.node, kind, declared))
+
+
+def _inputs(index: Index) -> Iterator[tuple[tuple[int, str], tuple[str, nodes.Var]]]:
+    """Yield the inputs that their RAP changes as sets or counters."""
+    for use in index.of(nodes.ResourceChange):
+        rap, term = use.owner, use.node.resource
+        if isinstance(rap, nodes.DefineRap) and isinstance(term, nodes.Var):
+            for variable in rap.inputs:
+                if variable.name == term.name:
+                    kind = use.node.op.split("-")[0]
+                    yield (id(rap), term.name), (kind, variable)
 
 
 ANALYZER = Analyzer(
     name="resource-as-value",
     doc="Finds sets and counters where a plain value is needed.",
     run=_run,
-    needs=(INDEX,),
+    needs=(INDEX, RESOURCES),
     rules=(RESOURCE_AS_VALUE,),
     needs_whole="method",
 )
@@ -93,15 +110,15 @@ def _needs_value(
 _LOOK_INSIDE = ("size-of", "value")
 
 
-def _finding(variable: nodes.Var, declared: nodes.Resource) -> Diagnostic:
-    counter = declared.kind == "counter"
+def _finding(variable: nodes.Var, kind: str, declared: nodes.Var) -> Diagnostic:
+    counter = kind == "counter"
     content = f"(value {variable.name})"
     fix = Fix(Applicability.UNSAFE, "take its value", (Edit(variable.span, content),))
     return Diagnostic(
         rule=RESOURCE_AS_VALUE.name,
-        message=f"`{variable.name}` is a {declared.kind}, not a plain value",
+        message=f"`{variable.name}` is a {kind}, not a plain value",
         span=variable.span,
-        labels=(Label(declared.variable.span, "declared here"),),
+        labels=(Label(declared.span, "declared here"),),
         help=f"write `{content}` for the number it holds"
         if counter
         else f"ask `(member {variable.name} x)` or `(size-of {variable.name})`",

@@ -7,7 +7,7 @@ given elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import Literal
 
 import msgspec
@@ -79,11 +79,13 @@ class Demand(msgspec.Struct, frozen=True):
     rap: nodes.DefineRap
 
 
-def _run(run: Pass) -> None:
+def _run(run: Pass) -> set[tuple[int, str]]:
+    """Report, and return the resources that are taken for something else."""
     index = run.result(INDEX)
     missing = run.result(BINDINGS).missing
     unbound = {(rap, m.variable.name) for rap, all_ in missing.items() for m in all_}
-    by_input: dict[tuple[str, str], Demand] = {}
+    by_input: dict[tuple[str, str], list[Demand]] = {}
+    wrong: set[tuple[int, str]] = set()
     for demand in _demands(index):
         rap, term = demand.rap, demand.term
         if isinstance(term, nodes.Var) and (
@@ -94,13 +96,20 @@ def _run(run: Pass) -> None:
         if declared is not None:
             if declared.kind != demand.kind:
                 run.report(_wrong_kind(term, declared, demand))
+                wrong.add((id(rap), declared.variable.name))
         elif isinstance(term, nodes.Var) and _is_input(rap, term):
-            by_input.setdefault((rap.name, term.name), demand)
+            by_input.setdefault((rap.name, term.name), []).append(demand)
         else:
             run.report(_no_resource(demand))
-    for goal in index.of(nodes.Goal) if by_input else ():
-        if isinstance(goal.owner, nodes.DefineRap):
-            _check_step(run, goal.owner, goal.node, by_input)
+    steps = [
+        (goal.owner, goal.node)
+        for goal in index.of(nodes.Goal)
+        if isinstance(goal.owner, nodes.DefineRap)
+    ]
+    wanted = _settled(run, by_input, steps) if by_input else {}
+    for owner, goal in steps if wanted else ():
+        _check_step(run, owner, goal, wanted)
+    return wrong | _in_place_of(index)
 
 
 ANALYZER = Analyzer(
@@ -154,6 +163,75 @@ def _resource(rap: nodes.DefineRap, term: nodes.Term) -> nodes.Resource | None:
 
 def _is_input(rap: nodes.DefineRap, variable: nodes.Var) -> bool:
     return any(v.name == variable.name for v in rap.inputs)
+
+
+_Steps = Sequence[tuple[nodes.DefineRap, nodes.Goal]]
+
+
+def _settled(
+    run: Pass, by_input: Mapping[tuple[str, str], Sequence[Demand]], steps: _Steps
+) -> dict[tuple[str, str], Demand]:
+    """Return for each input what it has to be; report uses that contradict the rest.
+
+    Where all steps hand in a resource of one kind, that decides; else the first use.
+    """
+    given = _given(run, by_input, steps)
+    wanted = {}
+    for (name, variable), demands in by_input.items():
+        kinds = {one.kind for one in demands}
+        handed = given.get((name, variable), [])
+        sorts = {one.kind for one in handed}
+        if len(sorts) == 1 and (kinds != sorts) and (len(kinds) > 1 or handed[1:]):
+            wrong = [one for one in demands if one.kind not in sorts]
+            run.report(_wrong_kind(wrong[0].term, handed[0], wrong[0]))
+            continue
+        first = demands[0]
+        wanted[name, variable] = first
+        other = next((one for one in demands if one.kind != first.kind), None)
+        if other is not None and not handed:
+            run.report(_two_kinds(first, other))
+    return wanted
+
+
+def _given(
+    run: Pass, inputs: Container[tuple[str, str]], steps: _Steps
+) -> dict[tuple[str, str], list[nodes.Resource]]:
+    """Return the resources that steps hand in, by RAP and input."""
+    found: dict[tuple[str, str], list[nodes.Resource]] = {}
+    for owner, goal in steps:
+        callee = run.library.raps.get(goal.name)
+        taken = callee.inputs if callee is not None else ()
+        for term, variable in zip(goal.args, taken, strict=False):
+            declared = _resource(owner, term)
+            if declared is not None and (goal.name, variable.name) in inputs:
+                found.setdefault((goal.name, variable.name), []).append(declared)
+    return found
+
+
+def _two_kinds(first: Demand, other: Demand) -> Diagnostic:
+    assert isinstance(other.term, nodes.Var)
+    return Diagnostic(
+        rule=WRONG_KIND.name,
+        message=f"`{other.term.name}` is a {first.kind}, not a {other.kind}",
+        span=other.term.span,
+        labels=(Label(first.term.span, f"used as a {first.kind} here"),),
+    )
+
+
+def _in_place_of(index: Index) -> set[tuple[int, str]]:
+    """The resources that stand as an amount beside what is no resource."""
+    found = set()
+    for use in index.of(nodes.ResourceChange):
+        rap, change = use.owner, use.node
+        if not isinstance(rap, nodes.DefineRap):
+            continue
+        amount, term = change.amount, change.resource
+        known = _resource(rap, term) is not None
+        if isinstance(term, nodes.Var):
+            known = known or _is_input(rap, term)
+        if not known and isinstance(amount, nodes.Var):
+            found.add((id(rap), amount.name))
+    return found
 
 
 def _check_step(

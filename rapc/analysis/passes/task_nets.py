@@ -184,7 +184,7 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
     tags = _tags(run, net)
     doubled = broken = len(tags) < len(net.steps)
     edges: list[list[Edge]] = [[] for _ in net.steps]
-    names: Suggestions | None = None
+    unknown: dict[str, list[Span]] = {}
     for at, step in enumerate(net.steps):
         for annotation in step.annotations:
             tag = _tag(annotation)
@@ -192,14 +192,15 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
                 continue
             if tag not in tags:
                 broken = True
-                names = names or Suggestions(tags)
-                place = _place(run, annotation, tag)
-                if not doubled:
-                    run.report(_unknown_tag(place, tag, names))
+                unknown.setdefault(tag, []).append(_place(run, annotation, tag))
             elif type(annotation) is nodes.For:
                 edges[tags[tag]].append(Edge(at, tags[tag], annotation))
             elif type(annotation) is nodes.Window:
                 edges[at].append(Edge(tags[tag], at, annotation))
+    names = Suggestions(tags) if unknown else None
+    for tag, places in unknown.items() if names and not doubled else ():
+        assert names is not None
+        run.report(_unknown_tag(places, tag, names))
     return Net(
         _order(run, net, edges, doubled),
         tuple(map(tuple, edges)),
@@ -277,11 +278,12 @@ def _place(run: Pass, annotation: nodes.Annotation, tag: str) -> Span:
     return source.span(end - len(tag), end) if named else span
 
 
-def _unknown_tag(place: Span, tag: str, names: Suggestions) -> Diagnostic:
+def _unknown_tag(places: Sequence[Span], tag: str, names: Suggestions) -> Diagnostic:
     return Diagnostic(
         rule=UNKNOWN_TAG.name,
         message=f"no step of this task-net has the tag `{tag}`",
-        span=place,
+        span=places[0],
+        labels=tuple([Label(other, "named here too") for other in places[1:]]),
         help=names.did_you_mean(tag),
     )
 

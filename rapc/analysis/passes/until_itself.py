@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
@@ -37,8 +39,10 @@ def _run(run: Pass) -> None:
     for rap in run.library.forms:
         if type(rap) is nodes.DefineRap:
             for method in rap.methods:
+                often = Counter(step.tag for step in steps(method))
                 for step in steps(method):
-                    _look(run, step)
+                    if often[step.tag] == 1:
+                        _look(run, step)
 
 
 def _look(run: Pass, step: nodes.Step) -> None:

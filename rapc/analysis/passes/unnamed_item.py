@@ -1,0 +1,127 @@
+"""RAP153: requests about items that the sensors may have no name for (T 2.3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.literals import literals
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes
+from rapc.ir.walk import steps, subformulas
+
+_WORLD = """\
+(declare-primitive grasp ((?thing item)) (okay))
+(declare-primitive scan () (okay))
+(declare-memory-proposition held ((?thing item)))
+(define-rap (take (?thing item))
+  (succeed (held ?thing))
+  (method look
+    (context (know-sensor-name ?thing false))
+    (primitive (scan)))
+  (method take
+    {}(primitive (grasp ?thing))))
+"""
+
+UNNAMED = Rule(
+    code="RAP153",
+    name="unnamed-item",
+    severity=Severity.WARNING,
+    summary="a request is about an item whose sensor name may not be known",
+    why="""The hardware knows a thing by the name that the sensors have for it now, and
+a request about an item without one fails before it is made (T 2.3.2). The RAP has a
+method for the case that the name is not known, but this method may be chosen then too:
+ask `(know-sensor-name ?thing true)` in its context.""",
+    example=_WORLD.format(""),
+    better=_WORLD.format("(context (know-sensor-name ?thing true))\n    "),
+)
+
+
+def _run(run: Pass) -> None:
+    for rap in run.library.raps.values():
+        unknown = dict(_unknown(rap))
+        for method in rap.methods if unknown else ():
+            for found in _unnamed(rap, method, unknown):
+                run.report(found)
+
+
+ANALYZER = Analyzer(
+    name="unnamed-item",
+    doc="Finds requests about items whose sensor name the method does not ask for.",
+    run=_run,
+    rules=(UNNAMED,),
+    needs_whole="form",
+)
+
+
+def _unknown(rap: nodes.DefineRap) -> Iterator[tuple[str, nodes.SensorName]]:
+    """Yield the inputs for which a method is there if they have no sensor name."""
+    inputs = {variable.name for variable in rap.inputs}
+    for method in rap.methods:
+        for one in literals(method.context):
+            test = one.formula
+            if isinstance(test, nodes.SensorName) and isinstance(test.item, nodes.Var):
+                value = test.value
+                false = isinstance(value, nodes.Const) and value.value == "false"
+                if one.holds is false and test.item.name in inputs:
+                    yield test.item.name, test
+
+
+def _unnamed(
+    rap: nodes.DefineRap,
+    method: nodes.Method,
+    unknown: dict[str, nodes.SensorName],
+) -> Iterator[Diagnostic]:
+    if _asks(rap, method):
+        return
+    told: set[str] = set()
+    for term in _asked_for(rap, method):
+        if not isinstance(term, nodes.Var) or term.name in told:
+            continue
+        if term.name in unknown:
+            told.add(term.name)
+            yield Diagnostic(
+                rule=UNNAMED.name,
+                message=f"the sensors may have no name for `{term.name}` here",
+                span=term.span,
+                labels=(
+                    Label(unknown[term.name].span, "there is a method for that case"),
+                ),
+                help=f"ask `(know-sensor-name {term.name} true)` in the context",
+            )
+
+
+_ENOUGH = 2
+"""So many methods ask for the name where one with steps should, too."""
+
+
+def _asked_for(rap: nodes.DefineRap, method: nodes.Method) -> Iterator[nodes.Term]:
+    """Yield what a method needs a sensor name for.
+
+    What its steps need is for their RAPs to ask; but where all other methods ask for it
+    already, this one is no exception.
+    """
+    if isinstance(method.body, nodes.Primitive):
+        yield from method.body.request.args
+        return
+    others = [one for one in rap.methods if one is not method]
+    if len(others) > _ENOUGH and all(_asks(rap, one) for one in others):
+        for step in steps(method):
+            yield from step.goal.args
+
+
+def _asks(rap: nodes.DefineRap, method: nodes.Method) -> bool:
+    """Whether a method, or what holds for all of them, asks for a sensor name."""
+    clauses = (
+        method.context,
+        rap.repeat_while,
+        rap.preconditions,
+        rap.constraints,
+        rap.monitor_state,
+    )
+    return any(
+        isinstance(part, nodes.SensorName | nodes.Otherwise)
+        for formula in clauses
+        if formula is not None
+        for part in subformulas(formula)
+    )
