@@ -189,3 +189,12 @@ def test_unknown_word_gets_a_suggestion(text: str, help: str) -> None:
 def test_clause_swallowed_by_another_is_told() -> None:
     found = only("(define-rap (a) (succeed (p) (method (task-net))))")
     assert found.help == "a `)` may be missing before `(method`"
+
+
+@pytest.mark.parametrize("row", ["(enable)", "(disable)", "(enable look)"])
+def test_a_row_of_a_script_switches_one_skill(row: str) -> None:
+    found = only(f"(define-test t (script ({row} okay)) (task (go)))")
+    assert (found.rule, found.message) == (
+        "malformed-clause",
+        "one skill is wanted here",
+    )

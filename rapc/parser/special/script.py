@@ -46,6 +46,10 @@ def _request(
         return "enable", plain(ctx, colon(ctx, inner, nodes.Skill))
     if name == "disable" and isinstance(inner, List):
         return "disable", plain(ctx, colon(ctx, inner, nodes.Skill))
+    if name in ("enable", "disable"):
+        help = f"write `({name} (:skill argument...))`"
+        ctx.report("malformed-clause", "one skill is wanted here", datum, help=help)
+        return "request", None
     return "request", request(ctx, datum)
 
 
