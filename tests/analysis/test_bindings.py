@@ -23,7 +23,11 @@ VARIABLES = ("?alpha", "?bravo", "?citron")
 
 @st.composite
 def nets(draw: st.DrawFn) -> Net:
-    """Task-nets of up to five steps in a random partial order."""
+    """Task-nets of up to five steps in a random partial order.
+
+    No step hands out what it is given: that is a slip, which accounts for what is
+    unbound behind it.
+    """
     count = draw(st.integers(2, 5))
     shuffled = draw(st.permutations(range(count)))
     variable = st.sampled_from((*VARIABLES, None))
@@ -31,10 +35,11 @@ def nets(draw: st.DrawFn) -> Net:
     for at in range(count):
         later = [o for o in range(count) if shuffled[o] > shuffled[at]]
         behind = draw(st.lists(st.sampled_from(later), unique=True)) if later else []
+        used, handed = draw(variable), draw(variable)
         rows.append(
             (
-                draw(variable),
-                draw(variable),
+                used,
+                handed if handed != used else None,
                 draw(variable),
                 behind,
                 draw(st.sampled_from(["for", "formula"])),
