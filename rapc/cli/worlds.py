@@ -17,6 +17,7 @@ from rapc.testing.contract.declarations import declarations
 from rapc.testing.contract.trials import try_world
 from rapc.world import World
 from rapc.worlds import registry
+from rapc.worlds.skills.world import SkillWorld
 
 EXAMPLES = """\b
 Examples:
@@ -72,7 +73,9 @@ def worlds(name: str | None, declare: bool, library: str | None) -> None:
     except WorldError as error:
         fail(error.message, error.help)
     if declare:
-        click.echo("\n".join(map(laid_out, declarations(world.kit.offer))))
+        skills = world.runtime.catalogue if isinstance(world, SkillWorld) else None
+        words = declarations(world.kit.offer, skills)
+        click.echo("\n".join(map(laid_out, words)))
     elif library is not None:
         raise SystemExit(_test(found, library, width))
     else:

@@ -107,6 +107,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
         "task",
         "request",
         "sent",
+        "because",
     ),
     "resource-changed": (
         "task",

@@ -178,5 +178,5 @@ def test_a_saved_world_goes_on_the_same(seconds: float) -> None:
     assert other.save() == saved
     assert live(other) == live(world)
     assert other.save() == world.save()
-    with pytest.raises(ValueError, match="no state of a hallway"):
+    with pytest.raises(ValueError, match="no state of the world `hallway`"):
         other.restore(b"{}")

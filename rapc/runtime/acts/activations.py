@@ -63,7 +63,11 @@ def _refused(
     if machine.recorder.on:
         for skill, named in zip(skills, sent, strict=True):
             machine.recorder.emit(
-                RequestRefused, task=task.number, request=skill, sent=named
+                RequestRefused,
+                task=task.number,
+                request=skill,
+                sent=named,
+                because=answer.reason or None,
             )
     return answer
 

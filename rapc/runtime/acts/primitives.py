@@ -129,7 +129,11 @@ def _refused(
     machine.sync_clock()
     if machine.recorder.on:
         machine.recorder.emit(
-            RequestRefused, task=task.number, request=asked, sent=sent
+            RequestRefused,
+            task=task.number,
+            request=asked,
+            sent=sent,
+            because=reply.reason or None,
         )
     return reply
 

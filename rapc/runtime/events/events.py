@@ -239,6 +239,8 @@ class RequestRefused(Event, frozen=True, kw_only=True):
     task: int
     request: Fact
     sent: Fact
+    #: Why, in the world's words; None where it gives no reason.
+    because: str | None = None
 
 
 class SkillEnabled(Event, frozen=True, kw_only=True):

@@ -244,6 +244,7 @@ _LINES: Mapping[type, Callable[[Any], str | None]] = {
     ),
     events.RequestRefused: lambda e: (
         f"    ... primitive operation {format_list(e.request)} - refused"
+        + (f": {e.because}" if e.because else "")
     ),
     events.SkillEnabled: lambda e: (
         f"    ... skill {format_list(e.what)} enabled [{e.task}]"

@@ -1,30 +1,19 @@
-"""The hallway as a world: the port on one side, the simulation on the other.
-
-It has skills and no primitives: everything is an activation, and everything it says is
-a signal. It cannot say when the next signal comes; `advance` stops at the first.
-"""
+"""The hallway as a world: what it offers, and the simulation behind it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from random import Random
-from typing import NoReturn
 
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text, number
 from rapc.world import (
-    NOT_KNOWN,
     Callables,
     Kit,
-    Offer,
     Option,
     Picture,
-    Refused,
-    Signal,
-    Time,
-    World,
 )
 from rapc.worlds.hallway import facts, planner
 from rapc.worlds.hallway.geometry import (
@@ -41,11 +30,8 @@ from rapc.worlds.hallway.random_map import random_map
 from rapc.worlds.hallway.robot import TICK
 from rapc.worlds.hallway.simulation import HallwaySettings, Simulation
 from rapc.worlds.hallway.skills.all import catalogue
-from rapc.worlds.skills.catalogue import Catalogue, Request
-from rapc.worlds.skills.drawing import Drawing, draw
 from rapc.worlds.skills.runtime import Told
-
-PER_SECOND = round(1 / TICK)
+from rapc.worlds.skills.world import SkillWorld, offer
 
 BUMP = ":bump"
 
@@ -88,22 +74,7 @@ class Figures(msgspec.Struct, frozen=True):
     battery: Number
 
 
-class _Saved(msgspec.Struct):
-    now: Number
-    sent: list[tuple[str, tuple[Atom, ...], tuple[int, ...]]]
-    simulation: msgspec.Raw
-
-
-def offer(skills: Catalogue) -> Offer:
-    """Return what a catalogue offers to libraries, names with their colons."""
-    told = {f":{n}": len(event.carries) for n, event in skills.events.items()}
-    return Offer(
-        skills={f":{n}": len(e.parameters) for n, e in skills.entries.items()},
-        events=told | {BUMP: 0},
-    )
-
-
-class HallwayWorld(World):
+class HallwayWorld(SkillWorld):
     """A robot in a building, driven by networks of skills [S].
 
     Raises:
@@ -111,8 +82,9 @@ class HallwayWorld(World):
     """
 
     name = "hallway"
+    ticks_a_unit = round(1 / TICK)
     kit = Kit(
-        offer(catalogue()),
+        offer(catalogue(), {BUMP: 0}),
         options=OPTIONS,
         functions=FUNCTIONS,
         solvers={"travel-to-distant-space": planner.plan},
@@ -129,71 +101,15 @@ class HallwayWorld(World):
             numbers[name] = value
         settings = msgspec.convert(numbers, HallwaySettings)
         self.simulation = Simulation(self._map, catalogue(), rng, settings)
-        self._now: Number = 0
-        self._sent: list[Told] = []
+        super().__init__(self.simulation.runtime)
 
     def facts(self) -> Iterable[Fact]:
         """Return the map, as far as the robot has been told of it."""
         return facts.facts(self._map)
 
-    def now(self) -> Time:
-        """Return the time in seconds."""
-        return self._now
-
-    def perform(self, ticket: int, request: Fact) -> NoReturn:
-        """Refuse: there are no primitives here.
-
-        Raises:
-            ValueError: always.
-        """
-        raise ValueError(f"the hallway has no primitive `{request[0]}`")
-
-    def activate(
-        self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
-    ) -> Refused | None:
-        """Switch skills on; they run from the next tick.
-
-        Args:
-            ticket: the number of the activation from now on.
-            skills: what is to run: names with their colons, then arguments.
-            events: names of the events to be told, with their colons.
-
-        Returns:
-            None, or why not: what it would be in conflict with, by ticket, if that is
-            the reason.
-        """
-        wanted = [Request(str(s[0]).removeprefix(":"), tuple(s[1:])) for s in skills]
-        names = [event.removeprefix(":") for event in events]
-        return self.simulation.runtime.activate(ticket, wanted, names)
-
-    def deactivate(self, ticket: int) -> None:
-        """Switch off what only this activation has."""
-        self.simulation.runtime.deactivate(ticket)
-
-    def cancel(self, ticket: int) -> None:
-        """Give up an activation: the same as to deactivate it."""
-        self.deactivate(ticket)
-
-    def next_time(self) -> Time:
-        """Return the present if something has been sent; else it is not known."""
-        return self._now if self._sent else NOT_KNOWN
-
-    def advance(self, to: Time) -> None:
-        """Let time pass up to `to`, or to the first thing there is to send."""
-        simulation = self.simulation
-        while not self._sent and simulation.state.ticks + 1 <= to * PER_SECOND + 1e-6:
-            self._sent += simulation.tick()
-            self._now = max(self._now, number(simulation.now))
-        if not self._sent:
-            self._now = max(self._now, to)
-
-    def messages(self) -> Sequence[Signal]:
-        """Return the signals since the last call, in the order they arose."""
-        sent, self._sent = self._sent, []
-        return [
-            Signal((f":{told.event}", *map(_plain, told.arguments)), told.tickets)
-            for told in sent
-        ]
+    def tick(self) -> Iterable[Told]:
+        """Let a tenth of a second pass."""
+        return self.simulation.tick()
 
     def ended(self) -> str | None:
         """Return why the run is over: an empty battery, nothing else."""
@@ -218,33 +134,21 @@ class HallwayWorld(World):
             number(round(body.battery, 1)),
         )
 
-    def network(self) -> Drawing:
-        """Return the network of skills that is active now, to be drawn."""
-        return draw(self.simulation.runtime)
-
     def picture(self) -> Picture:
         """Return the robot's floor as it is now, for `--show`."""
         return picture(self.simulation)
 
-    def save(self) -> bytes:
-        """Return the complete state, as JSON."""
-        sent = [(t.event, t.arguments, t.tickets) for t in self._sent]
-        simulation = msgspec.Raw(self.simulation.save())
-        return msgspec.json.encode(_Saved(self._now, sent, simulation))
+    def save_rest(self) -> bytes:
+        """Return the simulation with its skills, as JSON."""
+        return self.simulation.save()
 
-    def restore(self, state: bytes) -> None:
-        """Take up a saved state, in place.
+    def restore_rest(self, rest: bytes) -> None:
+        """Take up a saved simulation.
 
         Raises:
             ValueError: if it is none, or one of a hallway with other options.
         """
-        try:
-            saved = msgspec.json.decode(state, type=_Saved)
-        except msgspec.DecodeError as error:
-            raise ValueError(f"no state of a hallway: {error}") from error
-        self.simulation.restore(bytes(saved.simulation))
-        self._now = saved.now
-        self._sent = [Told(*told) for told in saved.sent]
+        self.simulation.restore(rest)
 
 
 def _read_map(given: Mapping[str, Atom | bool]) -> Map:
@@ -267,7 +171,3 @@ def _read_map(given: Mapping[str, Atom | bool]) -> Map:
 def _map_of(text: str) -> Map:
     """Return the map of a name, or of a text, which no name looks like."""
     return read_map(text) if "=" in text or "\n" in text else named_map(text)
-
-
-def _plain(value: Atom) -> Atom:
-    return number(value) if isinstance(value, int | float) else value

@@ -13,6 +13,12 @@ from typing import Any
 import msgspec
 
 from rapc.base.values import Atom
+from rapc.worlds.skills.checks import (
+    CatalogueError,
+    check_entry,
+    check_together,
+    told,
+)
 from rapc.worlds.skills.declarations import (
     KINDS,
     Arbiter,
@@ -25,10 +31,6 @@ from rapc.worlds.skills.declarations import (
     as_input,
     first_line,
 )
-
-
-class CatalogueError(ValueError):
-    """Declarations of skills that cannot work together."""
 
 
 class Request(msgspec.Struct, frozen=True):
@@ -77,19 +79,23 @@ class Catalogue:
         #: What a library may enable, by name.
         self.entries: dict[str, type[Skill] | Compound] = {}
         for entry in skills:
+            check_entry(entry)
             if entry.name in self.entries:
                 raise CatalogueError(f"two skills are named `{entry.name}`")
             self.entries[entry.name] = entry
         #: Every event that some skill may tell, by name.
         self.events: dict[str, type[Event]] = {}
         for skill in self._single_skills():
-            self._check_parameters(skill.name, skill.parameters)
+            self._check_parameters(told(skill), skill.parameters)
             for event in skill.events:
                 self._add_event(event)
         self._check_channels()
         for entry in self.entries.values():
             if isinstance(entry, Compound):
                 self._check_compound(entry)
+            parts = self.parts(entry.name)
+            singles = self._single_skills()
+            check_together(parts, singles, self.sensors, self.arbiters)
 
     def parts(self, name: str) -> tuple[type[Skill], ...]:
         """Return the single skills that `name` stands for.
@@ -131,11 +137,13 @@ class Catalogue:
         names: dict[str, type[Skill]] = {}
         for skill in seen:
             if names.setdefault(skill.name, skill) is not skill:
-                raise CatalogueError(f"two skills are named `{skill.name}`")
+                raise CatalogueError(
+                    f"{told(names[skill.name])} and {told(skill)} have one name"
+                )
         return iter(seen)
 
     def _add_event(self, event: type[Event]) -> None:
-        self._check_parameters(event.name, event.carries)
+        self._check_parameters(told(event), event.carries)
         known = self.events.setdefault(event.name, event)
         if known.carries != event.carries:
             raise CatalogueError(
@@ -147,11 +155,11 @@ class Catalogue:
         for parameter in parameters:
             if parameter.kind not in KINDS:
                 raise CatalogueError(
-                    f"`{name}`: the kind `{parameter.kind}` of `{parameter.name}` "
+                    f"{name}: the kind `{parameter.kind}` of `{parameter.name}` "
                     "is none of " + ", ".join(KINDS)
                 )
         if len({parameter.name for parameter in parameters}) < len(parameters):
-            raise CatalogueError(f"`{name}` has two parameters of one name")
+            raise CatalogueError(f"{name} has two parameters of one name")
 
     def _check_channels(self) -> None:
         """Every input has a possible writer, and a name stands for one channel."""
@@ -167,12 +175,14 @@ class Catalogue:
                 inputs = [as_input(reads_).channel for reads_ in node.inputs]
                 self._know(channels, node, inputs)
                 mine = own if node is not skill else set()
-                reads += ((node.name, channel, mine) for channel in inputs)
-        reads += (("the world", channel, set()) for channel in self.actuators)
+                reads += ((told(node), channel, mine) for channel in inputs)
+        for channel in self.actuators:
+            if channel not in written:
+                raise CatalogueError(f"no skill writes the actuator `{channel.name}`")
         for name, channel, mine in reads:
             if channel not in written and channel not in mine:
                 raise CatalogueError(
-                    f"`{name}` reads `{channel.name}`, which nothing writes"
+                    f"{name} reads `{channel.name}`, which nothing writes"
                 )
 
     def _know(
@@ -185,12 +195,12 @@ class Catalogue:
             known = channels.setdefault(channel.name, channel)
             if known is not channel:
                 raise CatalogueError(
-                    f"`{node.name}` means another channel `{channel.name}` than "
-                    f"others do: {_told(channel)} instead of {_told(known)}"
+                    f"{told(node)} means another channel `{channel.name}` than "
+                    f"others do: {_kind(channel)} instead of {_kind(known)}"
                 )
 
     def _check_compound(self, compound: Compound) -> None:
-        self._check_parameters(compound.name, compound.parameters)
+        self._check_parameters(f"`{compound.name}`", compound.parameters)
         by_name = {parameter.name: parameter for parameter in compound.parameters}
         for part in compound.parts:
             for wanted in part.parameters:
@@ -207,6 +217,6 @@ class Catalogue:
                     )
 
 
-def _told(channel: Channel[Any]) -> str:
+def _kind(channel: Channel[Any]) -> str:
     kind = getattr(channel.type, "__name__", str(channel.type))
     return f"{kind} in {channel.unit}" if channel.unit else kind

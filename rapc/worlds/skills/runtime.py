@@ -16,7 +16,9 @@ from typing import Any, TypeVar
 
 import msgspec
 
+from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Text, number
+from rapc.errors import PortError
 from rapc.world import Refused
 from rapc.worlds.skills.catalogue import Catalogue, Request
 from rapc.worlds.skills.declarations import Channel, Event, Skill
@@ -289,6 +291,11 @@ class SkillRuntime:
         if said is None:
             told.clear()
             return []
+        if not isinstance(said, tuple):
+            raise PortError(
+                f"`test` of the class {type(event).__name__} returns a tuple or None, "
+                f"not {said!a:.60}{place_of(event.test)}"
+            )
         hearers = [
             ticket
             for ticket in self._hearers[member.key]

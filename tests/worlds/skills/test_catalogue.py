@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from rapc.base.values import Atom, Text
-from rapc.worlds.skills.catalogue import Catalogue, CatalogueError, Request
+from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.checks import CatalogueError
 from rapc.worlds.skills.declarations import (
     Channel,
     Compound,
@@ -26,12 +29,12 @@ def test_a_compound_tells_and_uses_what_its_parts_do() -> None:
 
 
 def test_an_input_needs_a_writer() -> None:
-    with pytest.raises(CatalogueError, match=r"`fill` reads `goal`, which nothing"):
+    with pytest.raises(CatalogueError, match=r"\(Fill\) reads `goal`, which nothing"):
         Catalogue([Smooth, Fill], [LEVEL])
 
 
 def test_an_actuator_needs_a_writer() -> None:
-    with pytest.raises(CatalogueError, match="the world` reads `goal`"):
+    with pytest.raises(CatalogueError, match="no skill writes the actuator `goal`"):
         Catalogue([Smooth], [LEVEL], [GOAL])
 
 
@@ -41,6 +44,7 @@ def test_a_name_stands_for_one_channel() -> None:
 
         name = "other"
         inputs = (Channel("level", float, "ft"),)
+        step = Smooth.step
 
     with pytest.raises(CatalogueError, match="float in ft instead of float in m"):
         Catalogue([Smooth, Other], [LEVEL])
@@ -74,6 +78,7 @@ def test_an_event_carries_the_same_wherever_it_is_told() -> None:
 
         name = "other"
         events = (Reached,)
+        step = Smooth.step
 
     with pytest.raises(CatalogueError, match="`reached` is declared twice"):
         Catalogue([Smooth, Aim, Other], [LEVEL])
@@ -85,9 +90,76 @@ def test_a_parameter_is_of_a_known_kind() -> None:
 
         name = "odd"
         parameters = (Parameter("x", "colour"),)
+        step = Smooth.step
 
     with pytest.raises(CatalogueError, match="kind `colour` of `x`"):
         Catalogue([Odd])
+
+
+A, B = Channel("a", float), Channel("b", float)
+
+
+@pytest.mark.parametrize(
+    ("has", "fault"),
+    [
+        ({"name": None}, "the class Odd has no `name`"),
+        ({"name": "An odd one"}, "the name of the class Odd is a symbol"),
+        ({"step": Skill.step}, "the class Odd does not define `step`"),
+        ({"inputs": LEVEL}, "`inputs` of the class Odd is no tuple; one of a single"),
+        ({"inputs": ("level",)}, "`inputs` of the class Odd has channels, not 'level'"),
+        ({"outputs": A}, "`outputs` of the class Odd is no tuple"),
+        ({"parameters": Parameter("x", "number")}, "`parameters` of the class Odd is"),
+        ({"uses": "valve"}, "`uses` of the class Odd is no tuple"),
+        ({"events": Event}, "`events` of the class Odd is no tuple"),
+        ({"events": (Aim,)}, "`events` of the class Odd has classes of events"),
+        ({"State": dict}, "`State` of the class Odd is no msgspec struct"),
+    ],
+)
+def test_a_class_that_lacks_something_is_named(
+    has: dict[str, object], fault: str
+) -> None:
+    body = {"name": "odd", "step": Smooth.step, **has}
+    odd = type("Odd", (Skill,), body)
+    with pytest.raises(CatalogueError, match=re.escape(fault)):
+        Catalogue([odd], [LEVEL])
+
+
+def test_an_event_needs_a_test() -> None:
+    silent = type("Silent", (Event,), {"name": "silent"})
+    odd = type("Odd", (Skill,), {"name": "odd", "events": (silent,), "step": Aim.step})
+    with pytest.raises(CatalogueError, match="the class Silent does not define `test`"):
+        Catalogue([odd])
+
+
+def test_a_catalogue_has_classes() -> None:
+    with pytest.raises(CatalogueError, match="has classes of skills, and compounds"):
+        Catalogue([Smooth({})], [LEVEL])  # type: ignore[list-item]
+
+
+def _writing(name: str, *inputs: Channel[float], output: Channel[float]) -> type[Skill]:
+    body = {
+        "name": name,
+        "inputs": inputs,
+        "outputs": (output,),
+        "step": Smooth.step,
+    }
+    return type(name.title(), (Skill,), body)
+
+
+def test_skills_that_need_each_other_need_a_delay() -> None:
+    one, other = _writing("one", A, output=B), _writing("other", B, output=A)
+    with pytest.raises(CatalogueError, match=r" \(One\) reads .*without a delay"):
+        Catalogue([one, other])
+    thirds = (_writing("third", output=A), _writing("fourth", output=B))
+    Catalogue([one, other, *thirds])
+
+
+def test_parts_of_a_compound_write_a_channel_each_or_have_an_arbiter() -> None:
+    both = (_writing("one", output=A), _writing("other", output=A))
+    Catalogue(both)
+    fault = r"`one` \(One\) and `other` \(Other\), which come on together, both write"
+    with pytest.raises(CatalogueError, match=fault):
+        Catalogue([Compound("both", both)])
 
 
 @pytest.mark.parametrize(

@@ -137,7 +137,16 @@ def _circle(delayed: bool) -> Catalogue:
         def step(self, now: float, ports: Ports) -> None:
             ports[right] = ports[left] * 2
 
-    return Catalogue([One, Other], [], [left, right])
+    class Third(Skill):
+        """Write what the others write, in their place."""
+
+        name = "third"
+        outputs = (left, right)
+
+        def step(self, now: float, ports: Ports) -> None:
+            ports[left] = ports[right] = 0.0
+
+    return Catalogue([One, Other, Third], [], [left, right])
 
 
 def test_a_circle_without_a_delay_is_refused() -> None:

@@ -1,0 +1,182 @@
+"""What is wrong with the classes of skills by themselves, before any is wired.
+
+A catalogue asks this first. So an author who forgets a comma, a name or a method is
+told the class and what it lacks.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
+from typing import Any
+
+import msgspec
+
+from rapc.worlds.skills.declarations import (
+    Channel,
+    Compound,
+    Event,
+    Input,
+    Node,
+    Parameter,
+    Skill,
+    as_input,
+)
+
+_NAME = re.compile(r"[a-z][a-z0-9-]*")
+
+_TUPLES: Mapping[str, tuple[tuple[type, ...], str]] = {
+    "inputs": ((Channel, Input), "channels"),
+    "outputs": ((Channel,), "channels"),
+    "parameters": ((Parameter,), "parameters"),
+    "carries": ((Parameter,), "parameters"),
+    "uses": ((str,), "names"),
+}
+"""What the tuples of a class hold, by their names: types, and the word for them."""
+
+
+class CatalogueError(ValueError):
+    """Declarations of skills that cannot work together."""
+
+
+def told(node: type[Node]) -> str:
+    """Return how messages name a skill or an event: by its name and its class."""
+    return f"`{node.name}` ({node.__name__})"
+
+
+def check_entry(entry: object) -> None:
+    """See that what an author puts into a catalogue is a skill, and all it should be.
+
+    Raises:
+        CatalogueError: with the class and what is wrong with it.
+    """
+    if isinstance(entry, Compound):
+        _check_name(f"the compound `{entry.name}`", entry.name)
+        _check_tuple(f"the compound `{entry.name}`", "parameters", entry.parameters)
+        if not isinstance(entry.parts, tuple) or not entry.parts:
+            raise CatalogueError(f"`parts` of the compound `{entry.name}` is no tuple")
+        for part in entry.parts:
+            _check_skill(part)
+    else:
+        _check_skill(entry)
+
+
+def _check_skill(skill: object) -> None:
+    if not isinstance(skill, type) or not issubclass(skill, Skill):
+        raise CatalogueError(
+            f"a catalogue has classes of skills, and compounds, not {skill!a:.60}"
+        )
+    _check_node(skill, Skill, "step")
+    for what in ("outputs", "parameters", "uses"):
+        _check_tuple(f"the class {skill.__name__}", what, getattr(skill, what))
+    if not isinstance(skill.events, tuple):
+        raise CatalogueError(_no_tuple(f"the class {skill.__name__}", "events"))
+    for event in skill.events:
+        if not isinstance(event, type) or not issubclass(event, Event):
+            raise CatalogueError(
+                f"`events` of the class {skill.__name__} has classes of events, "
+                f"not {event!a:.60}"
+            )
+        _check_node(event, Event, "test")
+        _check_tuple(f"the class {event.__name__}", "carries", event.carries)
+
+
+def _check_node(node: type[Node], base: type[Node], method: str) -> None:
+    owner = f"the class {node.__name__}"
+    _check_name(owner, getattr(node, "name", None))
+    _check_tuple(owner, "inputs", node.inputs)
+    if getattr(node, method) is getattr(base, method):
+        raise CatalogueError(f"{owner} does not define `{method}`")
+    state = node.State
+    if not isinstance(state, type) or not issubclass(state, msgspec.Struct):
+        raise CatalogueError(f"`State` of {owner} is no msgspec struct")
+
+
+def _check_name(owner: str, name: object) -> None:
+    if name is None:
+        raise CatalogueError(f"{owner} has no `name`")
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        raise CatalogueError(
+            f"the name of {owner} is a symbol of small letters, not {name!a:.60}"
+        )
+
+
+def _check_tuple(owner: str, what: str, given: object) -> None:
+    types, word = _TUPLES[what]
+    if not isinstance(given, tuple):
+        raise CatalogueError(_no_tuple(owner, what))
+    for one in given:
+        if not isinstance(one, types):
+            raise CatalogueError(f"`{what}` of {owner} has {word}, not {one!a:.60}")
+
+
+def _no_tuple(owner: str, what: str) -> str:
+    return f"`{what}` of {owner} is no tuple; one of a single thing has a comma: (x,)"
+
+
+def check_together(
+    parts: Sequence[type[Skill]],
+    singles: Iterable[type[Skill]],
+    known: Iterable[Channel[Any]],
+    decided: Iterable[Channel[Any]],
+) -> None:
+    """See that skills can come on, with those that alone write what they read.
+
+    Args:
+        parts: a skill, or the parts of a compound.
+        singles: all skills there are.
+        known: what is written without a skill, by sensors.
+        decided: channels that several skills may write, for they have an arbiter.
+
+    Raises:
+        CatalogueError: if two of them write one channel without an arbiter, or they
+            read each other in a circle without a delay.
+    """
+    singles, sensed, arbitrated = tuple(singles), set(known), set(decided)
+    on = dict.fromkeys(parts)
+    queue = list(parts)
+    for skill in queue:  # it grows meanwhile
+        for channel in _needed(skill):
+            writers = [one for one in singles if channel in one.outputs]
+            if channel not in sensed and len(writers) == 1 and writers[0] not in on:
+                on[writers[0]] = None
+                queue.append(writers[0])
+    writer: dict[Channel[Any], type[Skill]] = {}
+    for skill in on:
+        for channel in skill.outputs:
+            other = writer.setdefault(channel, skill)
+            if other is not skill and not channel.own and channel not in arbitrated:
+                raise CatalogueError(
+                    f"{told(other)} and {told(skill)}, which come on together, both "
+                    f"write `{channel.name}`"
+                )
+    _check_circles(on, writer, sensed)
+
+
+def _needed(skill: type[Skill]) -> Iterable[Channel[Any]]:
+    for read in map(as_input, skill.inputs):
+        if not (read.optional or read.delayed or read.channel.own):
+            yield read.channel
+
+
+def _check_circles(
+    on: Iterable[type[Skill]],
+    writer: Mapping[Channel[Any], type[Skill]],
+    sensed: set[Channel[Any]],
+) -> None:
+    before: dict[type[Skill], list[type[Skill]]] = {
+        skill: [
+            writer[read.channel]
+            for read in map(as_input, skill.inputs)
+            if read.channel in writer
+            and not read.delayed
+            and read.channel not in sensed
+        ]
+        for skill in on
+    }
+    try:
+        TopologicalSorter(before).prepare()
+    except CycleError as error:
+        circle = " reads ".join(map(told, reversed(error.args[1])))
+        raise CatalogueError(f"{circle}, without a delay") from error

@@ -1,0 +1,229 @@
+"""A world that is all skills: the port on one side, a runtime of skills on the other.
+
+An author writes a catalogue, and `tick`: what a tick of time does.
+
+    class Kettle(SkillWorld):
+        name = "kettle"
+        kit = Kit(offer(CATALOGUE))
+
+        def __init__(self, rng: Random, options: Mapping[str, Atom | bool]) -> None:
+            super().__init__(SkillRuntime(CATALOGUE), Water(15.0))
+
+        def tick(self) -> Iterable[Told]:
+            told = self.runtime.tick(self.time, {"heat": lambda: self.state.degrees})
+            self.state.degrees += self.runtime.value(POWER) or 0
+            return told
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, ClassVar, NoReturn
+
+import msgspec
+
+from rapc.base.code_places import place_of
+from rapc.base.values import Atom, Fact, Number, number
+from rapc.errors import PortError
+from rapc.world import NOT_KNOWN, Offer, Refused, Signal, Time, World
+from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.drawing import Drawing, draw
+from rapc.worlds.skills.runtime import SkillRuntime, Told
+
+
+class _Saved(msgspec.Struct):
+    now: Number
+    ticks: int
+    sent: list[tuple[str, tuple[Atom, ...], tuple[int, ...]]]
+    rest: msgspec.Raw
+
+
+class _Rest(msgspec.Struct):
+    skills: msgspec.Raw
+    state: msgspec.Raw
+
+
+def offer(skills: Catalogue, events: Mapping[str, int] | None = None) -> Offer:
+    """Return what a world offers to libraries, names with their colons.
+
+    Args:
+        skills: the skills with their events.
+        events: more events, which belong to no skill, with the number of arguments.
+    """
+    told = {f":{name}": len(event.carries) for name, event in skills.events.items()}
+    return Offer(
+        skills={f":{n}": len(e.parameters) for n, e in skills.entries.items()},
+        events={**told, **(events or {})},
+    )
+
+
+class SkillWorld(World):
+    """A world with skills and no primitives, which lives in ticks of equal length.
+
+    Everything that is asked of it is an activation, everything it says is a signal. It
+    cannot say when the next signal comes; `advance` stops at the first.
+
+    Args:
+        runtime: the skills.
+        state: all else that changes, a msgspec struct: it is saved with the skills.
+    """
+
+    #: How many ticks a time unit has.
+    ticks_a_unit: ClassVar[int] = 10
+
+    def __init__(
+        self, runtime: SkillRuntime, state: msgspec.Struct | None = None
+    ) -> None:
+        self.runtime = runtime
+        self.state: Any = state
+        #: How many ticks have passed, the one that passes now among them.
+        self.ticks = 0
+        self._now: Number = 0
+        self._sent: list[Told] = []
+
+    def __getattr__(self, name: str) -> NoReturn:
+        """Say what a world lacks that was not made by `SkillWorld.__init__`."""
+        kind = type(self)
+        if name in {"runtime", "state", "ticks", "_now", "_sent"}:
+            raise PortError(
+                f"`__init__` of the class {kind.__name__} does not call that of "
+                f"SkillWorld{place_of(kind.__init__)}"
+            )
+        raise AttributeError(f"`{kind.__name__}` has no attribute `{name}`")
+
+    @abstractmethod
+    def tick(self) -> Iterable[Told]:
+        """Let a tick pass: read sensors, step the skills, do what actuators are told.
+
+        Returns:
+            What is told, in order: what `runtime.tick` returns, and whatever arises
+            under no activation.
+        """
+
+    @property
+    def time(self) -> float:
+        """The time at the end of the tick that passes."""
+        return self.ticks / self.ticks_a_unit
+
+    def now(self) -> Time:
+        """Return the time of the clock."""
+        return self._now
+
+    def perform(self, ticket: int, request: Fact) -> NoReturn:
+        """Refuse: there are no primitives here.
+
+        Raises:
+            ValueError: always.
+        """
+        raise ValueError(f"the world `{self.name}` has no primitive `{request[0]}`")
+
+    def activate(
+        self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
+    ) -> Refused | None:
+        """Switch skills on; they run from the next tick.
+
+        Args:
+            ticket: the number of the activation from now on.
+            skills: what is to run: names with their colons, then arguments.
+            events: names of the events to be told, with their colons.
+
+        Returns:
+            None, or why not: what it would be in conflict with, by ticket, if that is
+            the reason.
+        """
+        wanted = [Request(str(s[0]).removeprefix(":"), tuple(s[1:])) for s in skills]
+        names = [event.removeprefix(":") for event in events]
+        return self.runtime.activate(ticket, wanted, names)
+
+    def deactivate(self, ticket: int) -> None:
+        """Switch off what only this activation has."""
+        self.runtime.deactivate(ticket)
+
+    def cancel(self, ticket: int) -> None:
+        """Give up an activation: the same as to deactivate it."""
+        self.deactivate(ticket)
+
+    def next_time(self) -> Time:
+        """Return the present if something has been sent; else it is not known."""
+        return self._now if self._sent else NOT_KNOWN
+
+    def advance(self, to: Time) -> None:
+        """Let time pass up to `to`, or to the first thing there is to send."""
+        while not self._sent and self.ticks + 1 <= to * self.ticks_a_unit + 1e-6:
+            self.ticks += 1
+            self._sent += self._told()
+            self._now = max(self._now, number(self.time))
+        if not self._sent:
+            self._now = max(self._now, to)
+
+    def _told(self) -> Iterable[Told]:
+        """Let a tick pass, and see that it returns what it should."""
+        told = tuple(given) if isinstance(given := self.tick(), Iterable) else (given,)
+        for one in told:
+            if not isinstance(one, Told):
+                raise PortError(
+                    f"`tick` of the world `{self.name}` returns what is told, "
+                    f"not {one!a:.60}{place_of(self.tick)}"
+                )
+        return told
+
+    def messages(self) -> Sequence[Signal]:
+        """Return the signals since the last call, in the order they arose."""
+        sent, self._sent = self._sent, []
+        return [
+            Signal((f":{told.event}", *map(_plain, told.arguments)), told.tickets)
+            for told in sent
+        ]
+
+    def network(self) -> Drawing:
+        """Return the network of skills that is active now, to be drawn."""
+        return draw(self.runtime)
+
+    def save(self) -> bytes:
+        """Return the complete state, as JSON."""
+        sent = [(t.event, t.arguments, t.tickets) for t in self._sent]
+        rest = msgspec.Raw(self.save_rest())
+        return msgspec.json.encode(_Saved(self._now, self.ticks, sent, rest))
+
+    def restore(self, state: bytes) -> None:
+        """Take up a saved state, in place.
+
+        Raises:
+            ValueError: if it is none, or one of a world with other options.
+        """
+        try:
+            saved = msgspec.json.decode(state, type=_Saved)
+            self.restore_rest(bytes(saved.rest))
+        except msgspec.DecodeError as error:
+            raise ValueError(f"no state of the world `{self.name}`: {error}") from error
+        self._now, self.ticks = saved.now, saved.ticks
+        self._sent = [Told(*told) for told in saved.sent]
+
+    def save_rest(self) -> bytes:
+        """Return the skills and all else but the clock, as JSON.
+
+        Who overrides this overrides `restore_rest`.
+        """
+        skills = msgspec.Raw(self.runtime.save())
+        # Read back once: what is taken up is saved alike, a whole number as a float.
+        read = msgspec.json.decode(
+            msgspec.json.encode(self.state), type=type(self.state)
+        )
+        state = msgspec.Raw(msgspec.json.encode(read))
+        return msgspec.json.encode(_Rest(skills, state))
+
+    def restore_rest(self, rest: bytes) -> None:
+        """Take up what `save_rest` returned; if it raises nothing has changed.
+
+        Raises:
+            ValueError: if it is none of this world.
+        """
+        saved = msgspec.json.decode(rest, type=_Rest)
+        state = msgspec.json.decode(saved.state, type=type(self.state))
+        self.runtime.restore(bytes(saved.skills))
+        self.state = state
+
+
+def _plain(value: Atom) -> Atom:
+    return number(value) if isinstance(value, int | float) else value

@@ -1,0 +1,137 @@
+"""`SkillWorld`: what it does for a world, and what it says of one that slips."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import msgspec
+import pytest
+
+from rapc.base.values import Atom
+from rapc.errors import PortError
+from rapc.world import NOT_KNOWN, Kit, Signal
+from rapc.worlds.skills.catalogue import Catalogue
+from rapc.worlds.skills.declarations import Event, Ports, Skill
+from rapc.worlds.skills.runtime import SkillRuntime, Told
+from rapc.worlds.skills.world import SkillWorld, offer
+from tests.worlds.skills.tank import FLOW, catalogue
+
+
+class Water(msgspec.Struct):
+    """What changes in the tank."""
+
+    level: float = 0.0
+
+
+class TankWorld(SkillWorld):
+    """The tank behind the port."""
+
+    name = "tank"
+    kit = Kit(offer(catalogue(), {":leak": 0}))
+
+    def __init__(self, level: float = 0) -> None:
+        super().__init__(SkillRuntime(catalogue()), Water(level))
+
+    def tick(self) -> Iterable[Told]:
+        told = self.runtime.tick(self.time, {"level": lambda: self.state.level})
+        self.state.level += (self.runtime.value(FLOW) or 0.0) / 10
+        return told
+
+
+def _filling() -> TankWorld:
+    world = TankWorld()
+    assert world.activate(1, [(":hold", 2)], [":reached"]) is None
+    return world
+
+
+def test_time_stops_at_the_first_signal() -> None:
+    world = _filling()
+    assert world.next_time() == NOT_KNOWN
+    world.advance(100)
+    assert world.next_time() == world.now() == world.time
+    assert world.now() < 100
+    [signal] = world.messages()
+    assert isinstance(signal, Signal)
+    assert (signal.content[0], signal.tickets) == (":reached", (1,))
+    assert signal.content[1] == pytest.approx(2, abs=0.2)
+    world.deactivate(1)
+    world.advance(100)
+    assert (world.now(), world.messages()) == (100, [])
+
+
+def test_a_saved_world_goes_on_as_if_nothing_had_been() -> None:
+    world, other = _filling(), TankWorld()
+    world.advance(1)
+    other.restore(world.save())
+    assert other.save() == world.save()
+    for one in (world, other):
+        one.advance(50)
+    assert other.messages() == world.messages()
+    assert other.save() == world.save()
+
+
+def test_a_whole_number_in_the_state_is_saved_as_it_is_read() -> None:
+    world, other = TankWorld(1), TankWorld()
+    other.restore(world.save())
+    assert other.save() == world.save()
+
+
+@pytest.mark.parametrize(
+    "bad", [b"{", b"{}", b'{"now":0,"ticks":0,"sent":[],"rest":3}']
+)
+def test_what_is_no_state_is_refused_and_changes_nothing(bad: bytes) -> None:
+    world = _filling()
+    before = world.save()
+    with pytest.raises(ValueError, match="no state of the world `tank`"):
+        world.restore(bad)
+    assert world.save() == before
+
+
+def test_more_events_are_offered() -> None:
+    assert TankWorld.kit.offer.events[":leak"] == 0
+    assert TankWorld.kit.offer.events[":reached"] == 1
+
+
+def test_there_are_no_primitives() -> None:
+    with pytest.raises(ValueError, match="the world `tank` has no primitive `drain`"):
+        TankWorld().perform(1, ("drain",))
+
+
+@pytest.mark.parametrize("returned", [None, 3, ["reached"]])
+def test_a_tick_that_returns_something_else_is_blamed(returned: Any) -> None:
+    kind: Any = type("Odd", (TankWorld,), {"tick": lambda self: returned})
+    with pytest.raises(PortError, match=r"`tick` of the world `tank` .*test_world.py"):
+        kind().advance(1)
+
+
+def test_a_world_that_was_not_begun_is_blamed() -> None:
+    class Odd(TankWorld):
+        def __init__(self) -> None:
+            """Forget what SkillWorld needs."""
+
+    with pytest.raises(PortError, match="of the class Odd does not call that"):
+        Odd().now()
+    with pytest.raises(PortError, match="of the class Odd does not call that"):
+        Odd().advance(1)
+
+
+def test_an_event_that_says_yes_is_blamed() -> None:
+    class Said(Event):
+        name = "said"
+
+        def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+            return True  # type: ignore[return-value]
+
+    class Say(Skill):
+        name = "say"
+        events = (Said,)
+
+        def step(self, now: float, ports: Ports) -> None:
+            """Do nothing."""
+
+    world = TankWorld()
+    world.runtime = SkillRuntime(Catalogue([Say]))
+    world.activate(1, [(":say",)], [":said"])
+    with pytest.raises(PortError, match="`test` of the class Said returns a tuple"):
+        world.advance(1)
