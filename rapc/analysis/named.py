@@ -14,6 +14,7 @@ import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Index, NameUse
+from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -151,7 +152,10 @@ class UnknownNames:
         for fault, spans in self._uses.values():
             sure = [span for span in spans if not run.unsure(span)]
             if sure:
-                run.report(self._finding(fault, sure, _unused(run, fault.near)))
+                here = [span for span in sure if span.file == sure[0].file]
+                fix = renaming(run.library.files, fault.name, fault.meant, here)
+                found = self._finding(fault, sure, _unused(run, fault.near))
+                run.report(msgspec.structs.replace(found, fix=fix))
 
     def _finding(
         self, fault: Fault, spans: Sequence[Span], meant: Iterable[Label]

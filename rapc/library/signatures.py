@@ -70,8 +70,11 @@ class Fault(msgspec.Struct, frozen=True):
     help: str = ""
     #: The declaration that the use does not meet; None where there is none.
     declared: Signature | None = None
-    #: What may be meant by an unknown name.
+    #: What may be meant by an unknown name, if it is declared.
     near: Signature | None = None
+    #: The name at fault, and the one that may be meant, if any.
+    name: str = ""
+    meant: str | None = None
 
     def __str__(self) -> str:
         """The message, with the name that may have been meant."""
@@ -212,9 +215,16 @@ class Signatures:
         declared = self.primitives.get(name)
         if declared is None or result in declared.results:
             return None
-        help_ = Suggestions(declared.results).did_you_mean(result)
+        results = Suggestions(declared.results)
         message = f"`{result}` is no result of `{name}`"
-        return Fault("result", message, help_, declared)
+        return Fault(
+            "result",
+            message,
+            results.did_you_mean(result),
+            declared,
+            name=result,
+            meant=results.near(result),
+        )
 
     def table(self, use: Use) -> Mapping[str, Signature]:
         """Return the signatures among which a name used so is looked up."""
@@ -231,9 +241,10 @@ class Signatures:
         advice = self._meant_elsewhere(use, name)
         if advice:
             return Fault("unknown", message, advice)
-        meant = self.table(use).get(near.near(name) or "")
+        meant = near.near(name)
+        declared = self.table(use).get(meant or "")
         help_ = near.did_you_mean(name, _ADVICE[space])
-        return Fault("unknown", message, help_, near=meant)
+        return Fault("unknown", message, help_, near=declared, name=name, meant=meant)
 
     def _meant_elsewhere(self, use: Use, name: str) -> str:
         """Return what to do about a name that is known in another place, or nothing."""

@@ -14,7 +14,8 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Index, NameUse
 from rapc.analysis.inferred_kinds import INFERRED, KindClash, Learned
 from rapc.analysis.named import UnknownNames, declared_at
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.analysis.renaming import renaming
+from rapc.base.diagnostics import Diagnostic, Fix, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.base.values import format_atom
@@ -129,6 +130,8 @@ def _unknown(run: Pass, index: Index) -> None:
                 "unknown",
                 f"no kind is called `{name}`",
                 near.did_you_mean(name, advice),
+                name=name,
+                meant=near.near(name),
             )
             unknown.add(fault, place, owner)
     unknown.report(run)
@@ -170,9 +173,7 @@ def _constants(run: Pass, used: NameUse, signature: Signature) -> None:
         if kind is None or kind == "number" or not isinstance(term, nodes.Const):
             continue
         if not kinds.holds(kind, term.value):
-            listed = kinds.values(kind) or ()
-            words = {format_atom(value): None for value in listed}
-            help_ = Suggestions(words).did_you_mean(format_atom(term.value))
+            word = format_atom(term.value)
             label = Label(declared_at(run, signature), "declared here")
             run.report(
                 Diagnostic(
@@ -180,7 +181,8 @@ def _constants(run: Pass, used: NameUse, signature: Signature) -> None:
                     message=said_of(arg, term.value),
                     span=term.span,
                     labels=(label,),
-                    help=help_ or _listing(words),
+                    help=_listed(run, kind).did_you_mean(word) or _listing(run, kind),
+                    fix=_another(run, kind, term),
                 )
             )
 
@@ -194,19 +196,33 @@ def _defaults(run: Pass) -> None:
             continue
         if not kinds.holds(kind, form.default):
             place = form.args[-1].span if form.args else form.span
-            words = {format_atom(value): None for value in kinds.values(kind) or ()}
             run.report(
                 Diagnostic(
                     rule=WRONG.name,
                     message=f"the default `{form.default}` is no {kind}",
                     span=place,
-                    help=_listing(words) or "write `unknown`, which is of every kind",
+                    help=_listing(run, kind)
+                    or "write `unknown`, which is of every kind",
                 )
             )
 
 
-def _listing(words: Mapping[str, None]) -> str:
-    shown = ", ".join(f"`{word}`" for word in list(words)[:_SHOWN])
+def _listed(run: Pass, kind: str) -> Suggestions:
+    values = run.signatures.kinds.values(kind) or ()
+    return Suggestions(format_atom(value) for value in values)
+
+
+def _another(run: Pass, kind: str, term: nodes.Const) -> Fix | None:
+    """Return the fix that writes the value of a kind that may be meant."""
+    word = format_atom(term.value)
+    meant = _listed(run, kind).near(word)
+    return renaming(run.library.files, word, meant, [term.span])
+
+
+def _listing(run: Pass, kind: str) -> str:
+    values = run.signatures.kinds.values(kind) or ()
+    words = list(dict.fromkeys(format_atom(value) for value in values))
+    shown = ", ".join(f"`{word}`" for word in words[:_SHOWN])
     return f"its values are {shown}{', ...' if len(words) > _SHOWN else ''}" * bool(
         words
     )
@@ -296,13 +312,12 @@ def _clash(clash: KindClash) -> Diagnostic:
 
 
 def _no_such_value(run: Pass, term: nodes.Const, known: Learned) -> Diagnostic:
-    listed = run.signatures.kinds.values(known.kind) or ()
-    words = {format_atom(value): None for value in listed}
+    word = format_atom(term.value)
     return Diagnostic(
         rule=WRONG.name,
-        message=f"`{format_atom(term.value)}` is no {known.kind}, as which it is used",
+        message=f"`{word}` is no {known.kind}, as which it is used",
         span=term.span,
         labels=(Label(known.span, f"used as {_a(known.kind)} here"),),
-        help=Suggestions(words).did_you_mean(format_atom(term.value))
-        or _listing(words),
+        help=_listed(run, known.kind).did_you_mean(word) or _listing(run, known.kind),
+        fix=_another(run, known.kind, term),
     )

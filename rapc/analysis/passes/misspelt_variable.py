@@ -12,6 +12,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.close_names import Close
 from rapc.analysis.index import INDEX, Form, Occurrence
 from rapc.analysis.passes.bindings import BINDINGS
+from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 
@@ -60,7 +61,7 @@ def _run(run: Pass) -> None:
         for name in suspects:
             other = close.to(name) if close else None
             if other is not None and _is_slip(names[name][0], names[other]):
-                run.report(_finding(names[name][0], names[other][0]))
+                run.report(_finding(run, names[name][0], names[other][0]))
 
 
 ANALYZER = Analyzer(
@@ -115,11 +116,12 @@ def _is_slip(one: nodes.Var, others: list[nodes.Var]) -> bool:
     return len(others) > 1 or others[0].span.start < one.span.start
 
 
-def _finding(variable: nodes.Var, close: nodes.Var) -> Diagnostic:
+def _finding(run: Pass, variable: nodes.Var, close: nodes.Var) -> Diagnostic:
     return Diagnostic(
         rule=MISSPELT.name,
         message=f"`{variable.name}` is used only here",
         span=variable.span,
         labels=(Label(close.span, "a variable with a close name"),),
         help=f"did you mean `{close.name}`? if anything will do, write `?`",
+        fix=renaming(run.library.files, variable.name, close.name, [variable.span]),
     )

@@ -15,6 +15,7 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Form, Index, Occurrence
 from rapc.analysis.passes.bindings import BINDINGS
+from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import nearest
 from rapc.ir import nodes
@@ -100,7 +101,7 @@ def _run(run: Pass) -> set[tuple[int, str]]:
         elif isinstance(term, nodes.Var) and _is_input(rap, term):
             by_input.setdefault((rap.name, term.name), []).append(demand)
         else:
-            run.report(_no_resource(demand))
+            run.report(_no_resource(run, demand))
     steps = [
         (goal.owner, goal.node)
         for goal in index.of(nodes.Goal)
@@ -250,7 +251,7 @@ def _check_step(
         if declared is not None and declared.kind != demand.kind:
             run.report(_wrong_kind(term, declared, demand))
         elif isinstance(term, nodes.Const):
-            run.report(_no_resource(demand, term))
+            run.report(_no_resource(run, demand, term))
 
 
 def _wrong_kind(
@@ -268,14 +269,17 @@ def _wrong_kind(
     )
 
 
-def _no_resource(demand: Demand, given: nodes.Term | None = None) -> Diagnostic:
+def _no_resource(
+    run: Pass, demand: Demand, given: nodes.Term | None = None
+) -> Diagnostic:
     term = given or demand.term
     labels: tuple[Label, ...] = ()
     if given is not None:
         labels = (Label(demand.term.span, f"used as a {demand.kind} here"),)
-    what, near = "this", None
+    what, name, near = "this", "", None
     if isinstance(term, nodes.Var):
-        what = f"`{term.name}`"
+        name = term.name
+        what = f"`{name}`"
         near = nearest(term.name, (r.variable.name for r in demand.rap.resources))
     return Diagnostic(
         rule=NOT_A_RESOURCE.name,
@@ -285,4 +289,5 @@ def _no_resource(demand: Demand, given: nodes.Term | None = None) -> Diagnostic:
         help=f"did you mean `{near}`?"
         if near
         else f"declare one: `(resources ({demand.kind} ?name))`",
+        fix=renaming(run.library.files, name, near, [term.span]),
     )

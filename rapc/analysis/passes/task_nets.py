@@ -13,6 +13,7 @@ from itertools import pairwise
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
@@ -200,7 +201,7 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
     names = Suggestions(tags) if unknown else None
     for tag, places in unknown.items() if names and not doubled else ():
         assert names is not None
-        run.report(_unknown_tag(places, tag, names))
+        run.report(_unknown_tag(run, places, tag, names))
     return Net(
         _order(run, net, edges, doubled),
         tuple(map(tuple, edges)),
@@ -278,13 +279,16 @@ def _place(run: Pass, annotation: nodes.Annotation, tag: str) -> Span:
     return source.span(end - len(tag), end) if named else span
 
 
-def _unknown_tag(places: Sequence[Span], tag: str, names: Suggestions) -> Diagnostic:
+def _unknown_tag(
+    run: Pass, places: Sequence[Span], tag: str, names: Suggestions
+) -> Diagnostic:
     return Diagnostic(
         rule=UNKNOWN_TAG.name,
         message=f"no step of this task-net has the tag `{tag}`",
         span=places[0],
         labels=tuple([Label(other, "named here too") for other in places[1:]]),
         help=names.did_you_mean(tag),
+        fix=renaming(run.library.files, tag, names.near(tag), places),
     )
 
 

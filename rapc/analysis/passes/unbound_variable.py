@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Sequence
 
+import msgspec
+
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_sites import Site, sites
 from rapc.analysis.index import Form
 from rapc.analysis.passes.bindings import BINDINGS, Missing
 from rapc.analysis.passes.explained import EXPLAINED
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
+from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.ir import nodes
@@ -88,7 +91,8 @@ def _run(run: Pass) -> None:
             for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
                 if net is None or not net.broken or not _by_steps(first, places):
-                    run.report(_explain(first, further, places, net))
+                    found = _explain(first, further, places, net)
+                    run.report(_with_fix(run, found, first, further, places))
 
 
 ANALYZER = Analyzer(
@@ -162,6 +166,22 @@ def _explain(
         labels=tuple(labels),
         help=help_,
     )
+
+
+def _with_fix(
+    run: Pass,
+    found: Diagnostic,
+    first: Missing,
+    further: Sequence[Missing],
+    places: _Places,
+) -> Diagnostic:
+    """Return a finding with the fix that writes the variable that may be meant."""
+    name = first.variable.name
+    if name in places.by_name:
+        return found
+    spans = [missing.variable.span for missing in (first, *further)]
+    fix = renaming(run.library.files, name, places.names.near(name), spans)
+    return msgspec.structs.replace(found, fix=fix)
 
 
 def _close(site: Site) -> str:

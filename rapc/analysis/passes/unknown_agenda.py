@@ -42,7 +42,8 @@ def _run(run: Pass) -> None:
         if name is not None and name not in known:
             advice = "define it with `define-agenda`, or `require` the file that does"
             help = near.did_you_mean(name, advice)
-            fault = Fault("unknown", f"no agenda is called `{name}`", help)
+            message, meant = f"no agenda is called `{name}`", near.near(name)
+            fault = Fault("unknown", message, help, name=name, meant=meant)
             place = word_span(run.library.files, test.span, 1)
             unknown.add(fault, place, test)
     unknown.report(run)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
-from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.analysis.renaming import renaming
+from rapc.base.diagnostics import Diagnostic, Fix, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -41,8 +42,11 @@ def _run(run: Pass) -> None:
         pattern = found.node
         place = word_span(run.library.files, pattern.span, 0)
         if pattern.event not in KEYS:
+            fix = renaming(
+                run.library.files, pattern.event, events.near(pattern.event), [place]
+            )
             help_ = events.did_you_mean(pattern.event, "`docs/trace.md` lists them")
-            _report(run, f"no event is called `{pattern.event}`", place, help_)
+            _report(run, f"no event is called `{pattern.event}`", place, help_, fix)
             continue
         if pattern.event not in keys:
             keys[pattern.event] = Suggestions((*COMMON, *KEYS[pattern.event]))
@@ -50,11 +54,15 @@ def _run(run: Pass) -> None:
         for key, _ in pattern.keys:
             if key not in known:
                 message = f"`{pattern.event}` has no key `{key}`"
-                _report(run, message, pattern.span, known.did_you_mean(key))
+                near, place = known.near(key), pattern.span
+                fix = renaming(
+                    run.library.files, f":{key}", near and f":{near}", [place]
+                )
+                _report(run, message, place, known.did_you_mean(key), fix)
 
 
-def _report(run: Pass, message: str, place: Span, help_: str) -> None:
-    run.report(Diagnostic(UNKNOWN.name, message, place, help=help_))
+def _report(run: Pass, message: str, place: Span, help_: str, fix: Fix | None) -> None:
+    run.report(Diagnostic(UNKNOWN.name, message, place, help=help_, fix=fix))
 
 
 ANALYZER = Analyzer(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
+from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
@@ -94,5 +95,6 @@ def _look(
                 message=f"`{rap.name}` has no method called `{name}`",
                 span=place,
                 help=known.did_you_mean(name),
+                fix=renaming(run.library.files, name, known.near(name), [place]),
             )
         )

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Index
 from rapc.analysis.named import UnknownNames, declared_at
+from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.ir import nodes
@@ -55,7 +56,9 @@ def _run(run: Pass) -> None:
         value = constant.value
         if not isinstance(value, str) or value not in known:
             message = f"nothing returns the result `{value}`"
-            fault = Fault("unknown", message, names.did_you_mean(str(value)))
+            word = str(value)
+            help_, meant = names.did_you_mean(word), names.near(word)
+            fault = Fault("unknown", message, help_, name=word, meant=meant)
             unknown.add(fault, constant.span, owner)
     unknown.report(run)
     for row in run.result(INDEX).of(nodes.ScriptRow):
@@ -123,4 +126,5 @@ def _no_result(
         span=place.span,
         labels=(Label(declared, "its results are declared here"),),
         help=wrong.help,
+        fix=renaming(run.library.files, wrong.name, wrong.meant, [place.span]),
     )

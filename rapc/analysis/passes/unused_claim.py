@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sized
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.close_names import Close
 from rapc.analysis.index import INDEX, Occurrence
+from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import Suggestions, plural
 from rapc.ir import nodes
@@ -76,7 +77,7 @@ def _run(run: Pass) -> None:
     near = Suggestions(sorted({name for name, _ in kept}))
     users_known = not any(run.unsure(one.span) for one in _offers(run))
     for claim in lone if run.complete and users_known else ():
-        run.report(_finding(claim.node, near, users))
+        run.report(_finding(run, claim.node, near, users))
 
 
 def _misspelt(run: Pass, users: Mapping[_Sort, Sized]) -> set[int]:
@@ -93,16 +94,17 @@ def _misspelt(run: Pass, users: Mapping[_Sort, Sized]) -> set[int]:
             other = close[count].to(name)
             if other is not None:
                 told.add(id(thing.node))
-                run.report(_close(thing.node, other))
+                run.report(_close(run, thing.node, other))
     return told
 
 
-def _close(thing: nodes.Thing, other: str) -> Diagnostic:
+def _close(run: Pass, thing: nodes.Thing, other: str) -> Diagnostic:
     return Diagnostic(
         rule=MISSPELT.name,
         message=f"nothing else uses or claims `{format_formula(thing)}`",
         span=thing.span,
         help=f"did you mean `{other}`?",
+        fix=renaming(run.library.files, thing.name, other, [thing.span]),
     )
 
 
@@ -116,13 +118,14 @@ def _sort(thing: Occurrence[nodes.Thing]) -> _Sort:
 
 
 def _finding(
-    thing: nodes.Thing, near: Suggestions, users: Mapping[_Sort, object]
+    run: Pass, thing: nodes.Thing, near: Suggestions, users: Mapping[_Sort, object]
 ) -> Diagnostic:
     written = format_formula(thing)
     others = sorted(count for name, count in users if name == thing.name)
     others.remove(len(thing.args))
-    help_ = near.did_you_mean(thing.name)
+    help_, meant = near.did_you_mean(thing.name), near.near(thing.name)
     if others:
+        meant = None
         amount = plural(others[0], "argument") if others[0] else "no arguments"
         help_ = f"`{thing.name}` is named with {amount} elsewhere"
     return Diagnostic(
@@ -130,6 +133,7 @@ def _finding(
         message=f"nothing else uses or claims `{written}`",
         span=thing.span,
         help=help_,
+        fix=renaming(run.library.files, thing.name, meant, [thing.span]),
     )
 
 
