@@ -29,12 +29,17 @@ def read_fault(text: str) -> InjectedFault:
     """
     end = end_of_list(text)
     of_signal = text.lstrip().startswith("(:")
+    if text.split()[:1] in (["(enable"], ["(disable"]):
+        raise TextError(
+            "skills come on as they are asked to; signals go astray: `(:signal) lost`"
+        )
     request = parse_pattern(text[:end].replace("(:", "(", 1))
     if any(isinstance(arg, nodes.Call) for arg in request.args):
         raise TextError(f"a request holds no computed terms: {text[:end].strip()}")
     result, *options = text[end:].split() or [""]
     if not result or "=" in result:
-        raise TextError(f"the result is missing behind {text[:end].strip()}")
+        missing = "how it goes astray" if of_signal else "the result"
+        raise TextError(f"{missing} is missing behind {text[:end].strip()}")
     given: dict[str, Any] = {}
     for option in options:
         name, equals, value = option.partition("=")

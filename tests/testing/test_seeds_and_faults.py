@@ -77,6 +77,11 @@ def test_faults_are_read(text: str, fault: InjectedFault) -> None:
     [
         ("(grab ?x)", "the result is missing behind (grab ?x)"),
         ("(grab ?x) p=1", "the result is missing behind (grab ?x)"),
+        ("(:rang) late=5", "how it goes astray is missing behind (:rang)"),
+        (
+            "(enable (:hum)) refused",
+            "skills come on as they are asked to; signals go astray: `(:signal) lost`",
+        ),
         ("(grab ?x) dropped p=2", "`p` is a chance, from 0 to 1"),
         ("(grab ?x) dropped p=often", "`p` takes a number, not `often`"),
         ("(grab ?x) dropped from=-1", "`from` takes a number, not `-1`"),
