@@ -9,20 +9,22 @@ from rapc.world import OKAY, Reply
 from rapc.worlds.truck.machines import running
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import EXTERNAL, Item
-from rapc.worlds.truck.weather import overlooked
+from rapc.worlds.truck.weather import overlooked, sky
 
 CANT_FIND = Reply("eye-cant-find")
 
 
 def eye_scan(scene: Scene, place: Atom) -> Reply:
-    """See all items outside, on the truck or in a container; outside the roads too.
+    """See all items outside, on the truck or in a container.
 
     Items sensed there since the truck arrived, and now gone, are reported first.
+    Outside roads and sky are seen as well.
     """
     spot = scene.spot(place)
     if spot is None:
         return CANT_FIND
-    return Reply(OKAY, (*_gone(scene, spot), *_seen(scene, spot), *_roads(scene, spot)))
+    around = (*_roads(scene), *sky(scene)) if spot == EXTERNAL else ()
+    return Reply(OKAY, (*_gone(scene, spot), *_seen(scene, spot), *around))
 
 
 def eye_examine(scene: Scene, place: Atom, thing: Atom) -> Reply:
@@ -97,7 +99,6 @@ def _seen(scene: Scene, spot: str) -> Iterator[Fact]:
             yield ("object-seen", called, scene.sight(item, spot), item.kind)
 
 
-def _roads(scene: Scene, spot: str) -> Iterator[Fact]:
-    if spot == EXTERNAL:
-        for leg in scene.map.legs(scene.state.truck.place):
-            yield ("road-seen", leg.direction, leg.road.name)
+def _roads(scene: Scene) -> Iterator[Fact]:
+    for leg in scene.map.legs(scene.state.truck.place):
+        yield ("road-seen", leg.direction, leg.road.name)

@@ -295,6 +295,8 @@ _DATA: Mapping[str, DatumHandler] = {
     "capacity": _property,
     "holds": _property,
     "machine": _machine,
+    "weather": _property,
+    "light": _property,
     "color": _property,
     "size": _property,
     "heading": _gauge("truck-heading"),

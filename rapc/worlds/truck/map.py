@@ -143,6 +143,10 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             yield ("place", road.name, "road")
             yield ("road-time", road.name, number(road.time))
             yield ("road-fuel", road.name, number(road.fuel))
+            if road.mishap > 0:
+                yield ("road-risk", road.name, "speed")
+            if road.mud > 0:
+                yield ("road-risk", road.name, "mud")
         for spot in self.spots():
             for leg in self.legs(spot):
                 yield ("road", leg.road.name, spot, leg.direction, leg.to)

@@ -77,6 +77,8 @@ OFFER = Offer(
         "object-seen": 3,
         "object-gone": 2,
         "road-seen": 2,
+        "weather": 2,
+        "light": 2,
         "new-location": 1,
         "vessel": 3,
         "capacity": 2,

@@ -1,13 +1,16 @@
 """Rain and darkness over the sectors of the map, and what they do (T 1.4.2).
 
 Rain comes to a sector and goes; it makes roads slower, thirstier, and muddy ones
-dangerous. Night falls everywhere, in some sectors it never ends; then trips take longer
-and the eye overlooks things outside. The robot is told neither.
+dangerous. Night falls everywhere, in some sectors it never ends; then trips take
+longer and the eye overlooks things outside. Where there is weather, or darkness, a scan
+outside tells of it.
 """
 
 from __future__ import annotations
 
-from rapc.base.values import Number
+from collections.abc import Iterator
+
+from rapc.base.values import Fact, Number
 from rapc.worlds.truck.map import Road
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import Demon, Item
@@ -34,6 +37,15 @@ def dark(scene: Scene, spot: str) -> bool:
     if sector is not None and sector.dark:
         return True
     return day > 0 and scene.state.now % day >= day * (1 - scene.settings.night / 100)
+
+
+def sky(scene: Scene) -> Iterator[Fact]:
+    """Yield what the sky is like where the truck is, if this world has weathers."""
+    place, settings = scene.state.truck.place, scene.settings
+    if settings.rain > 0:
+        yield ("weather", place, "rain" if raining(scene, place) else "dry")
+    if settings.day_length > 0 or any(s.dark for s in scene.map.sectors):
+        yield ("light", place, "night" if dark(scene, place) else "day")
 
 
 def hardships(scene: Scene, road: Road) -> tuple[Number, Number, Number]:

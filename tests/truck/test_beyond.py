@@ -1,0 +1,102 @@
+"""The library beyond the thesis in the simulator: rounds, and the hospital's ice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from rapc.base.values import Atom, Text
+from rapc.experiments import reading
+from rapc.runtime.settings import Settings
+from rapc.runtime.task_request import TaskRequest, of_agenda
+from tests.effort import first
+
+from .runs import EXAMPLES, FACTORIES, STDLIB, Run, library, task
+
+LIBRARY = STDLIB / "truck-beyond"
+WORLDS: Mapping[str, Mapping[str, Atom | bool]] = {
+    "every-8": {"shuffle-interval": 8, "shuffle-efficiency": 40},
+    "still": {},
+    "all-moved": {"shuffle-interval": 15, "shuffle-efficiency": 100},
+}
+HOSPITAL = Text((EXAMPLES / "truck-maps" / "hospital.json").read_text("utf-8"))
+MIRE = Text(HOSPITAL.value.replace('"mud": 0.25', '"mud": 1'))
+FOUL: Mapping[str, Atom | bool] = {"map": HOSPITAL, "rain": 50, "day-length": 400}
+
+
+def given(agenda: str) -> tuple[TaskRequest, ...]:
+    """The tasks of an agenda of the library."""
+    return of_agenda(library(LIBRARY).library, agenda)
+
+
+def run(*tasks: TaskRequest, seed: int, options: Mapping[str, Atom | bool]) -> Run:
+    """Run tasks; handlers are held to what the library says of them."""
+    return Run(
+        *tasks,
+        seed=seed,
+        options=options,
+        compiled=library(LIBRARY),
+        settings=Settings(strict=True),
+    )
+
+
+@pytest.mark.parametrize("case", first(1, product(range(3), WORLDS)), ids=str)
+def test_all_orders_are_filled_by_rounds(case: tuple[int, str]) -> None:
+    seed, name = case
+    made = run(*given("nine-orders-on-rounds"), seed=seed, options=WORLDS[name])
+    assert made.reason == "done"
+    assert set(made.outcomes) == {"succeeded"}
+    assert made.delivered == dict.fromkeys(FACTORIES.items(), 12)
+    made.assert_honest()
+    memory = made.interpreter.memory
+    for color, factory in FACTORIES.items():
+        for account in (
+            ("wanted", color),
+            ("owed", color, factory),
+            ("carried", color),
+        ):
+            assert memory.value(*account) == 0
+
+
+@pytest.mark.parametrize("seed", first(1, range(10)))
+def test_the_hospital_gets_its_ice_and_the_factory_its_rocks(seed: int) -> None:
+    made = run(*given("ice-for-the-hospital"), seed=seed, options=FOUL)
+    assert (made.reason, set(made.outcomes)) == ("done", {"succeeded"})
+    assert made.moves["ice", "hospital"] == 3
+    assert made.delivered == {("red", "works"): 5}
+    assert made.answers["arm-toggle", "okay"] >= 1
+    assert made.answers["arm-ladle", "okay"] >= 1
+
+
+def test_who_minds_the_mud_arrives_and_who_does_not_is_stuck() -> None:
+    places = ("hospital", "camp", "hospital", "camp")
+    for seed, minding in ((0, "drive-to"), (1, "drive-to"), (0, "truck-travel-to")):
+        trips = [task(minding, to, priority=8 - n) for n, to in enumerate(places)]
+        made = run(
+            task("eye-scan-p", "external", priority=9),
+            *trips,
+            seed=seed,
+            options={"map": MIRE, "fuel": 30, "rain": 100},
+        )
+        stuck = minding == "truck-travel-to"
+        assert made.reason == ("world" if stuck else "done")
+        assert made.world.ended() == ("mishap on pass" if stuck else None)
+
+
+def test_the_experiment_sets_both_ways_to_the_same_worlds() -> None:
+    made = reading.read(reading.find("rounds"))
+    parts = {part.name: part for part in made.part}
+    for mine, theirs in (
+        ("still", "orders-still"),
+        ("interval", "orders-interval"),
+        ("efficiency", "orders-efficiency"),
+    ):
+        assert parts[theirs].agenda == "nine-orders"
+        assert parts[mine].agenda is None
+        assert parts[mine].vary == parts[theirs].vary
+        assert parts[mine].values == parts[theirs].values
+        assert parts[mine].set == parts[theirs].set
+    assert Path(made.library).name == LIBRARY.name
