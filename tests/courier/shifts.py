@@ -163,11 +163,13 @@ def report(shifts: Mapping[int, Shift]) -> Iterable[str]:
 def main() -> None:
     """Work so many shifts and print what came of them."""
     parser = argparse.ArgumentParser(description="Shifts of the courier.")
+    parser.add_argument("--from", type=int, default=0, dest="start")
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--without-claims", action="store_true")
     given = parser.parse_args()
     claims = not given.without_claims
-    shifts = {seed: work_a_shift(seed, claims) for seed in range(given.seeds)}
+    seeds = range(given.start, given.start + given.seeds)
+    shifts = {seed: work_a_shift(seed, claims) for seed in seeds}
     print("\n".join(report(shifts)))
 
 

@@ -74,6 +74,19 @@ def test_a_drive_takes_as_long_as_its_way_and_as_much_of_the_battery() -> None:
     assert world.now() == 34
 
 
+def test_a_nurse_who_will_find_nobody_is_not_announced() -> None:
+    """Nothing is sent when she comes, for the robot has driven off by then."""
+    world = make()
+    do(world, "drive", "ward-1")
+    do(world, "ring")
+    assert world.next_time() == world.state.nurses[0].time
+    do(world, "drive", "pharmacy")
+    assert world.state.nurses
+    assert world.next_time() is None
+    world.advance(100)
+    assert (world.messages(), world.state.in_vain) == ([], 1)
+
+
 def test_a_drive_that_is_cancelled_ends_where_it_has_got_to() -> None:
     world = make()
     world.perform(1, ("drive", "ward-4"))

@@ -150,20 +150,27 @@ class CourierWorld(World):
         state.work = [work for work in state.work if work.ticket != ticket]
 
     def next_time(self) -> Time | None:
-        """The next thing to be sent, or now if something waits to be taken in."""
-        if self._state.sent:
-            return self._state.now
-        return min((time for time, _ in self._due()), default=None)
+        """The next thing to be sent, or now if something waits to be taken in.
+
+        A nurse for whom the robot is not there sends nothing. What could bring it there
+        before she comes sends something, and this is asked again.
+        """
+        state = self._state
+        if state.sent:
+            return state.now
+        nurses = [nurse for nurse in state.nurses if nurse.ward == state.room]
+        return min((time for time, _ in self._due(nurses)), default=None)
 
     def advance(self, to: Time) -> None:
         """Move the clock on; what is due until then happens, one after the other."""
-        while due := sorted(self._due(), key=lambda event: event[0]):
+        state = self._state
+        while due := sorted(self._due(state.nurses), key=lambda event: event[0]):
             time, happens = due[0]
             if time > to:
                 break
-            self._state.now = time
+            state.now = time
             happens()
-        self._state.now = max(self._state.now, int(to))
+        state.now = max(state.now, int(to))
 
     def messages(self) -> Sequence[Message]:
         """Return what was sent since this was last asked."""
@@ -291,8 +298,12 @@ class CourierWorld(World):
 
     # --- what happens by itself -----------------------------------------------------
 
-    def _due(self) -> Iterator[tuple[int, Callable[[], None]]]:
-        """Return what will happen, with its time, in the order in which it is done."""
+    def _due(self, nurses: Iterable[Nurse]) -> Iterator[tuple[int, Callable[[], None]]]:
+        """Yield what will happen, with its time, in the order in which it is done.
+
+        Args:
+            nurses: those on their way whose coming counts.
+        """
         state = self._state
         if state.ended is not None:
             return
@@ -301,7 +312,7 @@ class CourierWorld(World):
             yield state.drive.arrives, self._arrive
         for work in state.work:
             yield work.until, partial(self._finish, work)
-        for nurse in state.nurses:
+        for nurse in nurses:
             yield nurse.time, partial(self._come, nurse)
         if state.next_call is not None:
             yield state.next_call, self._call
