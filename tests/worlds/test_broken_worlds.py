@@ -427,6 +427,17 @@ def test_an_offer_is_made_of_what_belongs_into_it() -> None:
         ({"skills": {"roll": 0}}, "the name of `roll`"),
         ({"sensors": "look"}, "a tuple of names, not 'look'"),
         ({"not_atomic": "look"}, "a tuple of names"),
+        ({"data": {"seen": 1}, "arguments": {"seen": "a"}}, "arguments of `seen`"),
+        ({"data": {"seen": 1}, "arguments": {"seen": ("A b",)}}, "not .'A b',"),
+        (
+            {"data": {"seen": 1}, "arguments": {"seen": ("a", "b")}},
+            "with arguments a, b",
+        ),
+        (
+            {"data": {"seen": 2}, "arguments": {"seen": ("a", "a")}},
+            "with arguments a, a",
+        ),
+        ({"arguments": {"seen": ()}}, "an Offer has no `seen`"),
     ):
         with pytest.raises(TypeError, match=said):
             Offer(**wrong)

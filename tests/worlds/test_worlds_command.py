@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from rapc.cli.worlds import worlds
 from rapc.console.worlds import columns, describe_world
+from rapc.library.loader import load
+from rapc.worlds.registry import find_world
 from rapc.worlds.truck import TruckWorld
 
 
@@ -61,3 +64,31 @@ def test_an_unknown_world_exits_2_with_the_near_name() -> None:
     done = CliRunner().invoke(worlds, ["truk"])
     assert done.exit_code == 2
     assert done.output == "error: unknown world `truk`\n  did you mean `truck`?\n"
+
+
+def test_arguments_are_declared_as_the_offer_calls_them() -> None:
+    done = CliRunner().invoke(worlds, ["courier", "--declare"])
+    assert "(declare-primitive hand-over (?goods ?ward)" in done.output
+    assert "(declare-event :nurse (?ward))" in done.output
+
+
+@pytest.mark.parametrize("name", ["courier", "truck"])
+def test_the_worlds_that_come_along_call_all_their_arguments_something(
+    name: str,
+) -> None:
+    """As the library that comes with the world calls them, too."""
+    offer = find_world(name).kit.offer
+    unnamed = [
+        told
+        for told in (*offer.primitives, *offer.data, *offer.skills, *offer.events)
+        if offer.counts(told) != {len(offer.arguments.get(told, ()))}
+    ]
+    assert unnamed == []
+    folder = "examples" if name == "courier" else "stdlib"
+    library = load([Path(f"{folder}/{name}/world.rap")]).library
+    declared = {
+        form.name: tuple([arg.variable.name[1:] for arg in form.args])
+        for table in ("primitives", "data", "skills", "events")
+        for form in getattr(library, table).values()
+    }
+    assert {one: offer.arguments.get(one, ()) for one in declared} == declared

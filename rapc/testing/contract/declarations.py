@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from string import ascii_lowercase
 
 from rapc.base.source import SourceFile
@@ -19,7 +19,9 @@ _ONLY_LOOKS = "Only looks, and changes nothing."
 def declarations(
     offer: Offer, skills: Catalogue | None = None
 ) -> tuple[nodes.TopForm, ...]:
-    """Return the declarations of all that is on offer; arguments are `?a`, `?b`, ...
+    """Return the declarations of all that is on offer.
+
+    Arguments are called as the offer says, else `?a`, `?b`, ...
 
     Args:
         offer: what a world offers.
@@ -50,7 +52,7 @@ def _declared(offer: Offer) -> Iterator[nodes.TopForm]:
     for name, (count, results) in offer.primitives.items():
         yield nodes.DeclarePrimitive(
             name=name,
-            args=_arguments(count),
+            args=_arguments(offer, name, count),
             results=tuple(results),
             atomic=name not in offer.not_atomic,
             uses=(),
@@ -59,11 +61,11 @@ def _declared(offer: Offer) -> Iterator[nodes.TopForm]:
             doc=_ONLY_LOOKS if name in offer.sensors else "",
         )
     for name, count in offer.data.items():
-        yield nodes.DeclareDatum(name, _arguments(count), None, "")
-    for name, args in _of_each(offer.skills):
-        yield nodes.DeclareSkill(name, args, None, (), "")
-    for name, args in _of_each(offer.events):
-        yield nodes.DeclareEvent(name, args, "")
+        yield nodes.DeclareDatum(name, _arguments(offer, name, count), None, "")
+    for name, count in offer.skills.items():
+        yield nodes.DeclareSkill(name, _arguments(offer, name, count), None, (), "")
+    for name, count in offer.events.items():
+        yield nodes.DeclareEvent(name, _arguments(offer, name, count), "")
 
 
 def _of_catalogue(
@@ -94,16 +96,15 @@ def _parameters(parameters: Iterable[Parameter]) -> tuple[nodes.Argument, ...]:
     )
 
 
-def _of_each(
-    counts: Mapping[str, int],
-) -> Iterator[tuple[str, tuple[nodes.Argument, ...]]]:
-    return ((name, _arguments(count)) for name, count in counts.items())
-
-
-def _arguments(count: int) -> tuple[nodes.Argument, ...]:
-    """Return so many arguments with names of their own."""
+def _letter(at: int) -> str:
+    """Return a name for the argument `at`, another one for each."""
     letters = len(ascii_lowercase)
-    names = [
-        f"?{ascii_lowercase[at % letters]}{at // letters or ''}" for at in range(count)
-    ]
-    return tuple([nodes.Argument(nodes.Var(name), None) for name in names])
+    return f"{ascii_lowercase[at % letters]}{at // letters or ''}"
+
+
+def _arguments(offer: Offer, name: str, count: int) -> tuple[nodes.Argument, ...]:
+    """Return so many arguments, with names of their own if the offer has none."""
+    called = offer.arguments.get(name, ())
+    if len(called) != count:
+        called = tuple([_letter(at) for at in range(count)])
+    return tuple([nodes.Argument(nodes.Var(f"?{one}"), None) for one in called])

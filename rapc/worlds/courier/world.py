@@ -74,6 +74,16 @@ _OFFER = Offer(
     data={"position": 2, "battery": 1, "call": 1},
     events={":nurse": 1},
     not_atomic=("drive", "take-on", "help"),
+    arguments={
+        "drive": ("room",),
+        "take-on": ("goods", "ward"),
+        "hand-over": ("goods", "ward"),
+        "help": ("ward",),
+        "position": ("room", "along"),
+        "battery": ("level",),
+        "call": ("ward",),
+        ":nurse": ("ward",),
+    },
 )
 
 
