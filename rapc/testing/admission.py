@@ -18,7 +18,6 @@ from rapc.library.library import Library
 from rapc.testing.asked_queries import name_of
 from rapc.world import Kit, World
 from rapc.worlds import registry
-from rapc.worlds.script import no_later_end
 
 
 class Problem(msgspec.Struct, frozen=True):
@@ -41,7 +40,7 @@ def problems(
         kit: what the world that it names brings along; an empty one without a world.
     """
     handled, solved = kit.handlers.data, kit.solvers
-    found = [problem for row in test.script for problem in _row(row, handled, library)]
+    found = [problem for row in test.script for problem in _row(row, handled)]
     for answer in test.answers:
         name = answer.call.function
         if name in kit.functions:
@@ -84,38 +83,8 @@ def options_of(
     return values, found
 
 
-def _row(
-    row: nodes.ScriptRow, handled: Collection[str], library: Library
-) -> Iterator[Problem]:
-    if row.kind != "request":
-        yield from _of_skill(row)
-    elif row.every is not None or row.pauses:
-        message = "only a skill tells signals with waits between them, or again"
-        yield Problem(row.span, message)
-    declared = library.primitives.get(row.request.name)
-    if row.after is not None and declared is not None and declared.atomic:
-        yield Problem(row.span, no_later_end(declared.name))
+def _row(row: nodes.ScriptRow, handled: Collection[str]) -> Iterator[Problem]:
     for datum in row.data:
         if datum.name not in handled:
             message = f"there is no handler for the datum `{datum.name}`"
             yield Problem(datum.span, message)
-
-
-def _of_skill(row: nodes.ScriptRow) -> Iterator[Problem]:
-    """Yield what a row of a skill says that only a request can do."""
-    off = row.kind == "disable"
-    given = (
-        ("a result", row.result),
-        ("`:takes`", row.takes),
-        ("`:data`", row.data),
-        ("`:after`", off and row.after is not None),
-        ("`:every`", off and row.every),
-        ("`:refused`", off and row.refused),
-        ("a wait between signals", off and row.pauses),
-    )
-    for what, said in given:
-        if said:
-            word = "goes off" if off else "is enabled"
-            yield Problem(
-                row.span, f"a skill that {word} has no {what.removeprefix('a ')}"
-            )

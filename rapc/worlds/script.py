@@ -184,7 +184,9 @@ def _row_problems(
         if no_result is not None:
             yield no_result
         if row.after is not None and row.pattern[0] not in offer.not_atomic:
-            yield no_later_end(str(row.pattern[0]))
+            name = row.pattern[0]
+            wrong = "is declared atomic, so it does not end `:after` its request"
+            yield f"`{name}` {wrong}"
     else:
         yield from _faults(signatures, "skill", [row.pattern])
     yield from _unbound(
@@ -195,11 +197,6 @@ def _row_problems(
     for datum in row.data:
         if datum[0] not in handled:
             yield f"there is no handler for the datum `{datum[0]}`"
-
-
-def no_later_end(name: str) -> str:
-    """Say that `name` cannot end `:after` it was asked for, as it is declared."""
-    return f"`{name}` is declared atomic, so it does not end `:after` its request"
 
 
 def _unbound(facts: Iterable[Fact], pattern: Fact) -> Iterator[str]:

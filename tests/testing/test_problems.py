@@ -30,6 +30,10 @@ PROBLEMS = [
         "(script ((look box) :after 3))",
         "`look` is declared atomic, so it does not end `:after` its request",
     ),
+    (
+        "(script ((look box) :every 3))",
+        "only a skill tells signals with waits between them, or again",
+    ),
     ("(script ((enable (:roll 1))))", "no skill is called `:roll`"),
     ("(at 1 (asserts (hold box)))", "`hold` is not declared"),
     ("(at 1 (erases (hold)))", "`hold` is not declared"),
