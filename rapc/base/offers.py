@@ -1,0 +1,71 @@
+"""What a world understands and sends, by name: a part of the port (`rapc.world`)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import msgspec
+
+
+class Offer(msgspec.Struct, frozen=True):
+    """What a world understands and sends, by name."""
+
+    #: The number of arguments of each primitive, and its results.
+    primitives: Mapping[str, tuple[int, tuple[str, ...]]] = {}
+    #: The number of arguments of each sensor datum.
+    data: Mapping[str, int] = {}
+    #: The number of arguments of each skill, its name with the colon.
+    skills: Mapping[str, int] = {}
+    #: The number of arguments of each signal, its name with the colon (`:alarm`).
+    events: Mapping[str, int] = {}
+    #: The primitives that only look and change nothing [T 6.3].
+    sensors: tuple[str, ...] = ()
+    #: The primitives that are not atomic: their end comes later [T 7.3.3].
+    not_atomic: tuple[str, ...] = ()
+    #: What the arguments of a primitive, datum, skill or signal are called, for whoever
+    #: declares them (`rapc worlds NAME --declare`): `{"drive": ("room",)}`.
+    arguments: Mapping[str, tuple[str, ...]] = {}
+
+    def counts(self, name: str) -> set[int]:
+        """Return how many arguments what is called `name` has; none if nothing is."""
+        tables = (self.data, self.skills, self.events)
+        found = {table[name] for table in tables if name in table}
+        return found | {n for one, (n, _) in self.primitives.items() if one == name}
+
+    def __post_init__(self) -> None:
+        """See that the parts are what they should be; raises TypeError."""
+        for name, offered in self.primitives.items():
+            match offered:
+                case [int(), [*results]] if all(type(r) is str for r in results):
+                    continue
+            wanted = "a number of arguments and a tuple of results"
+            raise TypeError(f"an Offer has {wanted} for `{name}`, not {offered!a}")
+        for counts in (self.data, self.skills, self.events):
+            for name, count in counts.items():
+                if type(count) is not int:
+                    wanted = "a number of arguments"
+                    raise TypeError(
+                        f"an Offer has {wanted} for `{name}`, not {count!a}"
+                    )
+        for name in (*self.skills, *self.events):
+            if not name.startswith(":"):
+                raise TypeError(f"the name of `{name}` in an Offer begins with a colon")
+        for names in (self.sensors, self.not_atomic):
+            if isinstance(names, str):
+                raise TypeError(f"an Offer has a tuple of names, not {names!a}")
+        for name, called in self.arguments.items():
+            if isinstance(called, str) or not all(map(_is_name, called)):
+                wanted = "a tuple of names for the arguments"
+                raise TypeError(f"an Offer has {wanted} of `{name}`, not {called!a}")
+            if len(called) not in self.counts(name) or len({*called}) < len(called):
+                given = ", ".join(called) or "()"
+                raise TypeError(f"an Offer has no `{name}` with arguments {given}")
+
+
+def _is_name(value: object) -> bool:
+    """Whether a value can be the name of a variable, without its question mark."""
+    return type(value) is str and bool(_NAME.fullmatch(value))
+
+
+_NAME = re.compile(r"[a-z][a-z0-9-]*")
