@@ -15,8 +15,9 @@ IMPOSSIBLE_ROW = Rule(
     severity=Severity.ERROR,
     summary="a row of a script says what its request or skill cannot do",
     why="""An atomic primitive holds the interpreter until it ends [L 3.72], so it does
-not end `:after` it was asked for. A skill has no result and sends no data; only a skill tells its signals with
-waits between them, or again and again; what goes off neither waits nor is refused.""",
+not end `:after` it was asked for. A skill has no result and sends no data; only a skill
+tells its signals with waits between them, or again and again; what goes off neither
+waits nor is refused.""",
     example="""\
 (declare-primitive drive (?place) (okay))
 (define-rap (go ?place) (method (primitive (drive ?place))))
