@@ -12,13 +12,18 @@ import click
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
 from rapc.cli.given import Beginning, prepare, run_options
+from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
-from rapc.debug.recorded import beginnings, follow
+from rapc.debug.recorded import Beginnings, beginnings, follow
 from rapc.debug.session import Session
-from rapc.errors import LoadError, StateError
+from rapc.debug.tape import Tape
+from rapc.errors import Error, LoadError, StateError
+from rapc.host import load
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
+from rapc.runtime.saving.format import digest
+from rapc.worlds.registry import find_world
 
 RECORDED = ".jsonl"
 """What the names of recorded runs end with."""
@@ -91,35 +96,46 @@ def repl(
 
 
 def _recorded(path: Path) -> Shell:
-    """Begin a recorded run again, and follow it as far as it goes."""
+    """Begin a recorded run again and follow it, or have it only to look at."""
     try:
         begun = beginnings(path)
-        values = [
-            f"{begun.world}.{name}={_value(v)}" for name, v in begun.options.items()
-        ]
-        values += [f"rapc.{name}={_value(v)}" for name, v in begun.settings.items()]
-        library = load_checked(begun.library)
-        given = prepare(
-            library,
-            begun.world,
-            begun.tasks,
-            None,
-            begun.seed,
-            begun.facts,
-            values,
-            begun.faults,
-        )
-        session = _session(given)
+        found = _at_hand(begun)
+        if isinstance(found, str):
+            _tell(f"only to look at: {found}")
+            return Shell(Tape.open(path), commands())
+        if begun.digest not in ("", digest(found.library)):
+            _tell("the library is not the one that was recorded: its text is another")
+        session = _session(_again(found, begun))
         parted = follow(session, path)
     except (LoadError, StateError) as error:
         fail(error.message)
     if parted is not None:
-        click.echo(
+        _tell(
             f"the run is not the one that was recorded, from cycle {parted.cycle} on: "
-            "its library, its world or what was done in it was another",
-            err=True,
+            "its library, its world or what was done in it was another"
         )
     return Shell(session, commands(), [begun.library])
+
+
+def _tell(text: str) -> None:
+    click.echo(text, err=True)
+
+
+def _at_hand(begun: Beginnings) -> Program | str:
+    """Return the library of a recorded run, or why it or the world is not at hand."""
+    try:
+        find_world(begun.world)
+        return load(begun.library).program
+    except Error as error:
+        return error.message
+
+
+def _again(library: Program, begun: Beginnings) -> Beginning:
+    """Return a run that can be begun as a recorded one was."""
+    values = [f"{begun.world}.{name}={_value(v)}" for name, v in begun.options.items()]
+    values += [f"rapc.{name}={_value(v)}" for name, v in begun.settings.items()]
+    given = (begun.tasks, None, begun.seed, begun.facts, values, begun.faults)
+    return prepare(library, begun.world, *given)
 
 
 def _value(value: str | float) -> str:

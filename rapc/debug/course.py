@@ -18,8 +18,8 @@ from rapc.debug.forced import ForcedWorld, ForceResult
 from rapc.debug.log import EventLog, Told
 from rapc.debug.saves import EVERY, Moment, Saves
 from rapc.debug.setup import Setup
+from rapc.debug.stepped import Stepped
 from rapc.errors import StateError
-from rapc.runtime.events.events import TaskSelected
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import Time, World
 
@@ -27,7 +27,7 @@ _RUNNING = 512
 """How many cycles a run goes on for before its state is saved."""
 
 
-class Course:
+class Course(Stepped):
     """A run and what has been seen of it, branch by branch.
 
     Args:
@@ -36,11 +36,9 @@ class Course:
     """
 
     def __init__(self, run: Interpreter, log: EventLog) -> None:
+        super().__init__(log)
         #: The run; an act that changes what it is made with puts another in its place.
         self.run = run
-        self.log = log
-        #: Why the run cannot be taken back in time; empty if it can.
-        self.no_way_back = ""
         self.branch = Branch("main", Saves())
         self.branches = [self.branch]
         self._setup = Setup.of(run)
@@ -62,9 +60,14 @@ class Course:
         return self.run.now
 
     @property
-    def over(self) -> bool:
-        """Whether the run is over, here."""
-        return self.run.reason is not None
+    def reason(self) -> str:
+        """Why the run is over, here; empty while it is not."""
+        return self.run.reason or ""
+
+    @property
+    def seen(self) -> int:
+        """The furthest cycle that was seen in this branch."""
+        return self.branch.end.cycle
 
     @property
     def moment(self) -> Moment:
@@ -76,11 +79,10 @@ class Course:
         """The serial number that the next event will get."""
         return self.run.machine.recorder.serial
 
-    @property
-    def selected(self) -> int | None:
-        """The number of the task whose cycle was run last."""
-        told = self.log.last(TaskSelected)
-        return None if told is None else told.keys["task"]
+    def stand(self) -> str:
+        """Return where the run stands, in a line."""
+        words = super().stand()
+        return words if self.branch.name == "main" else f"{words}, {self.branch.name}"
 
     # --- forwards
 
@@ -122,6 +124,10 @@ class Course:
     def _look_back(self) -> None:
         if self.no_way_back:
             raise StateError(f"there is no way back: {self.no_way_back}")
+
+    def _go_back(self, cycle: int) -> None:
+        self._look_back()
+        self._put_back(Moment(cycle, self.branch.acts_by(cycle)))
 
     def _put_back(self, moment: Moment) -> None:
         """Take up the run as it was at a moment of the branch."""
@@ -209,17 +215,9 @@ class Course:
         first: int = 0,
         want: Callable[[Told], bool] | None = None,
     ) -> list[Told]:
-        """Return events of the branch up to now, in order, from a cycle on.
+        """Return events of the branch: see `Stepped.scan`.
 
         What is not in the log any more is made again by replay.
-
-        Args:
-            kinds: the kinds of events; all if there are none.
-            first: the first cycle.
-            want: says which of them are wanted; all if it is not given.
-
-        Raises:
-            StateError: if some are gone and the run cannot be taken back in time.
         """
         found: list[Told] = []
 

@@ -8,7 +8,7 @@ import msgspec
 
 from rapc.base.names import nearest
 from rapc.debug.log import Told
-from rapc.debug.session import Session
+from rapc.debug.stepped import Stepped
 from rapc.errors import TextError
 from rapc.runtime.events import events
 from rapc.runtime.events.events import Event
@@ -69,7 +69,7 @@ class Finder(msgspec.Struct, frozen=True):
         return all(word in text for word in self.words)
 
 
-def find(session: Session, finder: Finder, *, back: bool = False) -> Told | None:
+def find(session: Stepped, finder: Finder, *, back: bool = False) -> Told | None:
     """Go to the cycle of the next event that fits, or of the last one before.
 
     Where none is found the session stands where it stood, or at the end of the run if

@@ -14,6 +14,7 @@ import msgspec
 from rapc.base.values import Fact, format_atom, format_list, match
 from rapc.debug.log import Told
 from rapc.debug.session import Session
+from rapc.debug.stepped import Stepped
 from rapc.runtime.events import events
 from rapc.world import Time
 
@@ -44,7 +45,7 @@ class Change(msgspec.Struct, frozen=True):
     by: str
 
 
-def of_facts(session: Session, pattern: Fact) -> list[Change]:
+def of_facts(session: Stepped, pattern: Fact) -> list[Change]:
     """Return when facts that match a pattern came and went.
 
     Args:
@@ -60,7 +61,7 @@ def of_facts(session: Session, pattern: Fact) -> list[Change]:
     return _changes(session, wanted, lambda told: False)
 
 
-def of_item(session: Session, name: str, predicate: str = "") -> list[Change]:
+def of_item(session: Stepped, name: str, predicate: str = "") -> list[Change]:
     """Return what has become of an item under all its names, and the facts about it.
 
     Args:
@@ -82,14 +83,18 @@ def of_item(session: Session, name: str, predicate: str = "") -> list[Change]:
     return _changes(session, about, became)
 
 
-def _names_of(session: Session, name: str) -> set[str]:
+def _names_of(session: Stepped, name: str) -> set[str]:
     """Return all names that stand for one item now."""
+    if not isinstance(session, Session):
+        merged = session.scan(events.ItemMerged)
+        pairs = [{told.keys["item"], told.keys["with_"]} for told in merged]
+        return {name}.union(*(pair for pair in pairs if name in pair))
     items = session.run.machine.memory.items
     kept = str(items.canonical(name))
     return {name, kept} | {n for n in items.aliases if items.canonical(n) == kept}
 
 
-def _changes(session: Session, fact: Any, item: Any) -> list[Change]:
+def _changes(session: Stepped, fact: Any, item: Any) -> list[Change]:
     """Return the changes that are wanted, each with what made it."""
     found: list[Change] = []
     open_since = 0
@@ -156,7 +161,7 @@ class Retry(msgspec.Struct, frozen=True):
     causes: Mapping[str, int]
 
 
-def retries(session: Session) -> list[Retry]:
+def retries(session: Stepped) -> list[Retry]:
     """Return the goals that have failed more than once, the most frequent first."""
     by_goal: dict[str, list[Told]] = {}
     for told in session.scan(events.TaskFailed):
@@ -201,8 +206,11 @@ class Deadline(msgspec.Struct, frozen=True):
     by: Time
 
 
-def deadlines(session: Session) -> list[Deadline]:
-    """Return the deadlines that were missed, and those of tasks under way."""
+def deadlines(session: Stepped) -> list[Deadline]:
+    """Return the deadlines that were missed, and those of tasks under way.
+
+    Of a recorded run that is only looked at those that were missed alone are known.
+    """
     goals: dict[int, str] = {}
     ended: dict[int, Time] = {}
     missed: dict[tuple[int, Time], None] = {}
@@ -227,6 +235,8 @@ def deadlines(session: Session) -> list[Deadline]:
         )
         for number, time in missed
     ]
+    if not isinstance(session, Session):
+        return found
     entries = {entry.task: entry for entry in session.run.agenda()}
     for entry in entries.values():
         above = entries.get(entry.parent or 0)
@@ -254,7 +264,7 @@ class Spell(msgspec.Struct, frozen=True):
 
 
 def timeline(
-    session: Session, start: Time = 0, stop: Time | None = None
+    session: Stepped, start: Time = 0, stop: Time | None = None
 ) -> list[Spell]:
     """Return what the time went by with, in order, between two times."""
     families: dict[int, int] = {}

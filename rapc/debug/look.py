@@ -5,11 +5,17 @@ Nothing changes by looking.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import msgspec
+from msgspec.structs import replace
 
 from rapc.base.values import Fact, format_atom, format_list, number
 from rapc.debug.acts import live_task
+from rapc.debug.log import Told
 from rapc.errors import ArgumentError
+from rapc.runtime.events import events
 from rapc.runtime.events.events import Cause, Goal
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.store import NEVER
@@ -63,6 +69,54 @@ def tree(run: Interpreter) -> list[Node]:
         lower = below.get(task.number, [])
         stack.extend((depth + 1, one) for one in reversed(lower))
     return found
+
+
+def tree_told(told: Iterable[Told]) -> list[Node]:
+    """Return the live tasks that events tell of, each behind its parent, by number.
+
+    What a task waits for is known only where it was told that it is blocked.
+    """
+    nodes: dict[int, Node] = {}
+    below: dict[int | None, list[int]] = {}
+    for one in told:
+        number = one.keys.get("task")
+        if one.kind is events.TaskCreated:
+            nodes[one.keys["task"]] = Node(
+                0, one.keys["task"], one.keys["goal"], "made", "", None, "", None
+            )
+            below.setdefault(one.keys["parent"], []).append(one.keys["task"])
+        elif one.kind in (events.TaskSucceeded, events.TaskFailed, events.TaskRemoved):
+            nodes.pop(one.keys["task"], None)
+        elif number in nodes:
+            nodes[number] = replace(nodes[number], **_changed_by(one))
+    found = []
+    stack = [(0, number) for number in reversed(below.get(None, []))]
+    while stack:
+        depth, number = stack.pop()
+        if number in nodes:
+            found.append(replace(nodes[number], depth=depth))
+            lower = below.get(number, [])
+            stack.extend((depth + 1, one) for one in reversed(lower))
+    return found
+
+
+def _changed_by(told: Told) -> dict[str, Any]:
+    """Return what an event makes another of a task in its family."""
+    keys = told.keys
+    if told.kind is events.TaskSelected:
+        return {"goal": keys["goal"], "state": "selected", "waits_for": ""}
+    if told.kind is events.MethodChosen:
+        return {"method": keys["method"], "state": "running", "because": None}
+    if told.kind is events.MethodEnded:
+        result, because = keys["result"], keys["because"]
+        return {"state": "made", "result": result, "because": because}
+    if told.kind in (events.TaskBlocked, events.TaskWoken):
+        blocked = told.kind is events.TaskBlocked
+        return {
+            "state": "blocked" if blocked else "eligible",
+            "waits_for": keys["on"] if blocked else "",
+        }
+    return {}
 
 
 def chain(run: Interpreter, number: int) -> list[tuple[int, Goal, str]]:

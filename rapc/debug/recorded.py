@@ -11,6 +11,7 @@ import msgspec
 
 from rapc.debug.log import Told
 from rapc.debug.session import Session
+from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError
 from rapc.runtime.events import events
 from rapc.runtime.events.trace import JsonTrace, record
@@ -18,10 +19,13 @@ from rapc.runtime.events.trace import JsonTrace, record
 _DECISIONS = ("task-selected", "method-chosen")
 """The events in which a run decides something."""
 
+_BROKEN_OFF = ("until", "cycles", "cancelled")
+"""Why a run ends that could have gone on: what it did then is not done again."""
+
 _Event = dict[str, Any]
 
 
-def write(session: Session, path: Path) -> int:
+def write(session: Stepped, path: Path) -> int:
     """Write the trace of the run up to now; return how many events it has.
 
     Raises:
@@ -70,6 +74,8 @@ class Beginnings(msgspec.Struct, frozen=True):
     faults: tuple[str, ...]
     #: A trace that an earlier rapc wrote does not have them.
     facts: tuple[str, ...] = ()
+    #: Tells the texts of the library from others; nor does it have that.
+    digest: str = ""
 
 
 def beginnings(path: Path) -> Beginnings:
@@ -109,15 +115,18 @@ def follow(session: Session, path: Path) -> Parting | None:
     for event in read(path):
         last = max(last, event.get("cycle", 0))
     session.goto(last)
-    if any(event["event"] == "run-ended" for event in read(path)):
+    ends = [event for event in read(path) if event["event"] == "run-ended"]
+    broken_off = bool(ends) and ends[0]["reason"] in _BROKEN_OFF
+    if ends and not broken_off:
         session.step()
     found = parting(session, path)
     if found is not None and not session.no_way_back:
         session.goto(max(found.cycle - 1, 0))
-    return found
+    # a run that is broken off may have done less in its last cycle, or more behind it
+    return None if broken_off and found and found.cycle >= last else found
 
 
-def parting(session: Session, path: Path, *, decisions: bool = False) -> Parting | None:
+def parting(session: Stepped, path: Path, *, decisions: bool = False) -> Parting | None:
     """Return the first event in which the run differs from a recorded one.
 
     Args:
@@ -137,7 +146,7 @@ def parting(session: Session, path: Path, *, decisions: bool = False) -> Parting
     return None
 
 
-def _mine(session: Session, decisions: bool) -> Iterator[_Event]:
+def _mine(session: Stepped, decisions: bool) -> Iterator[_Event]:
     kinds = (events.TaskSelected, events.MethodChosen) if decisions else ()
     told: list[Told] = session.scan(*kinds)
     return (_as_read(record(one.event())) for one in told)
@@ -150,7 +159,12 @@ def _as_read(event: _Event) -> _Event:
 
 
 def _bare(event: _Event | None, decisions: bool) -> _Event | None:
-    """Return an event without what says only where it stands, for decisions."""
+    """Return an event without what says only where it stands, for decisions.
+
+    How a run was begun is no part of how it went.
+    """
+    if event is not None and event["event"] == "run-started":
+        return {"event": "run-started"}
     if event is None or not decisions:
         return event
     return {key: value for key, value in event.items() if key != "n"}

@@ -11,32 +11,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import msgspec
-
-from rapc.base.values import format_atom
 from rapc.debug.acts import Act
 from rapc.debug.branch import Branch
 from rapc.debug.course import Course
 from rapc.debug.log import EventLog
 from rapc.debug.reload import TakeUp, changed
 from rapc.debug.saves import Moment
-from rapc.errors import ArgumentError, PortError
+from rapc.debug.stepped import Stop
+from rapc.errors import ArgumentError
 from rapc.host import CheckedLibrary
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
-from rapc.world import Time
 
 _FEW = 16
 """Fewer cycles than these are sooner replayed than saved."""
-
-
-class Stop(msgspec.Struct, frozen=True):
-    """Why a session has stopped."""
-
-    #: `asked` for what was asked for, `over`, `break`, `pause` or `broken`.
-    kind: str
-    #: What there is to say of it, in words.
-    said: str = ""
 
 
 class Session(Course):
@@ -49,9 +37,6 @@ class Session(Course):
 
     def __init__(self, run: Interpreter, log: EventLog) -> None:
         super().__init__(run, log)
-        #: Asked after each cycle: text to stop with, or nothing.
-        self.checks: dict[str, Callable[[], str | None]] = {}
-        self._paused = False
         self._questions: tuple[Interpreter, dict[str, HostQuery]] = (run, {})
 
     @classmethod
@@ -71,58 +56,14 @@ class Session(Course):
         run = library.start(world, listeners=listeners, **more)
         return cls(run, log)
 
-    # --- forwards -----------------------------------------------------------------
-
-    def step(self, cycles: int = 1) -> Stop:
-        """Run some cycles, or fewer if something stops the run."""
-        left = cycles
-        if left <= 0:
-            return Stop("asked")
-
-        def counted() -> str | None:
-            nonlocal left
-            left -= 1
-            return "" if left == 0 else None
-
-        return self.go(counted)
-
     def go(
         self, until: Callable[[], str | None] | None = None, *, heed: bool = True
     ) -> Stop:
-        """Run until something stops it.
-
-        Args:
-            until: asked after each cycle; returns what to stop with, None to go on.
-            heed: whether breakpoints stop it.
-        """
-        stop = self._run(until, heed)
+        """Run until something stops it: see `Stepped.go`."""
+        stop = super().go(until, heed=heed)
         if self.cycle >= self._saved + _FEW and not self.over:
             self._save()
         return stop
-
-    def _run(self, until: Callable[[], str | None] | None, heed: bool) -> Stop:
-        """Run until something stops it; see `go`."""
-        self._paused = False
-        while True:
-            if self.over:
-                return Stop("over", self.run.reason or "")
-            try:
-                went = self._cycle()
-            except PortError as error:
-                return Stop("broken", error.message)
-            if not went:
-                return Stop("over", self.run.reason or "")
-            for check in self.checks.values() if heed else ():
-                if (hit := check()) is not None:
-                    return Stop("break", hit)
-            if until is not None and (said := until()) is not None:
-                return Stop("asked", said)
-            if self._paused:
-                return Stop("pause")
-
-    def pause(self) -> None:
-        """Stop after the cycle under way; may be called by a signal handler."""
-        self._paused = True
 
     # --- acting -------------------------------------------------------------------
 
@@ -179,56 +120,6 @@ class Session(Course):
                 return
         raise ArgumentError(f"there is no branch `{name}`")
 
-    # --- backwards ----------------------------------------------------------------
-
-    def goto(self, cycle: int, *, heed: bool = False) -> Stop:
-        """Go to the end of a cycle, back or forth; forth as far as the run goes.
-
-        Args:
-            cycle: the number of the cycle.
-            heed: whether breakpoints stop the run on the way forth.
-
-        Raises:
-            StateError: if the run cannot be taken back in time.
-        """
-        cycle = max(cycle, 0)
-        if cycle < self.cycle or (cycle == self.cycle and self.over):
-            self._look_back()
-            self._put_back(Moment(cycle, self.branch.acts_by(cycle)))
-            return Stop("asked")
-        if cycle == self.cycle:
-            return Stop("asked")
-        return self._as_far(lambda: "" if self.cycle >= cycle else None, heed)
-
-    def goto_time(self, time: Time, *, heed: bool = False) -> Stop:
-        """Go to the last moment at or before a time, back or forth.
-
-        Args:
-            time: the time.
-            heed: whether breakpoints stop the run on the way forth.
-
-        Raises:
-            StateError: if the run cannot be taken back in time.
-        """
-        if time < self.now:
-            self._look_back()
-            later = self.scan(want=lambda told: told.time > time)
-            return self.goto(later[0].cycle - 1 if later else self.cycle)
-        stop = self._as_far(lambda: "" if self.now > time else None, heed)
-        if stop.kind == "asked" and not self.no_way_back:
-            return self.goto(self.cycle - 1)
-        return stop
-
-    def _as_far(self, until: Callable[[], str | None], heed: bool) -> Stop:
-        """Run as far as is asked; without `heed` nobody watches meanwhile."""
-        if heed:
-            return self.go(until)
-        watcher, self.log.watcher = self.log.watcher, None
-        try:
-            return self.go(until, heed=False)
-        finally:
-            self.log.watcher = watcher
-
     def question(self, text: str) -> HostQuery:
         """Return a formula made ready to be asked of the run, as it is made now.
 
@@ -261,10 +152,3 @@ class Session(Course):
         act = TakeUp(library.program, changed(before, after))
         self.act(act)
         return act
-
-    def stand(self) -> str:
-        """Return where the session stands, in a line."""
-        words = f"cycle {self.cycle}, time {format_atom(self.now)}"
-        if self.branch.name != "main":
-            words += f", {self.branch.name}"
-        return f"{words}, run over ({self.run.reason})" if self.over else words

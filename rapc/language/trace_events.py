@@ -127,6 +127,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
     "run-started": (
         "format",
         "library",
+        "digest",
         "world",
         "options",
         "settings",

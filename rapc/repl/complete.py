@@ -17,6 +17,7 @@ import msgspec
 from rapc.base.values import format_atom
 from rapc.debug.breakpoints import KINDS
 from rapc.debug.find import kinds
+from rapc.debug.session import Session
 from rapc.language.complete import fits
 from rapc.library.library import Library
 from rapc.repl.arguments import split
@@ -41,8 +42,16 @@ class Candidate(msgspec.Struct, frozen=True):
 
 def candidates(shell: Shell, text: str) -> list[Candidate]:
     """Return what fits at the end of an input, sorted, each once."""
-    found = _of_command(shell, text) if text.startswith(":") else _of_text(shell, text)
+    found: Iterable[Candidate] = ()
+    if text.startswith(":"):
+        found = _of_command(shell, text)
+    elif isinstance(shell.subject, Session):
+        found = _of_text(shell, text)
     return list({one.text: one for one in found}.values())
+
+
+_TOLD = ("help", "find", "show", "to", "goto")
+"""The commands that complete by what needs no run."""
 
 
 def _matching(named: Named, prefix: str) -> Iterator[Candidate]:
@@ -56,6 +65,8 @@ def _matching(named: Named, prefix: str) -> Iterator[Candidate]:
 
 def _of_command(shell: Shell, text: str) -> Iterable[Candidate]:
     name, space, rest = text[1:].partition(" ")
+    if space and not isinstance(shell.subject, Session) and name not in _TOLD:
+        return ()
     if not space:
         return _matching(
             ((f":{c.name}", c.doc) for c in shell.commands.values()), f":{name}"
@@ -87,16 +98,15 @@ def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named
         return _of_break(shell, before, prefix)
     if name == "history":
         return _of_history(shell, before)
-    library = shell.session.run.machine.library.library
     fixed: Mapping[str, Callable[[], Named]] = {
         "help": lambda: [(c.name, c.doc) for c in shell.commands.values()],
         "find": lambda: [("back", "backwards"), *((kind, "") for kind in kinds())],
         "branch": lambda: [(one.name, one.begun) for one in shell.session.branches],
-        "memory": lambda: _of_kind(library, "PREDICATE"),
+        "memory": lambda: _of_kind(_library(shell), "PREDICATE"),
         "show": lambda: [("all", ""), ("requests", ""), ("none", "")],
         "to": lambda: [("at", "a time")],
         "goto": lambda: [("at", "a time"), ("end", "as far as was seen")],
-        "source": lambda: [*_tasks(shell), *_raps(library)],
+        "source": lambda: [*_tasks(shell), *_raps(_library(shell))],
         "why": lambda: [("failed", "why a task failed"), *_tasks(shell)],
         "when": lambda: [("chosen", "what a choice rested on"), *_tasks(shell)],
     }
@@ -106,8 +116,12 @@ def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named
     return _tasks(shell) if "TASK" in takes and not before else ()
 
 
+def _library(shell: Shell) -> Library:
+    return shell.session.run.machine.library.library
+
+
 def _of_break(shell: Shell, before: list[str], prefix: str) -> Named:
-    library = shell.session.run.machine.library.library
+    library = _library(shell)
     if not before:
         files = (("save", "keep them in a file"), ("load", "take them from a file"))
         return [*KINDS.items(), *files]
@@ -149,7 +163,7 @@ def _files(prefix: str) -> Iterator[tuple[str, str]]:
 
 def _of_text(shell: Shell, text: str) -> Iterable[Candidate]:
     found: list[Candidate] = []
-    library = shell.session.run.machine.library.library
+    library = _library(shell)
     starts = ("start",) if _is_definition(text) else ("formula", "goal", "proposition")
     for start in starts:
         fit = fits(text, start=start)

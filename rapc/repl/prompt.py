@@ -34,6 +34,7 @@ from prompt_toolkit.styles import Style
 
 from rapc.base.values import format_atom
 from rapc.base.visible import visible
+from rapc.debug.session import Session
 from rapc.language.heads import (
     ALONE,
     ANNOTATIONS,
@@ -150,7 +151,7 @@ class Prompt:
     def run(self) -> None:
         """Answer inputs until the user leaves."""
         shell = self._shell
-        sys.stdout.write(f"{shell.session.stand()}; {GREETING}\n")
+        sys.stdout.write(f"{shell.subject.stand()}; {GREETING}\n")
         interrupted = False
         while not shell.left:
             try:
@@ -171,7 +172,9 @@ class Prompt:
             sys.stdout.flush()
 
     def _toolbar(self) -> str:
-        session = self._shell.session
+        session = self._shell.subject
+        if not isinstance(session, Session):
+            return visible(session.stand())
         words = [f"time {format_atom(session.now)}", f"cycle {session.cycle}"]
         if session.branch.name != "main":
             words.append(session.branch.name)
@@ -199,7 +202,7 @@ def _pausing(shell: Shell) -> Iterator[None]:
         times += 1
         if times > 1:
             raise KeyboardInterrupt
-        shell.session.pause()
+        shell.subject.pause()
 
     before = signal.signal(signal.SIGINT, pause)
     try:

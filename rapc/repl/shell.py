@@ -22,8 +22,9 @@ from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.log import Told
 from rapc.debug.reload import changed
 from rapc.debug.session import Session
+from rapc.debug.stepped import Stepped
 from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
-from rapc.errors import Error, RefusedError, TextError
+from rapc.errors import Error, RefusedError, StateError, TextError
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import Answer, failure, say, table
@@ -61,25 +62,31 @@ class Command(msgspec.Struct, frozen=True):
     group: str = ""
 
 
+_ONLY_TO_LOOK_AT = (
+    "this is a recorded run without what it ran: it can be stepped, searched and told, "
+    "not asked or changed"
+)
+
 _OF_REQUESTS = (PrimitiveRequested, PrimitiveEnded)
 
 
 class Shell:
-    """Answers what is typed about a session.
+    """Answers what is typed about a run.
 
     Args:
-        session: what is debugged.
+        subject: what is debugged, or only looked at.
         commands: what there is to be typed.
         paths: the files and folders that the library was read from.
     """
 
     def __init__(
         self,
-        session: Session,
+        subject: Stepped,
         commands: Sequence[Command],
         paths: Sequence[str] = (),
     ) -> None:
-        self.session = session
+        #: What is debugged, or a recorded run that is only looked at.
+        self.subject = subject
         self.paths = tuple(paths)
         self.commands = {command.name: command for command in commands}
         #: The last answers to queries, the newest first: `*1`, `*2`, `*3`.
@@ -92,12 +99,32 @@ class Shell:
         self.shows = "all"
         #: Whether the user wants to leave.
         self.left = False
-        self.breakpoints = Breakpoints(session, pattern)
+        self._breakpoints = None
+        if isinstance(subject, Session):
+            self._breakpoints = Breakpoints(subject, pattern)
         #: The queries whose answers are shown after every stop, by their texts.
         self.watches: list[str] = []
         self._seen: dict[str, str] = {}
         self._told_of = 0
         self.forget_trace()
+
+    @property
+    def session(self) -> Session:
+        """What is debugged.
+
+        Raises:
+            StateError: for a recorded run that is only looked at.
+        """
+        if not isinstance(self.subject, Session):
+            raise StateError(_ONLY_TO_LOOK_AT)
+        return self.subject
+
+    @property
+    def breakpoints(self) -> Breakpoints:
+        """The breakpoints of the session. Raises StateError as `session`."""
+        if self._breakpoints is None:
+            raise StateError(_ONLY_TO_LOOK_AT)
+        return self._breakpoints
 
     def answer(self, text: str) -> Answer:
         """Carry out an input and return what there is to say."""
@@ -133,7 +160,7 @@ class Shell:
         Raises:
             TextError: if it is no number, or no task was selected yet.
         """
-        number = args.count("a task", self.session.selected or 0)
+        number = args.count("a task", self.subject.selected or 0)
         if not number:
             raise TextError("no task has been chosen yet: say which is meant")
         return number
@@ -146,7 +173,7 @@ class Shell:
         """Return what has happened since a serial number, as far as it is shown."""
         if self.shows == "none":
             return []
-        told = self.session.log.since(since)
+        told = self.subject.log.since(since)
         if self.shows == "requests":
             told = [one for one in told if one.kind in _OF_REQUESTS]
         return self.trace(told)
@@ -162,7 +189,8 @@ class Shell:
 
     def forget_trace(self) -> None:
         """Begin a new trace: the run stands at another time."""
-        self.breakpoints.look_again()
+        if self._breakpoints is not None:
+            self._breakpoints.look_again()
         self._written = StringIO()
         self._trace = TextTrace(self._written)
 
@@ -178,8 +206,10 @@ class Shell:
 
     def watched(self) -> list[str]:
         """Return what is to be shown after every stop: watches, what was logged."""
-        lines = self.breakpoints.logged[self._told_of :]
-        self._told_of = len(self.breakpoints.logged)
+        if self._breakpoints is None:
+            return []
+        lines = self._breakpoints.logged[self._told_of :]
+        self._told_of = len(self._breakpoints.logged)
         for number, text in enumerate(self.watches, 1):
             said = self._watched_answers(text)
             mark = "*" if self._seen.get(text, said) != said else " "

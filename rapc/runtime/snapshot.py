@@ -13,6 +13,7 @@ from rapc.base.values import format_list, number
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.events import Goal, RunStarted, TaskResult
 from rapc.runtime.machine import Machine
+from rapc.runtime.saving.format import digest
 from rapc.runtime.state.circles import circles
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import MethodRun, Task, TopLevelTask
@@ -102,6 +103,7 @@ def tell_start(
         RunStarted,
         format=FORMAT,
         library=machine.library.name,
+        digest=digest(machine.library.library),
         world=machine.world.name,
         options=dict(options),
         settings={

@@ -7,10 +7,14 @@ from pathlib import Path
 import pytest
 
 from rapc.debug import recorded
+from rapc.debug.tape import Tape
 from rapc.errors import LoadError
+from rapc.repl.commands.table import commands
+from rapc.repl.complete import candidates
+from rapc.repl.shell import Shell
 from tests.cli.command import rapc
 from tests.debug.sessions import truck
-from tests.repl.shells import said, truck_shell
+from tests.repl.shells import rows, said, truck_shell
 
 RUN = ("examples/rock-order.rap", "--world", "truck", "--task", "(rock-order red 1)")
 
@@ -104,3 +108,110 @@ def test_what_cannot_be_begun_is_refused(tmp_path: Path) -> None:
     assert "is no trace" in done.stderr
     assert rapc("repl", str(tmp_path / "none.jsonl")).returncode == 2
     assert "a world is missing" in rapc("repl", "examples/rock-order.rap").stderr
+
+
+def test_a_trace_has_the_digest_of_its_library(tmp_path: Path) -> None:
+    trace, library = tmp_path / "run.jsonl", tmp_path / "say.rap"
+    library.write_text(SAY)
+    run = ("run", str(library), "--world", "truck", "--task", "(look-about)")
+    rapc(*run, "-q", "--trace", str(trace))
+    library.write_text(f"{SAY}; more is said\n")
+    done = rapc("repl", str(trace), "-c", ":back")
+    assert done.stderr == (
+        "the library is not the one that was recorded: its text is another\n"
+    )
+    library.unlink()
+    done = rapc("repl", str(trace), "-c", ":run", "-c", ":tree")
+    assert done.returncode == 0
+    assert done.stderr == f"only to look at: `{library}` does not exist\n"
+    assert "run over (done)" in done.stdout
+
+
+SAY = """
+(require "truck")
+(define-rap (look-about) (method (primitive (eye-scan external))))
+"""
+
+
+def test_a_run_that_was_broken_off_is_opened_where_it_was(tmp_path: Path) -> None:
+    trace = tmp_path / "run.jsonl"
+    rapc("run", *RUN, "-q", "--seed", "7", "--until", "90", "--trace", str(trace))
+    done = rapc("repl", str(trace), "-c", ":show none", "-c", ":step")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "cycle 42, time " in done.stdout
+
+
+def _looked_at(tmp_path: Path) -> tuple[Shell, Shell]:
+    """Return a shell with a run and one with its trace, only to look at."""
+    trace = tmp_path / "run.jsonl"
+    shell = truck_shell("(rock-order red 1) :deadline 200")
+    shell.answer(":run")
+    shell.answer(f":record {trace}")
+    shell.answer(":goto 0")
+    return shell, Shell(Tape.open(trace), commands())
+
+
+def test_what_is_only_looked_at_tells_what_the_run_tells(tmp_path: Path) -> None:
+    shell, tape = _looked_at(tmp_path)
+    for text in (
+        ":show all",
+        ":step 20",
+        ":trace 3",
+        ":to at 100",
+        ":primitive",
+        ":find fact-asserted bay2",
+        ":find back method-chosen task=12",
+        ":goto 150",
+        ":timeline",
+        ":timeline 20 90",
+        ":history (truck-location ?where)",
+        ":history item-1 location",
+        ":retries",
+        ":run",
+        ":deadlines",
+        ":back",
+        ":back 3",
+        ":goto at 60",
+        ":goto end",
+    ):
+        assert said(tape, text) == said(shell, text), text
+    shell.answer(":goto 60")
+    tape.answer(":goto 60")
+    trees = [rows(one, ":tree") for one in (shell, tape)]
+    assert [(row[0], row[2]) for row in trees[0]] == [
+        (row[0], row[2]) for row in trees[1]
+    ]
+
+
+def test_what_needs_the_run_is_refused_in_a_line(tmp_path: Path) -> None:
+    _, tape = _looked_at(tmp_path)
+    told = {":help", ":show requests"}
+    for command in commands():
+        for text in command.examples:
+            answer = tape.answer(text)
+            if answer.failed and text not in told:
+                assert len(answer.lines) == 1, text
+    for text in (":why", ":agenda", "(place ?x ?y)", "(rock-order red 1)", ":break"):
+        assert "a recorded run without what it ran" in said(tape, text, width=200)
+    assert [one.text for one in candidates(tape, "(plac")] == []
+    assert ":step" in [one.text for one in candidates(tape, ":st")]
+    assert candidates(tape, ":source ") == []
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ('{"event":"frob","n":1}', "line 2 is an event `frob`, which is not known"),
+        ('{"event":"task-selected","n":1}', "line 2 has no `cycle`"),
+        ('{"event":"task-removed","n":7,"cycle":1,"time":0}', "line 2 has no `task`"),
+    ],
+)
+def test_a_trace_that_makes_no_sense_is_not_looked_at(
+    line: str, why: str, tmp_path: Path
+) -> None:
+    trace = tmp_path / "run.jsonl"
+    recorded.write(truck(), trace)
+    first = trace.read_text().splitlines()[0]
+    trace.write_text(f"{first}\n{line}\n")
+    with pytest.raises(LoadError, match=why):
+        Tape.open(trace)

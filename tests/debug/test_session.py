@@ -14,6 +14,7 @@ from rapc.debug.saves import Moment, Saves
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, StateError
 from rapc.runtime.task_request import read_task_request
+from tests.debug import long, moments
 from tests.debug.sessions import truck
 
 
@@ -73,19 +74,16 @@ def test_other_worlds_are_taken_back_as_well(
 
 
 @pytest.mark.slow
-def test_a_thousand_moments_are_reached_again_as_they_were() -> None:
-    session = truck(
-        "(rock-order red 4)", "(rock-order blue 2) :at 300 :priority 1", seed=11
-    )
-    states = _states(session)
-    events = _told(session)
-    chance = random.Random(8)
-    for _ in range(1000):
-        cycle = chance.randrange(len(states))
-        session.goto(cycle)
-        assert session.run.save() == states[cycle]
-    session.go()
-    assert _told(session) == events
+@pytest.mark.parametrize("name", moments.RUNS)
+def test_random_moments_are_reached_again_and_gone_on_from(name: str) -> None:
+    found = moments.check(moments.RUNS[name](600), points=100)
+    assert (found.cycles, found.points, found.differ) == (600, 100, [])
+
+
+def test_a_long_session_stays_small() -> None:
+    found = long.measured(long.patrol(), 12_000)
+    assert found.states < 60
+    assert found.bytes_kept < 2_000_000
 
 
 def test_going_on_from_the_past_gives_the_same_events() -> None:

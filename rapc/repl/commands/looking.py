@@ -6,6 +6,7 @@ from rapc.base.source import SourceFile, Span
 from rapc.base.values import format_atom, format_list
 from rapc.debug import look
 from rapc.debug.acts import live_task
+from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
 from rapc.ir.nodes import Const, Proposition
 from rapc.parser.parse import parse_formula, parse_pattern
@@ -35,7 +36,11 @@ def _agenda(shell: Shell, args: Arguments) -> Answer:
 
 
 def _tree(shell: Shell, args: Arguments) -> Answer:
-    nodes = look.tree(shell.session.run)
+    subject = shell.subject
+    if isinstance(subject, Session):
+        nodes = look.tree(subject.run)
+    else:
+        nodes = look.tree_told(subject.scan())
     rows = [
         (
             "  " * one.depth + f"[{one.task}] {one.goal}",

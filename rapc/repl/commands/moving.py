@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from rapc.base.names import plural
 from rapc.debug.acts import live_task
-from rapc.debug.session import Session, Stop
+from rapc.debug.stepped import Stepped, Stop
 from rapc.errors import ArgumentError
 from rapc.repl.answer import Answer, say, table
 from rapc.repl.arguments import Arguments
@@ -19,7 +19,7 @@ _SHOWN = 40
 
 def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
     """Let the run go on, and tell what has happened and where it stands."""
-    before = shell.session.serial
+    before = shell.subject.serial
     stop = go()
     lines = shell.happened(before)
     left = len(lines) - _SHOWN
@@ -31,17 +31,17 @@ def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
         "broken": f"the run broke off: {stop.said}",
     }.get(stop.kind, stop.said if stop.kind == "asked" else "")
     watched = shell.watched()
-    told = [*lines, *([said] if said else []), *watched, shell.session.stand()]
+    told = [*lines, *([said] if said else []), *watched, shell.subject.stand()]
     return Answer(tuple(told), failed=stop.kind == "broken")
 
 
 def _step(shell: Shell, args: Arguments) -> Answer:
     cycles = args.count("how many cycles", 1)
-    return _went(shell, lambda: shell.session.step(cycles))
+    return _went(shell, lambda: shell.subject.step(cycles))
 
 
 def _run(shell: Shell, args: Arguments) -> Answer:
-    return _went(shell, shell.session.go)
+    return _went(shell, shell.subject.go)
 
 
 def _out(shell: Shell, args: Arguments) -> Answer:
@@ -71,7 +71,7 @@ def _parent(shell: Shell, args: Arguments) -> Answer:
 
 
 def _primitive(shell: Shell, args: Arguments) -> Answer:
-    session, begun = shell.session, shell.session.serial
+    session, begun = shell.subject, shell.subject.serial
 
     def answered() -> str | None:
         told = session.log.last(PrimitiveEnded)
@@ -82,7 +82,7 @@ def _primitive(shell: Shell, args: Arguments) -> Answer:
 
 def _to(shell: Shell, args: Arguments) -> Answer:
     """Go on to a cycle or a time, never back."""
-    session = shell.session
+    session = shell.subject
     if args.takes("at"):
         time = args.time("a time")
         if time < session.now:
@@ -94,18 +94,18 @@ def _to(shell: Shell, args: Arguments) -> Answer:
     return _went(shell, lambda: session.goto(cycle, heed=True))
 
 
-def _moved(shell: Shell, move: Callable[[Session], Stop]) -> Answer:
+def _moved(shell: Shell, move: Callable[[Stepped], Stop]) -> Answer:
     """Go somewhere else in time, without telling what happens on the way."""
-    stop = move(shell.session)
+    stop = move(shell.subject)
     shell.forget_trace()
     failed = stop.kind == "broken"
     lines = [stop.said] if failed else []
-    return Answer((*lines, *shell.watched(), shell.session.stand()), failed=failed)
+    return Answer((*lines, *shell.watched(), shell.subject.stand()), failed=failed)
 
 
 def _back(shell: Shell, args: Arguments) -> Answer:
     cycles = args.count("how many cycles", 1)
-    cycles -= shell.session.over  # the end of the run is a step of its own
+    cycles -= shell.subject.over  # the end of the run is a step of its own
     return _moved(shell, lambda session: session.goto(session.cycle - cycles))
 
 
@@ -114,7 +114,7 @@ def _goto(shell: Shell, args: Arguments) -> Answer:
         time = args.time("a time")
         return _moved(shell, lambda session: session.goto_time(time))
     if args.takes("end"):
-        return _moved(shell, lambda session: session.goto(session.branch.end.cycle))
+        return _moved(shell, lambda session: session.goto(session.seen))
     cycle = args.count("a cycle")
     return _moved(shell, lambda session: session.goto(cycle))
 
@@ -157,7 +157,7 @@ def _show(shell: Shell, args: Arguments) -> Answer:
 
 def _trace(shell: Shell, args: Arguments) -> Answer:
     cycles = args.count("how many cycles", 5)
-    session = shell.session
+    session = shell.subject
     first = max(session.cycle - cycles + 1, 1)
     told = session.scan(first=first)
     return Answer(tuple(shell.trace(told)))

@@ -15,10 +15,10 @@ from rapc.world import Time
 def _history(shell: Shell, args: Arguments) -> Answer:
     said = args.word("an item or a fact")
     if said.startswith("("):
-        found = history.of_facts(shell.session, pattern(said))
+        found = history.of_facts(shell.subject, pattern(said))
     else:
         predicate = args.word("a predicate").lower() if args else ""
-        found = history.of_item(shell.session, said.lower(), predicate)
+        found = history.of_item(shell.subject, said.lower(), predicate)
     rows = [(one.time, one.cycle, one.what, one.said, one.by) for one in found]
     columns = ("time", "cycle", "", "what", "by")
     return table(columns, rows, none=f"nothing has become of {said}")
@@ -57,7 +57,7 @@ def _retries(shell: Shell, args: Arguments) -> Answer:
             ", ".join(f"{count} {result}" for result, count in one.results.items()),
             next(iter(one.causes)),
         )
-        for one in history.retries(shell.session)
+        for one in history.retries(shell.subject)
     ]
     columns = ("goal", "failed", "times", "from", "results", "most often because of")
     return table(columns, rows, none="no goal has failed twice")
@@ -73,7 +73,7 @@ def _deadlines(shell: Shell, args: Arguments) -> Answer:
             one.ended,
             one.by,
         )
-        for one in history.deadlines(shell.session)
+        for one in history.deadlines(shell.subject)
     ]
     columns = ("task", "goal", "deadline", "", "ended", "late or left")
     return table(columns, rows, none="no task has a deadline")
@@ -82,7 +82,7 @@ def _deadlines(shell: Shell, args: Arguments) -> Answer:
 def _timeline(shell: Shell, args: Arguments) -> Answer:
     start = args.time("a time") if args else 0
     stop = args.time("a time") if args else None
-    spells = history.timeline(shell.session, start, stop)
+    spells = history.timeline(shell.subject, start, stop)
     rows = [
         (
             one.start,

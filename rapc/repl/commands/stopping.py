@@ -114,11 +114,11 @@ def _find(shell: Shell, args: Arguments) -> Answer:
     kind = args.word("a kind of event")
     said = args.rest()
     finder = Finder.of(kind, said)
-    found = find(shell.session, finder, back=back)
+    found = find(shell.subject, finder, back=back)
     shell.forget_trace()
     if found is None:
-        return say(f"no {kind} is found", shell.session.stand())
-    return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.session.stand())
+        return say(f"no {kind} is found", shell.subject.stand())
+    return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.subject.stand())
 
 
 def _record(shell: Shell, args: Arguments) -> Answer:
@@ -130,7 +130,7 @@ def _record(shell: Shell, args: Arguments) -> Answer:
 
 
 def _diff_of_runs(shell: Shell, path: Path) -> Answer:
-    found = recorded.parting(shell.session, path, decisions=True)
+    found = recorded.parting(shell.subject, path, decisions=True)
     if found is None:
         return say("all decisions are the same, as far as both have gone")
     return say(
@@ -152,9 +152,9 @@ def _decision(event: dict[str, Any] | None) -> str:
 
 
 def _diff(shell: Shell, args: Arguments) -> Answer:
-    session = shell.session
     if args and not args.peek().isdecimal():
         return _diff_of_runs(shell, Path(args.word("a file")))
+    session = shell.session
     first = args.count("a cycle")
     second = args.count("a cycle", session.cycle)
     found = differences.between(session, first, second)

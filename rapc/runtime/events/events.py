@@ -111,6 +111,8 @@ class RunStarted(Event, frozen=True, kw_only=True):
 
     format: int
     library: str
+    #: What tells the texts of the library from others, wherever they lie.
+    digest: str
     world: str
     options: Mapping[str, str | int | float | bool]
     settings: Mapping[str, int | float]

@@ -1,0 +1,208 @@
+"""What is stepped: a run, or a recorded one that is only looked at, forth and back.
+
+How a cycle is gone forth, and how the way back is found, is for those who inherit.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+
+from rapc.base.values import format_atom
+from rapc.debug.log import EventLog, Told
+from rapc.errors import PortError
+from rapc.runtime.events.events import TaskSelected
+from rapc.world import Time
+
+
+class Stop(msgspec.Struct, frozen=True):
+    """Why a session has stopped."""
+
+    #: `asked` for what was asked for, `over`, `break`, `pause` or `broken`.
+    kind: str
+    #: What there is to say of it, in words.
+    said: str = ""
+
+
+class Stepped(ABC):
+    """Something that has cycles and events, and stands at the end of one of them.
+
+    Args:
+        log: has the events up to there.
+    """
+
+    def __init__(self, log: EventLog) -> None:
+        self.log = log
+        #: Why there is no way back; empty if there is one.
+        self.no_way_back = ""
+        #: Asked after each cycle: text to stop with, or nothing.
+        self.checks: dict[str, Callable[[], str | None]] = {}
+        self._paused = False
+
+    # --- where it stands ----------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def cycle(self) -> int:
+        """The number of the cycle that was run last."""
+
+    @property
+    @abstractmethod
+    def now(self) -> Time:
+        """The time of the clock."""
+
+    @property
+    @abstractmethod
+    def reason(self) -> str:
+        """Why the run is over, here; empty while it is not."""
+
+    @property
+    @abstractmethod
+    def serial(self) -> int:
+        """The serial number that the next event will get."""
+
+    @property
+    @abstractmethod
+    def seen(self) -> int:
+        """The furthest cycle that was seen."""
+
+    @property
+    def over(self) -> bool:
+        """Whether the run is over, here."""
+        return self.reason != ""
+
+    @property
+    def selected(self) -> int | None:
+        """The number of the task whose cycle was run last."""
+        told = self.log.last(TaskSelected)
+        return None if told is None else told.keys["task"]
+
+    def stand(self) -> str:
+        """Return where it stands, in a line."""
+        words = f"cycle {self.cycle}, time {format_atom(self.now)}"
+        return f"{words}, run over ({self.reason})" if self.over else words
+
+    @abstractmethod
+    def scan(
+        self,
+        *kinds: type[Any],
+        first: int = 0,
+        want: Callable[[Told], bool] | None = None,
+    ) -> list[Told]:
+        """Return events up to now, in order, from a cycle on.
+
+        Args:
+            kinds: the kinds of events; all if there are none.
+            first: the first cycle.
+            want: says which of them are wanted; all if it is not given.
+
+        Raises:
+            StateError: if some are gone and there is no way back.
+        """
+
+    # --- what inherits ------------------------------------------------------------
+
+    @abstractmethod
+    def _cycle(self) -> bool:
+        """Go one cycle forth; return False if the run is over instead."""
+
+    @abstractmethod
+    def _go_back(self, cycle: int) -> None:
+        """Stand at the end of an earlier cycle. Raises StateError if it cannot."""
+
+    # --- forwards -----------------------------------------------------------------
+
+    def step(self, cycles: int = 1) -> Stop:
+        """Run some cycles, or fewer if something stops the run."""
+        left = cycles
+        if left <= 0:
+            return Stop("asked")
+
+        def counted() -> str | None:
+            nonlocal left
+            left -= 1
+            return "" if left == 0 else None
+
+        return self.go(counted)
+
+    def go(
+        self, until: Callable[[], str | None] | None = None, *, heed: bool = True
+    ) -> Stop:
+        """Go on until something stops it.
+
+        Args:
+            until: asked after each cycle; returns what to stop with, None to go on.
+            heed: whether breakpoints stop it.
+        """
+        self._paused = False
+        while True:
+            if self.over:
+                return Stop("over", self.reason)
+            try:
+                went = self._cycle()
+            except PortError as error:
+                return Stop("broken", error.message)
+            if not went:
+                return Stop("over", self.reason)
+            for check in self.checks.values() if heed else ():
+                if (hit := check()) is not None:
+                    return Stop("break", hit)
+            if until is not None and (said := until()) is not None:
+                return Stop("asked", said)
+            if self._paused:
+                return Stop("pause")
+
+    def pause(self) -> None:
+        """Stop after the cycle under way; may be called by a signal handler."""
+        self._paused = True
+
+    # --- backwards ----------------------------------------------------------------
+
+    def goto(self, cycle: int, *, heed: bool = False) -> Stop:
+        """Go to the end of a cycle, back or forth; forth as far as the run goes.
+
+        Args:
+            cycle: the number of the cycle.
+            heed: whether breakpoints stop the run on the way forth.
+
+        Raises:
+            StateError: if the run cannot be taken back in time.
+        """
+        cycle = max(cycle, 0)
+        if cycle < self.cycle or (cycle == self.cycle and self.over):
+            self._go_back(cycle)
+            return Stop("asked")
+        if cycle == self.cycle:
+            return Stop("asked")
+        return self._as_far(lambda: "" if self.cycle >= cycle else None, heed)
+
+    def goto_time(self, time: Time, *, heed: bool = False) -> Stop:
+        """Go to the last moment at or before a time, back or forth.
+
+        Args:
+            time: the time.
+            heed: whether breakpoints stop the run on the way forth.
+
+        Raises:
+            StateError: if the run cannot be taken back in time.
+        """
+        if time < self.now:
+            later = self.scan(want=lambda told: told.time > time)
+            return self.goto(later[0].cycle - 1 if later else self.cycle)
+        stop = self._as_far(lambda: "" if self.now > time else None, heed)
+        if stop.kind == "asked" and not self.no_way_back:
+            return self.goto(self.cycle - 1)
+        return stop
+
+    def _as_far(self, until: Callable[[], str | None], heed: bool) -> Stop:
+        """Run as far as is asked; without `heed` nobody watches meanwhile."""
+        if heed:
+            return self.go(until)
+        watcher, self.log.watcher = self.log.watcher, None
+        try:
+            return self.go(until, heed=False)
+        finally:
+            self.log.watcher = watcher
