@@ -61,7 +61,7 @@ class Course(Stepped):
 
     @property
     def reason(self) -> str:
-        """Why the run is over, here; empty while it is not."""
+        """The reason why the run is over, here; empty while it is not."""
         return self.run.reason or ""
 
     @property

@@ -57,7 +57,7 @@ class Stepped(ABC):
     @property
     @abstractmethod
     def reason(self) -> str:
-        """Why the run is over, here; empty while it is not."""
+        """The reason why the run is over, here; empty while it is not."""
 
     @property
     @abstractmethod

@@ -62,7 +62,7 @@ class Tape(Stepped):
 
     @property
     def reason(self) -> str:
-        """Why the run was over, at its end."""
+        """The reason why the run was over, at its end; empty before."""
         if self._at < len(self._all):
             return ""
         last = self._all[-1] if self._all else None

@@ -110,7 +110,7 @@ class Shell:
 
     @property
     def session(self) -> Session:
-        """What is debugged.
+        """The session that is debugged.
 
         Raises:
             StateError: for a recorded run that is only looked at.
