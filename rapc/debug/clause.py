@@ -14,7 +14,6 @@ from rapc.base.resources import Value
 from rapc.base.values import Fact, format_atom, format_list
 from rapc.compiler.query.query import Query
 from rapc.ir import nodes
-from rapc.ir.printer import format_formula
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.memory import EXTERNAL
 from rapc.runtime.memory.store import NEVER
@@ -91,11 +90,11 @@ def ask(
     parts: list[Part] = []
     solutions: list[dict[str, Value]] = [{}]
     beginnings = query.beginnings()
-    for part, up_to_it in beginnings:
+    for part, up_to_it, text in beginnings:
         context.noted = ""
         found = list(islice(up_to_it.solutions(context, env), MOST))
         place = machine.library.compiler.row(part.span)
-        parts.append(Part(format_formula(part), place, len(found)))
+        parts.append(Part(text, place, len(found)))
         if not found:
             return _failing(
                 machine, clause, part, parts, len(beginnings), env, solutions

@@ -19,11 +19,22 @@ from rapc.ir import nodes
 T = TypeVar("T")
 
 
+Test = Callable[[object], bool]
+"""Tells whether a value is of one kind."""
+
+UNKNOWN = "unknown"
+"""The value that is of every kind."""
+
+
 def _is_name(value: object) -> bool:
     return isinstance(value, str)
 
 
-_KNOWN: Mapping[str, Callable[[object], bool]] = {
+def _anything(_: object) -> bool:
+    return True
+
+
+_KNOWN: Mapping[str, Test] = {
     "number": is_number,
     "text": lambda value: isinstance(value, Text),
     "item": _is_name,
@@ -43,6 +54,7 @@ class Kinds:
 
     def __init__(self, declared: Mapping[str, nodes.DeclareKind]) -> None:
         self._declared = declared
+        self._tests: dict[str, Test] = {}
         self._below: dict[str, list[str]] = {}
         for form in declared.values():
             if form.above is not None:
@@ -58,14 +70,26 @@ class Kinds:
 
     def holds(self, kind: str, value: object) -> bool:
         """Whether a value is of a kind; one that nobody declares has all values."""
-        if value == "unknown" or kind not in self:
-            return True
-        if kind in _KNOWN:
-            return _KNOWN[kind](value)
-        listed = self.values(kind)
+        return self.test(kind)(value)
+
+    def test(self, kind: str) -> Test:
+        """Return what tells whether a value is of a kind, as `holds` does.
+
+        It is made once: worlds tell of things, and handlers assert them, all the time.
+        """
+        found = self._tests.get(kind)
+        if found is None:
+            found = self._tests[kind] = self._test(kind)
+        return found
+
+    def _test(self, kind: str) -> Test:
+        if kind not in self:
+            return _anything
+        listed = None if kind in _KNOWN else self.values(kind)
         if listed is not None:
-            return value in listed
-        return self._root(kind)(value)
+            return (*listed, UNKNOWN).__contains__
+        root = self._root(kind)
+        return root if root is _is_name else lambda v: v == UNKNOWN or root(v)
 
     def values(self, kind: str) -> Sequence[Atom] | None:
         """Return the values of a closed kind; None for others.
@@ -108,7 +132,7 @@ class Kinds:
             return True
         return set(listed[0]).isdisjoint(listed[1])
 
-    def _root(self, kind: str) -> Callable[[object], bool]:
+    def _root(self, kind: str) -> Test:
         known = (name for name in (kind, *self.above(kind)) if name in _KNOWN)
         return _KNOWN[next(known, "symbol")]
 

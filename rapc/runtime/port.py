@@ -182,8 +182,9 @@ class Port:
         if known is None:
             return ""
         fault = known.miscount(len(content) - 1)
-        for arg, value in misfits(self._kinds, known.args or (), content[1:]):
-            fault = fault or said_of(arg, value)
+        if fault is None and known.args:
+            for arg, value in misfits(self._kinds, known.args, content[1:]):
+                return said_of(arg, value)
         return fault
 
     def _check_fact(self, use: Use, content: Fact, call: str) -> None:

@@ -73,7 +73,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from rapc.base.resources import Value
 from rapc.compiler.query import builtin, formulas
@@ -86,6 +86,7 @@ from rapc.compiler.query.code import (
 from rapc.compiler.query.context import Bindings, Context
 from rapc.compiler.query.plan_steps import PlanStep
 from rapc.ir import nodes
+from rapc.ir.printer import format_formula
 from rapc.library.signatures import Signatures
 
 
@@ -95,6 +96,16 @@ class QueryingContext(Context, Protocol):
     @property
     def bound(self) -> BoundQueries:
         """The queries already bound to this context."""
+
+
+class Beginning(NamedTuple):
+    """A conjunct of a query, with what it takes to tell that it fails."""
+
+    part: nodes.Formula
+    #: The query of all conjuncts up to it.
+    up_to_it: Query
+    #: The conjunct as RAP text.
+    text: str
 
 
 class Query:
@@ -122,7 +133,7 @@ class Query:
         self.where = where
         self.variables = formulas.variables(formula)
         self._signatures = signatures
-        self._beginnings: tuple[tuple[nodes.Formula, Query], ...] | None = None
+        self._beginnings: tuple[Beginning, ...] | None = None
         self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
     def bind(self, ctx: QueryingContext) -> BoundQuery:
@@ -157,12 +168,16 @@ class Query:
             found = {**env, **solution}
             yield [found.get(name, builtin.UNBOUND) for name in self.variables]
 
-    def beginnings(self) -> tuple[tuple[nodes.Formula, Query], ...]:
+    def beginnings(self) -> tuple[Beginning, ...]:
         """Return each conjunct with the query of all conjuncts up to it."""
         if self._beginnings is None:
             parts = tuple(formulas.conjuncts(self.formula))
             self._beginnings = tuple(
-                (part, self._later(nodes.And(parts[: at + 1])))
+                Beginning(
+                    part,
+                    self._later(nodes.And(parts[: at + 1])),
+                    format_formula(part),
+                )
                 for at, part in enumerate(parts)
             )
         return self._beginnings

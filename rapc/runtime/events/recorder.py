@@ -41,6 +41,8 @@ class Recorder:
         self._of_kind: dict[type[Event], tuple[Listener, ...]] = {}
         #: Whether there are any listeners but those to raw events.
         self._makes_events = False
+        #: Whether somebody is told of events of all kinds.
+        self._tells_all = False
 
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
         """Call `listener` with every event from now on, or those of `kinds`, in order.
@@ -50,6 +52,7 @@ class Recorder:
         serial number, cycle, time, and its other keys, which it must not change.
         """
         self.tells_causes |= not kinds or not _WITH_CAUSES.isdisjoint(kinds)
+        self._tells_all |= not kinds
         raw = None if kinds else getattr(listener, "raw", None)
         if raw is not None:
             self._raw = (*self._raw, raw)
@@ -70,12 +73,13 @@ class Recorder:
         self.buffer, self.jumps = other.buffer, other.jumps
         self._listeners, self._raw = other._listeners, other._raw
         self._of_kind, self._makes_events = dict(other._of_kind), other._makes_events
+        self._tells_all = other._tells_all
 
     def start_buffer(self) -> list[RawEvent]:
         """The buffer to which all is added that is told from now on."""
         if self.buffer is None:
             self.buffer = []
-        self.on = self.tells_causes = True
+        self.on = self.tells_causes = self._tells_all = True
         return self.buffer
 
     def jump(self, time: Time, cycle: int, serial: int) -> None:
@@ -84,8 +88,21 @@ class Recorder:
         if self.buffer is not None:
             self.jumps.append((len(self.buffer), serial))
 
+    def wants(self, event_class: type[Event]) -> bool:
+        """Whether anybody is told of events of a kind; if not, count one all the same.
+
+        To be asked where it takes time to say what there is to tell.
+        """
+        if self._tells_all or event_class in self._of_kind:
+            return True
+        self.serial += 1
+        return False
+
     def emit(self, event_class: type[Event], /, **keys: Any) -> None:
         """Hand an event of a kind to all listeners that want it."""
+        if not self._tells_all and event_class not in self._of_kind:
+            self.serial += 1
+            return
         buffer = self.buffer
         if buffer is not None:
             buffer.append((event_class, self.cycle, self.time, keys))

@@ -8,6 +8,8 @@ from typing import Any
 from rapc.base.values import Atom, Fact, format_list
 from rapc.errors import FactError
 from rapc.ir.nodes import Formula
+from rapc.library.kinds import Test
+from rapc.library.signatures import Signatures
 from rapc.runtime.events.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.checking import check_prefix
@@ -43,6 +45,18 @@ class Batch:
             self._access.end_batch()
 
 
+def _tests_of(signatures: Signatures) -> dict[Atom, tuple[tuple[int, Test], ...]]:
+    """Return which arguments of facts are held to a kind, by the facts' name."""
+    found: dict[Atom, tuple[tuple[int, Test], ...]] = {}
+    for name, relation in signatures.relations.items():
+        args = enumerate(relation.args or (), 1)
+        tests = [(at, arg.kind) for at, arg in args if arg.kind is not None]
+        if tests:
+            test = signatures.kinds.test
+            found[name] = tuple([(at, test(kind)) for at, kind in tests])
+    return found
+
+
 class Gate(MemoryView):
     """What handlers do to memory: the `HandlerMemory` of `rapc.world`.
 
@@ -58,12 +72,9 @@ class Gate(MemoryView):
         super().__init__(memory, recorder)
         self._recognizer = recognizer or Recognizer(memory, recorder)
         self._counted: dict[Atom, None] = {}
-        #: The names of facts whose arguments have declared kinds.
-        self._of_kinds = {
-            name
-            for name, relation in memory.signatures.relations.items()
-            if any(argument.kind is not None for argument in relation.args or ())
-        }
+        #: For the names of facts whose arguments have declared kinds, the places of
+        #: these arguments, each with what tells whether a value is of its kind.
+        self._of_kinds = _tests_of(memory.signatures)
         self._batch = Batch(self)
         #: What is to be looked at before the batch ends: `rapc.strict` does.
         self.closing: list[Callable[[], None]] = []
@@ -141,10 +152,10 @@ class Gate(MemoryView):
                 arguments, or their kinds.
         """
         fact = self._memory.checked(fact)
-        if fact[0] in self._of_kinds:
-            signatures = self._memory.signatures
-            wrong = signatures.wrong_kind("asserted", str(fact[0]), fact[1:])
-            if wrong is not None:
+        for at, holds in self._of_kinds.get(fact[0], ()):
+            if not holds(fact[at]):
+                signatures = self._memory.signatures
+                wrong = signatures.wrong_kind("asserted", str(fact[0]), fact[1:])
                 raise FactError(f"{format_list(fact)}: {wrong}")
         return fact
 

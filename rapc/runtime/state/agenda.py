@@ -11,6 +11,7 @@ import random
 from bisect import bisect_left, insort
 from collections.abc import Iterable
 
+from rapc.base.chance import below
 from rapc.runtime.state.task import Task
 
 _Key = tuple[float, float, bool]
@@ -144,7 +145,7 @@ class Agenda:
         self._drop_above(-int(key[0]))
         if self.stack:
             numbers = group.families.get(self.stack[-1][1], numbers)
-        at = self._rng.randrange(len(numbers)) if len(numbers) > 1 else 0
+        at = below(self._rng, len(numbers)) if len(numbers) > 1 else 0
         return self._take_out(numbers[at])
 
     def _drop_above(self, priority: int) -> None:

@@ -188,7 +188,8 @@ class Things:
     def release(self, task: Task) -> None:
         """Free all that the method of `task` holds."""
         holds = self.held.pop(task.number, ())
-        self._drop([hold.ask.thing for hold in holds], task.number)
+        if holds:
+            self._drop([hold.ask.thing for hold in holds], task.number)
 
     def hold_just(self, run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:
         """Let a method that goes on hold this, and nothing else any more.
@@ -236,10 +237,10 @@ class Things:
     def stop_waiting(self, task: Task) -> None:
         """A task waits for things no longer; it need not have done so."""
         wait = self.waits.pop(task.number, None)
-        self.changed.pop(task.number, None)
-        self.resumable.pop(task.number, None)
         if wait is None:
             return
+        self.changed.pop(task.number, None)
+        self.resumable.pop(task.number, None)
         for ask in (ask for asks in wait.alternatives for ask in asks):
             waiters = self._waiters.get(ask.thing, {})
             waiters.pop(task.number, None)

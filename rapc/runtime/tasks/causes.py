@@ -377,7 +377,7 @@ def _of_query(
     """Return which part of a query has no solution; None if all of it has one."""
     context = _context(machine, asker)
     bound: Mapping[str, object] = env
-    for part, up_to_it in query.beginnings():
+    for part, up_to_it, text in query.beginnings():
         context.noted = ""
         found = up_to_it.first(context, env)
         if found is None:
@@ -385,7 +385,7 @@ def _of_query(
             return Cause(
                 clause=clause,
                 place=_place(machine, part.span) or _place(machine, query.formula.span),
-                part=format_formula(part),
+                part=text,
                 note=context.noted,
                 bindings=_told(bound, names),
             )

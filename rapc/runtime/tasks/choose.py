@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
+from rapc.base.chance import below
 from rapc.base.code_places import place_of
 from rapc.base.resources import frozen
 from rapc.compiler.rap_plan import MethodPlan
@@ -79,7 +80,7 @@ def _choose_among(machine: Machine, task: Task, holding: list[Held]) -> Choice:
     if len(holding) > 1 and any(method.things for method, _ in holding):
         free = [held for held in holding if not must_wait(machine, task, *held)]
         holding = free or holding
-    at = machine.rng.randrange(len(holding)) if len(holding) > 1 else 0
+    at = below(machine.rng, len(holding)) if len(holding) > 1 else 0
     method, found = holding[at]
     return method, found, key_of(method, task.env, found), holding
 

@@ -95,7 +95,8 @@ def _tell_selected(machine: Machine, task: Task) -> None:
     recorder, last = machine.recorder, machine.agenda.last_family
     if last is not None and last != task.family:
         recorder.emit(FamilySwitched, task=task.number, from_=last, to=task.family)
-    recorder.emit(TaskSelected, task=task.number, goal=task.goal())
+    if recorder.wants(TaskSelected):
+        recorder.emit(TaskSelected, task=task.number, goal=task.goal())
 
 
 def _begin(machine: Machine, task: Task, wait: WaitState) -> None:

@@ -27,7 +27,9 @@ def rename(machine: Machine, lost: str, kept: str) -> None:
         if task.run is not None:
             environments.append(task.run.env)
         for env in environments:
-            sets.update((id(v), v) for v in env.values() if isinstance(v, SetResource))
+            for value in env.values():
+                if isinstance(value, SetResource):
+                    sets[id(value)] = value
         if _in_task(task, environments, lost, kept):
             machine.monitors.rebind(task)
     machine.things.rename(lost, kept)
@@ -83,10 +85,14 @@ def with_names(node: Any, name_of: Callable[[Atom], Atom]) -> Any:
 
 def _in_value(value: Any, lost: str, kept: str) -> Any:
     """A frozen value with another name in it; sets and tuples nest a few levels."""
-    if isinstance(value, str):
-        return kept if value == lost else value
-    if isinstance(value, tuple):
-        return tuple([_in_value(part, lost, kept) for part in value])
-    if isinstance(value, frozenset):
-        return frozenset(_in_value(part, lost, kept) for part in value)
-    return value
+    if isinstance(value, tuple | frozenset):
+        parts = [
+            _in_value(part, lost, kept)
+            if isinstance(part, tuple | frozenset)
+            else kept
+            if part == lost
+            else part
+            for part in value
+        ]
+        return tuple(parts) if isinstance(value, tuple) else frozenset(parts)
+    return kept if value == lost else value

@@ -49,7 +49,7 @@ def create(machine: Machine, task: Task) -> None:
     machine.state.numbers += 1
     task.number = machine.state.numbers
     task.family = task.family or task.number
-    if machine.recorder.on:
+    if machine.recorder.on and machine.recorder.wants(TaskCreated):
         machine.recorder.emit(
             TaskCreated,
             task=task.number,

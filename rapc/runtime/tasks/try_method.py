@@ -128,7 +128,7 @@ def start_method(machine: Machine, run: MethodRun, unfilled: bool = False) -> No
         task.begin_method(method)
     elif task.history is not None:
         task.history.before = method
-    if machine.recorder.on:
+    if machine.recorder.on and machine.recorder.wants(MethodChosen):
         machine.recorder.emit(
             MethodChosen,
             task=task.number,
