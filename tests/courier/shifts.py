@@ -19,23 +19,14 @@ from pathlib import Path
 import msgspec
 
 import rapc
-from rapc.runtime.events import events
 from rapc.world import Time
 from rapc.worlds.courier import CourierWorld
 from rapc.worlds.registry import build_world
+from tests.claims import Claims, claimants_of, users_of
 
 COURIER = Path(__file__).parents[2] / "examples" / "courier"
 
 CLAIM = "    (claims wheels)\n"
-
-CLAIMANTS = {
-    ("keep-charged", "charge"),
-    ("keep-charged", "try-later"),
-    ("answer-calls", "go"),
-    ("fetch", "from-a-store"),
-    ("bring", "#1"),
-}
-"""The methods that claim the wheels, each by its RAP and its name."""
 
 LONG = 20_000
 """A shift that has not ended by then never will."""
@@ -73,60 +64,13 @@ def library(claims: bool) -> rapc.CheckedLibrary:
     return rapc.loads("\n".join(kept).replace(CLAIM, ""), "without-claims")
 
 
-class Watch:
-    """Follows who is to have the wheels, and who drives."""
-
-    def __init__(self) -> None:
-        self.parents: dict[int, int | None] = {}
-        self.priorities: dict[int, int] = {}
-        self.working: set[int] = set()
-        self.suspended: set[int] = set()
-        self.times_suspended = self.moved = self.overruled = 0
-
-    def __call__(self, event: events.Event) -> None:
-        """Take an event of the run into account."""
-        match event:
-            case events.TaskCreated():
-                self.parents[event.task] = event.parent
-                self.priorities[event.task] = event.priority
-            case events.MethodChosen():
-                self.suspended.discard(event.task)
-                if (event.rap, event.method) in CLAIMANTS:
-                    self.working.add(event.task)
-            case events.MethodSuspended():
-                self.times_suspended += 1
-                self.suspended.add(event.task)
-                self.working.discard(event.task)
-            case events.MethodEnded():
-                self.working.discard(event.task)
-            case events.TaskRemoved() | events.TaskSucceeded() | events.TaskFailed():
-                self.working.discard(event.task)
-                self.suspended.discard(event.task)
-            case events.PrimitiveRequested() if event.request[0] == "drive":
-                self._drive(event.task)
-
-    def _drive(self, task: int) -> None:
-        above = set(self._up(task))
-        mine = self.priorities[task]
-        for other in self.working - above:
-            if self.priorities[other] >= mine:
-                self.moved += 1
-            else:
-                self.overruled += 1
-
-    def _up(self, task: int | None) -> Iterable[int]:
-        """A task and all above it."""
-        while task is not None:
-            yield task
-            task = self.parents[task]
-
-
 def work_a_shift(
     seed: int, claims: bool = True, options: Mapping[str, int] | None = None
 ) -> Shift:
     """Run the agenda `shift` under a seed, the handlers held to what is declared."""
     world = build_world(CourierWorld, seed, options or {})
-    watch = Watch()
+    declared = library(True).program.library
+    watch = Claims(claimants_of(declared, "wheels"), users_of(declared, "wheels"))
     blocked: list[set[int]] = []
     run = library(claims).start(
         world, agenda="shift", seed=seed, settings=STRICT, listeners=[watch]

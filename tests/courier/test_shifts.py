@@ -9,7 +9,8 @@ import pytest
 
 from rapc.testing.discover import find
 from rapc.testing.run import Case, Status, run_case
-from tests.courier.shifts import CLAIM, CLAIMANTS, COURIER, work_a_shift
+from tests.claims import claimants_of, users_of
+from tests.courier.shifts import CLAIM, COURIER, library, work_a_shift
 from tests.effort import first
 
 PAGE = (Path(__file__).parents[2] / "docs" / "courier.md").read_text(encoding="utf-8")
@@ -49,7 +50,10 @@ def test_a_shift_is_the_same_each_time() -> None:
 def test_every_claim_is_known_to_what_is_counted() -> None:
     files = [file for file in COURIER.glob("*.rap") if ".test." not in file.name]
     text = "".join(file.read_text(encoding="utf-8") for file in files)
-    assert text.count("(claims ") == text.count(CLAIM) == len(CLAIMANTS)
+    declared = library(True).program.library
+    claimants = claimants_of(declared, "wheels")
+    assert text.count("(claims ") == text.count(CLAIM) == len(claimants)
+    assert "drive" in users_of(declared, "wheels")
 
 
 def _name(case: Case) -> str:

@@ -13,6 +13,7 @@ import msgspec
 import rapc
 from rapc.base.values import Atom, Number, Text
 from rapc.runtime.events import events
+from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.hallway import HallwayWorld
 from rapc.worlds.hallway.map import Map
@@ -65,11 +66,14 @@ def begin(
     *tasks: str,
     agenda: str = "standing-by",
     options: Mapping[str, Atom | bool] | None = None,
+    listeners: Sequence[Listener] = (),
 ) -> tuple[Interpreter, HallwayWorld]:
     """Return a run that has not begun yet, and its world."""
     world = build_world(HallwayWorld, seed, options or {})
     assert isinstance(world, HallwayWorld)
-    run = library().start(world, agenda=agenda, tasks=tasks, seed=seed)
+    run = library().start(
+        world, agenda=agenda, tasks=tasks, seed=seed, listeners=listeners
+    )
     return run, world
 
 
