@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rapc.ir.nodes import DeclarePrimitive, DeclareSkill
 from rapc.library.library import Library
 from rapc.runtime.events import events
 
@@ -14,7 +15,7 @@ Method = tuple[str, str]
 def claimants_of(library: Library, thing: str) -> frozenset[Method]:
     """Return the methods that claim a thing."""
     return frozenset(
-        (rap.name, method.name or f"#{method.position}")
+        (rap.name, str(method.name or f"#{method.position}"))
         for rap in library.raps.values()
         for method in rap.methods
         if any(claim.name == thing for claim in method.claims)
@@ -23,7 +24,9 @@ def claimants_of(library: Library, thing: str) -> frozenset[Method]:
 
 def users_of(library: Library, thing: str) -> frozenset[str]:
     """Return the names of the primitives and skills that use a thing."""
-    declared = [*library.primitives.values(), *library.skills.values()]
+    declared: list[DeclarePrimitive | DeclareSkill] = []
+    declared += library.primitives.values()
+    declared += library.skills.values()
     return frozenset(
         one.name for one in declared if any(used.name == thing for used in one.uses)
     )

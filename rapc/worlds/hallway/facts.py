@@ -34,9 +34,7 @@ def facts(map: Map) -> Iterator[Fact]:
     for space in map.space:
         yield from _relations(space.name, [s for s in hung if s.space == space.name])
         if space.kind == "lift":
-            for sign in hung:
-                if sign.space == space.name:
-                    yield ("lift-door", space.name, sign.landmark, sign.floor)
+            yield from _lift_doors([sign for sign in hung if sign.space == space.name])
     for mark in map.landmark:
         if mark.charger:
             yield ("charger-at", mark.name, mark.space)
@@ -58,6 +56,13 @@ def relation(start: Sign, end: Sign) -> tuple[Number, Number]:
         number(round(math.remainder(direction, math.tau), 1)),
         number(round(math.hypot(bx - ax, by - ay), 1)),
     )
+
+
+def _lift_doors(hung: Sequence[Sign]) -> Iterator[Fact]:
+    for sign in hung:
+        side = math.remainder(sign.normal - hung[0].normal, math.tau)
+        turned = number(round(side, 1))
+        yield ("lift-door", sign.space, sign.landmark, sign.floor, turned)
 
 
 def _relations(space: str, hung: Sequence[Sign]) -> Iterator[Fact]:
