@@ -138,7 +138,8 @@ def _judged(report: CheckReport, edit: Edit, rows: range) -> Outcome:
     first = report.files[places[0].file].row(places[0].start)
     distance = min(abs(first - rows[0]), abs(first - rows[-1])) if here else 999
     about = f"`{edit.about}`"
-    named = any(row in rows for row in here) or about in found[0].message
+    said = found[0].message + found[0].help
+    named = any(row in rows for row in here) or about in said
     return Outcome(edit, rows[0], found, 0 if first in rows else distance, named)
 
 

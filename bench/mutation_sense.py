@@ -167,7 +167,7 @@ def _monitor_test_dropped(base: Base) -> Iterator[Edit]:
 
 def _monitor_dropped(base: Base) -> Iterator[Edit]:
     for _, formula in _monitors(base):
-        yield Edit(base.around(formula.span), "")
+        yield Edit(base.around(formula.span), "", "monitor-state")
 
 
 def _monitor_binds_age(base: Base) -> Iterator[Edit]:
@@ -182,7 +182,7 @@ def _monitor_binds_age(base: Base) -> Iterator[Edit]:
 def _never_dropped(base: Base) -> Iterator[Edit]:
     for rap in base.raps:
         if isinstance(rap.succeed, nodes.Truth) and not rap.succeed.value:
-            yield Edit(base.around(rap.succeed.span), "")
+            yield Edit(base.around(rap.succeed.span), "", "(succeed nil)")
 
 
 def _task_lowered(base: Base) -> Iterator[Edit]:
@@ -287,7 +287,8 @@ def _value_twice(base: Base) -> Iterator[Edit]:
                 text = base.text(part.span)
                 start = last.span.start - part.span.start
                 end = part.span.end
-                yield Edit(Span(part.span.file, end, end), f" {text[:start]}other)")
+                other = "false" if last.value == "true" else "elsewhere"
+                yield Edit(Span(part.span.file, end, end), f" {text[:start]}{other})")
 
 
 # --- effects and sensing --------------------------------------------------------------

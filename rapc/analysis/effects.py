@@ -233,10 +233,12 @@ _NAMING = nodes.For | nodes.UntilStart | nodes.UntilEnd
 
 
 def _is_broken(rap: nodes.DefineRap) -> bool:
-    """Whether a task-net of a RAP speaks of a step that it does not have."""
+    """Whether a task-net of a RAP lacks a step that it names, or has the RAP itself."""
     for method in rap.methods:
         tags = {step.tag for step in steps(method)}
         for step in steps(method):
+            if step.goal.name == rap.name and step.goal.args == rap.inputs:
+                return True
             for note in step.annotations:
                 if isinstance(note, _NAMING) and note.tag not in tags:
                     return True

@@ -18,14 +18,15 @@ def is_never(formula: nodes.Formula) -> bool:
 
 
 def endless(library: Library) -> Mapping[str, Span]:
-    """Return the RAPs that never succeed, each with the clause that says so.
+    """Return the RAPs that stand by for good, each with the clause that says so.
 
     A RAP without `succeed` is done when a method has ended well: never, if each of its
     methods has a step that is never done and that nothing ends.
     """
     found: dict[str, Span] = {}
     for rap in library.raps.values():
-        if rap.succeed is not None and is_never(rap.succeed):
+        waits = rap.monitor_state is not None or rap.monitor_time is not None
+        if waits and rap.succeed is not None and is_never(rap.succeed):
             found[rap.name] = rap.succeed.span
     grown = bool(found)
     while grown:

@@ -7,7 +7,8 @@ variables lack then is no finding of its own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 
 import msgspec
 
@@ -26,32 +27,42 @@ class Explained(msgspec.Struct, frozen=True):
 
     #: By the `id` of a form: the variables that something else was to bind.
     names: Mapping[int, set[str]]
-    #: The `id` of each form with a step that names no outputs, or the wrong ones.
-    without_outputs: set[int]
+    #: By the `id` of a form: how many variables it lacks, for outputs or arguments of
+    #: facts that are left out.
+    lacking: Mapping[int, int]
     #: The `id` of each `?` beside or in a fact that stands where a value is computed.
     anonymous: set[int]
 
-    def explains(self, form: int, one: Missing, *, bound: bool) -> bool:
-        """Whether what a variable lacks is due to another slip in its form.
+    def left(
+        self, form: int, missing: Iterable[Missing], binds: Callable[[Missing], bool]
+    ) -> list[Missing]:
+        """Return what is missing for no other reason.
 
         Args:
             form: the `id` of the form.
-            one: the variable, and where it stands.
-            bound: whether something else in the form binds it.
+            missing: the variables that lack a value in it.
+            binds: whether something else in the form binds one of them.
         """
-        if one.variable.name in self.names.get(form, ()):
-            return True
-        lacks = form in self.without_outputs and one.step is not None
-        return lacks and not bound
+        known = self.names.get(form, set())
+        rest = [one for one in missing if one.variable.name not in known]
+        free = dict.fromkeys(one.variable.name for one in rest if not binds(one))
+        due = set(list(free)[: self.lacking.get(form, 0)])
+        return [one for one in rest if one.variable.name not in due or binds(one)]
 
 
 def _run(run: Pass) -> Explained:
     names: dict[int, set[str]] = {}
-    without: set[int] = run.result(OUTPUTS).copy()
+    lacking: Counter[int] = Counter()
+    for told in run.result(OUTPUTS):
+        lacking[told] += 1
     anonymous: set[int] = set()
     for form, name in run.result(CONSTANTS):
         names.setdefault(form, set()).add(name)
     computed: set[int] = set()
+    for used in run.result(INDEX).uses():
+        short = used.use == "test" and run.signatures.relations.get(used.name)
+        if short and short.most is not None and used.count + 1 == short.most:
+            lacking[id(used.owner)] += 1
     for misuse in run.result(MISUSES).found:
         used = misuse.used
         if used.use == "computed" and misuse.fault.sort != "arguments":
@@ -62,7 +73,7 @@ def _run(run: Pass) -> Explained:
         elif used.use == "goal" and misuse.fault.sort == "arguments":
             rap = run.library.raps[used.name]
             if rap.outputs and not used.outputs:
-                without.add(id(used.owner))
+                lacking[id(used.owner)] += len(rap.outputs)
                 found = _variables(used)
                 names.setdefault(id(used.owner), set()).update(v.name for v in found)
     for test in run.result(INDEX).of(nodes.Compare) if computed else ():
@@ -73,7 +84,7 @@ def _run(run: Pass) -> Explained:
             if id(one) in computed and isinstance(other, nodes.Var):
                 names.setdefault(id(test.owner), set()).add(other.name)
                 anonymous.add(id(other))
-    return Explained(names, without, anonymous)
+    return Explained(names, lacking, anonymous)
 
 
 def _variables(used: NameUse) -> list[nodes.Var]:

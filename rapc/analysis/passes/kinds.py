@@ -101,6 +101,8 @@ def _run(run: Pass) -> Container[int]:
             erased = used.use == "erased"
             if signature.miscount(used.count, erased=erased):
                 continue
+            if not erased and signature.is_property and used.count != signature.most:
+                continue
             _constants(run, used, signature)
             own = declared.get(id(used.owner))
             if own and _variables(run, used, signature, own):

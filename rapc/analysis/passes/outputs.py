@@ -32,16 +32,16 @@ else. Mostly another variable was meant; to make sure of a value, compare it in
 )
 
 
-def _run(run: Pass) -> set[int]:
-    """Report, and return the ids of the RAPs in which it is so."""
-    told: set[int] = set()
+def _run(run: Pass) -> list[int]:
+    """Report, and return the id of the RAP of each finding."""
+    told: list[int] = []
     for rap in run.library.raps.values():
         inputs = {variable.name: variable for variable in rap.inputs}
         for method in rap.methods:
             for step in steps(method):
                 for found in _taken(step.goal, inputs):
                     run.report(found)
-                    told.add(id(rap))
+                    told.append(id(rap))
     return told
 
 

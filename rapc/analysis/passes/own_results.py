@@ -6,7 +6,9 @@ that is one of the results that the primitive declares, or a reason of the inter
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
+
+import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
@@ -47,7 +49,8 @@ _ASKS = 2
 
 
 def _run(run: Pass) -> None:
-    known = {r for form in run.library.primitives.values() for r in form.results}
+    known = {r for form in run.library.primitives.values() for r in results(form)}
+    wrong: dict[int, list[tuple[nodes.Const, Sequence[_Answers]]]] = {}
     for asked in run.result(INDEX).of(nodes.HistoryTest):
         rap, test = asked.owner, asked.node
         if not isinstance(rap, nodes.DefineRap) or test.query == "method-tried":
@@ -55,10 +58,17 @@ def _run(run: Pass) -> None:
         result = test.args[-1] if test.args else None
         if not isinstance(result, nodes.Const) or result.value not in known:
             continue
-        forms = list(_primitives(run, _meant(rap, test)))
-        own = {name for form in forms if form for name in form.results}
-        if forms and None not in forms and result.value not in {*own, *REASONS}:
-            run.report(_finding(result, [form for form in forms if form], own))
+        answers = _answers(run, _meant(rap, test))
+        own = {name for one in answers or () for name in results(one.form)}
+        if answers and result.value not in {*own, *REASONS}:
+            wrong.setdefault(id(rap), []).append((result, answers))
+    for found in wrong.values():
+        run.report(_finding(found))
+
+
+def results(form: nodes.DeclarePrimitive) -> set[str]:
+    """Return the results that the declaration of a primitive speaks of."""
+    return {*form.results, *(on.result for on in form.on)}
 
 
 ANALYZER = Analyzer(
@@ -71,7 +81,7 @@ ANALYZER = Analyzer(
 )
 
 
-def _meant(rap: nodes.DefineRap, test: nodes.HistoryTest) -> list[nodes.Method]:
+def _meant(rap: nodes.DefineRap, test: nodes.HistoryTest) -> Sequence[nodes.Method]:
     """The methods that a question is about."""
     if test.query == "last-result" or len(test.args) < _ASKS:
         return list(rap.methods)
@@ -81,26 +91,37 @@ def _meant(rap: nodes.DefineRap, test: nodes.HistoryTest) -> list[nodes.Method]:
     return [method for method in rap.methods if method.name == first.value]
 
 
-def _primitives(
-    run: Pass, methods: list[nodes.Method]
-) -> Iterator[nodes.DeclarePrimitive | None]:
-    """Yield the primitives of methods; None for one that has another body."""
+class _Answers(msgspec.Struct, frozen=True):
+    """A request of a method, and the declaration of its primitive."""
+
+    request: nodes.Request
+    form: nodes.DeclarePrimitive
+
+
+def _answers(run: Pass, methods: Sequence[nodes.Method]) -> Sequence[_Answers] | None:
+    """Return the requests of methods; None if one has another body, or is unknown."""
+    found = []
     for method in methods:
-        if isinstance(method.body, nodes.Primitive):
-            yield run.library.primitives.get(method.body.request.name)
-        else:
-            yield None
+        if not isinstance(method.body, nodes.Primitive):
+            return None
+        form = run.library.primitives.get(method.body.request.name)
+        if form is None:
+            return None
+        found.append(_Answers(method.body.request, form))
+    return found
 
 
-def _finding(
-    result: nodes.Const, forms: list[nodes.DeclarePrimitive], own: set[str]
-) -> Diagnostic:
-    names = ", ".join(dict.fromkeys(f"`{form.name}`" for form in forms))
-    others = ", ".join(f"`{name}`" for name in sorted(own))
+def _finding(wrong: Sequence[tuple[nodes.Const, Sequence[_Answers]]]) -> Diagnostic:
+    result, answers = wrong[0]
+    names = ", ".join(dict.fromkeys(f"`{one.form.name}`" for one in answers))
+    own = sorted({name for one in answers for name in results(one.form)})
+    others = ", ".join(f"`{name}`" for name in own)
+    further = [Label(other.span, "nor with this") for other, _ in wrong[1:]]
+    asked = Label(answers[0].request.span, "this is asked for")
     return Diagnostic(
         rule=OTHERS.name,
         message=f"{names} never ends with `{result.value}`",
         span=result.span,
-        labels=tuple([Label(form.span, "declared here") for form in forms[:1]]),
+        labels=(asked, *further),
         help=Suggestions(own).did_you_mean(str(result.value)) or f"it has {others}",
     )

@@ -219,14 +219,19 @@ def _two_kinds(first: Demand, other: Demand) -> Diagnostic:
     )
 
 
+_CHANGE = nodes.ResourceChange
+
+
 def _in_place_of(index: Index) -> set[tuple[int, str]]:
     """The resources that stand as an amount beside what is no resource."""
     found = set()
-    for use in index.of(nodes.ResourceChange):
-        rap, change = use.owner, use.node
+    pairs = [
+        *((u.owner, u.node.amount, u.node.resource) for u in index.of(_CHANGE)),
+        *((u.owner, u.node.args[-1], u.node.args[0]) for u in index.of(nodes.SetTest)),
+    ]
+    for rap, amount, term in pairs:
         if not isinstance(rap, nodes.DefineRap):
             continue
-        amount, term = change.amount, change.resource
         known = _resource(rap, term) is not None
         if isinstance(term, nodes.Var):
             known = known or _is_input(rap, term)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_sites import sites
+from rapc.analysis.endless import is_never
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import nearest
 from rapc.ir import nodes
@@ -40,6 +41,8 @@ _LOST = ("monitor-state", "preconditions", "constraints")
 def _run(run: Pass) -> None:
     for rap in run.library.forms:
         if not isinstance(rap, nodes.DefineRap) or not rap.outputs or not rap.methods:
+            continue
+        if rap.succeed is not None and is_never(rap.succeed):
             continue
         names = {
             site.name

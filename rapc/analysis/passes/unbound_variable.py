@@ -83,11 +83,7 @@ def _run(run: Pass) -> None:
         lacking: Iterable[Missing] = missing.get(id(form), ())
         if lacking:
             places = _Places(form, run.library.functions)
-            lacking = [
-                one
-                for one in lacking
-                if not explained.explains(id(form), one, bound=places.binds(one))
-            ]
+            lacking = explained.left(id(form), lacking, places.binds)
             for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
                 if net is None or not net.broken or not _by_steps(first, places):

@@ -86,6 +86,7 @@ ANALYZER = Analyzer(
 def _declared(library: Library) -> Iterator[str]:
     for primitive in library.primitives.values():
         yield from primitive.results
+        yield from (on.result for on in primitive.on)
     for name in library.events:
         yield name.removeprefix(":")
 
