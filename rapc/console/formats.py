@@ -174,7 +174,7 @@ def _sarif_result(
     if said.labels:
         result["relatedLocations"] = [
             {**_sarif_place(label.span, files), "message": {"text": label.message}}
-            for label in said.labels
+            for label in dict.fromkeys(said.labels)
         ]
     if said.fix is not None and said.fix.applicability is Applicability.SAFE:
         result["fixes"] = [_sarif_fix(said.fix, files)]
