@@ -2,7 +2,9 @@
 
 Fixes may overlap, and one may bring others to light: so a round carries out those that
 do not touch each other, the library is checked again, and so on. Nothing is written
-here. A round that would bring in errors that were not there before is not kept.
+here. A round that would bring in errors that were not there before is not kept; but
+where the text of a form was not in order, what else is wrong there was not told, and
+comes to light when the text is put right.
 """
 
 from __future__ import annotations
@@ -16,6 +18,9 @@ import msgspec
 from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.diagnostics import Applicability, Fix, Severity
 from rapc.base.source import Span
+from rapc.parser.rules.forms import FORM_RULES
+from rapc.parser.rules.slips import SLIP_RULES
+from rapc.parser.rules.text import TEXT_RULES
 
 _ROUNDS = 20
 """After so many rounds fixes that bring each other about are left as they are."""
@@ -54,7 +59,7 @@ def mend(
             break
         tried = texts | _applied(chosen, report)
         after = check(tried)
-        if _errors(after) > _errors(report):
+        if _is_worse(report, after):
             break
         texts, report, fixed = tried, after, fixed + len(chosen)
     return Mended(texts, report, fixed)
@@ -108,5 +113,21 @@ def _applied(fixes: Iterable[Fix], report: CheckReport) -> dict[str, str]:
     return texts
 
 
-def _errors(report: CheckReport) -> int:
-    return sum(f.severity is Severity.ERROR for f in report.findings)
+def _is_worse(before: CheckReport, after: CheckReport) -> bool:
+    """Whether there are more errors of a sort, and no fewer of a sort that hides it."""
+    return _errors(after) > _errors(before)
+
+
+def _errors(report: CheckReport) -> tuple[int, int, int]:
+    """Return how many errors texts have, how many more their forms, and all in all."""
+    errors = [f.rule.name for f in report.findings if f.severity is Severity.ERROR]
+    texts = sum(name in _OF_TEXTS for name in errors)
+    forms = sum(name in _OF_FORMS for name in errors)
+    return texts, texts + forms, len(errors)
+
+
+_OF_TEXTS = frozenset(rule.name for rule in TEXT_RULES)
+"""The rules about parentheses and the like."""
+
+_OF_FORMS = frozenset(rule.name for rule in (*FORM_RULES, *SLIP_RULES))
+"""The rules about what stands in parentheses."""

@@ -80,3 +80,19 @@ def test_fixes_that_bring_each_other_about_come_to_an_end() -> None:
 def test_files_that_may_not_be_changed_are_not() -> None:
     text, mended = _mended("; x", lambda text: _letters(text, "x"), allowed=False)
     assert (text, mended.fixed) == ("; x", 0)
+
+
+def _texts(texts: Mapping[str, str], text: str) -> CheckReport:
+    return check_library(load_text(texts.get("<text>", text)))
+
+
+def test_errors_that_a_parenthesis_hid_do_not_keep_it_from_being_put_right() -> None:
+    text = (
+        "(define-rap (go)\n  (succeed (lost a b)))\n  (method (task-net (t1 (gone)))))"
+    )
+    before = _texts({}, text)
+    assert [f.rule.name for f in before.findings] == ["surplus-parenthesis"]
+    mended = mend(lambda texts: _texts(texts, text), lambda name: True, unsafe=True)
+    assert mended.texts["<text>"] == text.replace("(lost a b)))", "(lost a b))")
+    found = [f.rule.name for f in mended.report.findings]
+    assert found == ["undeclared-predicate", "unknown-rap"]

@@ -5,9 +5,10 @@ Methods are read by `rapc.parser.special.method`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import Literal, cast
 
+from rapc.base.diagnostics import Fix
 from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.grammar import RULES
@@ -218,6 +219,7 @@ def _check_method_names(
     ctx: Context, methods: Sequence[nodes.Method], data: Sequence[List]
 ) -> None:
     first: dict[str | int, List] = {}
+    taken = {one.name for one in methods}
     for one, datum in zip(methods, data, strict=True):
         if one.name is None:
             continue
@@ -230,4 +232,18 @@ def _check_method_names(
                 datum.items[1],
                 labels=[(other.items[1], "the first is here")],
                 help="`method-tried` and `result-with-method` tell methods by name",
+                fix=_renumbered(ctx, one, datum.items[1], taken),
             )
+
+
+def _renumbered(
+    ctx: Context, method: nodes.Method, name: Datum, taken: Container[str | int | None]
+) -> Fix | None:
+    """Return the fix that gives a method whose name is a number the number it has.
+
+    Which of two methods is asked for elsewhere by that number nobody knows.
+    """
+    number = method.position
+    if not isinstance(method.name, int) or number in taken:
+        return None
+    return ctx.replace(name, str(number), sure=False)
