@@ -21,6 +21,7 @@ from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
 from rapc.runtime.tasks.causes import LONGEST, following
+from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 from tests.runtime.helpers import ANY, DECLARATIONS, Play, at, compiled, fact, row
 
@@ -212,6 +213,82 @@ WAYS = {
         "request of `top`",
         "(act ?free)",
         note="?free is not bound",
+    ),
+    "a claim that is not bound": Way(
+        """(define-rap (top ?x) (succeed (go))
+             (method
+               (claims (arm ?x) (arm ?free))  ; here
+               (primitive (act ?x))))""",
+        "claims of method `#1` of `top`",
+        "(arm ?free)",
+        note="?free is not bound",
+    ),
+    "a resource that is to be noted": Way(
+        """(define-rap (top ?x) (succeed (go))
+             (resources (counter ?c))
+             (method
+               (notations (q ?x ?c))  ; here
+               (primitive (act ?x))))""",
+        "notation of `top`",
+        "(q ?x ?c)",
+        {"?x": "a", "?c": "#counter(0)"},
+        note="?c is a resource",
+    ),
+    "a delay that is no time": Way(
+        """(define-rap (top ?x) (succeed (go))
+             (monitor-time now ?x 9)  ; here
+             (method (primitive (act ?x))))""",
+        "monitor-time of `top`",
+        "?x",
+        {"?x": "a"},
+        note="`a` is not a number",
+    ),
+    "a skill that is not bound": Way(
+        """(declare-skill :hum (?x))
+           (declare-event :done ())
+           (define-rap (top ?x) (succeed (go))
+             (method (primitive
+               (wait-for (:done) :succeed)
+               (enable (:hum ?x) (:hum ?free)))))  ; here""",
+        "skill of `top`",
+        "(:hum ?free)",
+        note="?free is not bound",
+    ),
+    "an event that fails a primitive": Way(
+        """(declare-skill :hum (?x))
+           (declare-event :stuck (?where))
+           (define-rap (top ?x) (succeed (go))
+             (method (primitive
+               (enable (:hum ?x))
+               (wait-for (:stuck ?where) :fail))))  ; here""",
+        "wait-for of `top`",
+        "(:stuck ?where)",
+        {"?where": "b"},
+        note="its event came",
+        rows=(Row((":hum", "?"), kind="enable", after=2, signals=((":stuck", "b"),)),),
+    ),
+    "a request that the world refuses": Way(
+        """(define-rap (top ?x) (succeed (go))
+             (method
+               (primitive (slow ?x))))  ; here""",
+        "primitive of `top`",
+        "(slow ?x)",
+        {"?x": "a"},
+        note="the world refused it, and nothing could be waited for",
+        rows=(Row(("slow", "?"), refused=True),),
+    ),
+    "skills that the world refuses": Way(
+        """(declare-skill :hum (?x))
+           (declare-event :done ())
+           (define-rap (top ?x) (succeed (go))
+             (method (primitive
+               (wait-for (:done) :succeed)
+               (enable (:hum ?x)))))  ; here""",
+        "skill of `top`",
+        "(:hum ?x)",
+        {"?x": "a"},
+        note="the world refused it, and nothing could be waited for",
+        rows=(Row((":hum", "?"), kind="enable", refused=True),),
     ),
     "what the world answers": Way(
         """(define-rap (top ?x) (succeed (go))

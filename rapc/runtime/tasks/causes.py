@@ -6,7 +6,8 @@ is found by asking anew, at once and before anything changes, through a context 
 tells nobody: so the run is the same with and without it. Nothing is done unless events
 tell of causes (`Recorder.tells_causes`).
 
-Not here: the words in which a cause is printed (`rapc.runtime.events.report`).
+Not here: why a method has ended badly by itself (`rapc.runtime.tasks.method_causes`),
+and the words in which a cause is printed (`rapc.runtime.events.report`).
 """
 
 from __future__ import annotations
@@ -18,12 +19,10 @@ import msgspec
 from rapc.base.resources import Counter, SetResource
 from rapc.base.source import Span
 from rapc.base.values import format_atom
-from rapc.compiler.compiler import RequestPlan
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.errors import FactError
 from rapc.ir import nodes
-from rapc.ir.printer import format_formula, format_goal, format_term
+from rapc.ir.printer import format_goal, format_term
 from rapc.ir.walk import subterms
 from rapc.runtime.events.events import Cause
 from rapc.runtime.machine import Machine
@@ -46,10 +45,10 @@ def of_inputs(machine: Machine, task: Task) -> Cause | None:
     unbound = [format_term(term) for term, value in values if value is None]
     return Cause(
         clause=f"inputs of step `{step.node.tag}` of `{run.task.plan.name}`",
-        place=_place(machine, step.node.span),
+        place=place_of(machine, step.node.span),
         part=format_goal(step.node.goal),
         note=f"{', '.join(unbound)} not bound",
-        bindings=_told(run.env, _names(step.node.goal.args)),
+        bindings=told_of(run.env, names_in(step.node.goal.args)),
     )
 
 
@@ -57,22 +56,22 @@ def of_set_up(machine: Machine, task: Task) -> Cause | None:
     """Return why no resources or times could be made for a task."""
     if not machine.recorder.tells_causes:
         return None
-    context = _context(machine, task)
+    context = context_of(machine, task)
     for resource, initial in task.plan.resources:
         made = task.env.get(resource.variable.name)
         if initial is not None and not isinstance(made, Counter | SetResource):
             initial.needed(context, task.env)
             return Cause(
                 clause=f"resources of `{task.plan.name}`",
-                place=_place(machine, resource.span),
+                place=place_of(machine, resource.span),
                 part=format_term(initial.term),
                 note=context.noted or f"is no {resource.kind}",
-                bindings=_told(task.env, _names([initial.term])),
+                bindings=told_of(task.env, names_in([initial.term])),
             )
     return _of_times(machine, task, context)
 
 
-def _of_times(machine: Machine, task: Task, context: NotingContext) -> Cause:
+def _of_times(machine: Machine, task: Task, context: NotingContext) -> Cause | None:
     """Return which time of a task's windows or monitor is none."""
     context.task = task.parent
     env = {} if task.within is None else task.within.env
@@ -82,16 +81,23 @@ def _of_times(machine: Machine, task: Task, context: NotingContext) -> Cause:
             if step is not None and time_of(context, time, env) is None:
                 return Cause(
                     clause=f"window of step `{step.node.tag}`",
-                    place=_place(machine, step.node.span),
+                    place=place_of(machine, step.node.span),
                     part=format_term(time.term),
                     note=context.noted,
-                    bindings=_told(env, _names([time.term])),
+                    bindings=told_of(env, names_in([time.term])),
                 )
-    return Cause(
-        clause=f"times of `{task.plan.name}`",
-        place=_place(machine, task.plan.node.name_span),
-        note="what is to be a time is none",
-    )
+    context.task = task
+    delay, node = task.plan.monitor_time, task.plan.node.monitor_time
+    for time in () if delay is None else (delay.start, delay.stop):
+        if node is not None and time_of(context, time, task.env) is None:
+            return Cause(
+                clause=f"monitor-time of `{task.plan.name}`",
+                place=place_of(machine, node.span),
+                part=format_term(time.term),
+                note=context.noted,
+                bindings=told_of(task.env, names_in([time.term])),
+            )
+    return None
 
 
 def of_conditions(machine: Machine, task: Task) -> Cause | None:
@@ -166,7 +172,7 @@ def of_no_method(machine: Machine, task: Task) -> Cause | None:
     asked = plan.name in machine.solvers
     cause = Cause(
         clause=f"methods of `{plan.name}`",
-        place=_place(machine, plan.node.name_span),
+        place=place_of(machine, plan.node.name_span),
         note="none, from the solver neither" if asked else "" if ruled_out else "none",
         methods=tuple(ruled_out),
     )
@@ -182,9 +188,9 @@ def of_futile_choice(
     env = {**task.env, **found}
     cause = Cause(
         clause=f"method `{method.name}` of `{task.plan.name}`",
-        place=_place(machine, method.node.span),
+        place=place_of(machine, method.node.span),
         note=f"chosen {machine.settings.futile_limit} times with the same bindings",
-        bindings=_told(env, env),
+        bindings=told_of(env, env),
     )
     return following(cause, _last(task))
 
@@ -200,93 +206,13 @@ def of_recursion(machine: Machine, step: Task) -> Cause | None:
     who = "a task above it" if above is None else f"{above.goal()} [{above.number}]"
     return Cause(
         clause=f"step `{node.tag}`",
-        place=_place(machine, node.span),
+        place=place_of(machine, node.span),
         part=format_goal(node.goal),
         note=f"repeats {who}",
-        bindings=_told(step.within.env if step.within else {}, _names(node.goal.args)),
+        bindings=told_of(
+            step.within.env if step.within else {}, names_in(node.goal.args)
+        ),
     )
-
-
-def of_bad_start(machine: Machine, run: MethodRun) -> Cause | None:
-    """Return which notation of a method cannot be asserted, or which claim made."""
-    if not machine.recorder.tells_causes:
-        return None
-    for plan in run.plan.notations:
-        found = _of_filling(machine, run, plan, "notation")
-        if found is not None:
-            return found
-    for thing in run.plan.node.claims:
-        names = _names(thing.args)
-        if any(name not in run.env for name in names):
-            return Cause(
-                clause=f"claims of method `{run.plan.name}` of `{run.task.plan.name}`",
-                place=_place(machine, thing.span),
-                part=format_formula(thing),
-                note="it cannot be filled in",
-                bindings=_told(run.env, names),
-            )
-    return None
-
-
-def of_result(machine: Machine, run: MethodRun, result: str) -> Cause | None:
-    """Return why a method with a primitive has ended badly."""
-    plan = run.plan.request
-    if not machine.recorder.tells_causes or plan is None:
-        return None
-    if run.ticket is None:
-        found = _of_filling(machine, run, plan, "request")
-        if found is not None:
-            return found
-    return Cause(
-        clause=f"primitive of `{run.task.plan.name}`",
-        place=_place(machine, plan.node.span),
-        part=format_formula(plan.node),
-        note=f"the world answered `{result}`",
-        bindings=_told(run.env, _names(plan.node.args)),
-    )
-
-
-def _of_filling(
-    machine: Machine, run: MethodRun, plan: RequestPlan, what: str
-) -> Cause | None:
-    """Return what keeps a request or notation from being filled in, if anything."""
-    context, note = _context(machine, run.task), ""
-    for arg in plan.args:
-        value = arg.needed(context, run.env)
-        if value is None:
-            note = context.noted
-        elif isinstance(value, Counter | SetResource):
-            note = f"{format_term(arg.term)} is a resource"
-        elif what == "request" and _out_of_reach(machine, value):
-            note = f"`{format_atom(value)}` has no sensor name now"
-        if note:
-            break
-    if not note:
-        note = "" if what == "request" else _refusal(machine, run, plan)
-    if not note:
-        return None
-    return Cause(
-        clause=f"{what} of `{run.task.plan.name}`",
-        place=_place(machine, plan.node.span),
-        part=format_formula(plan.node),
-        note=note,
-        bindings=_told(run.env, _names(plan.node.args)),
-    )
-
-
-def _refusal(machine: Machine, run: MethodRun, plan: RequestPlan) -> str:
-    """Return why memory refuses a notation that is filled in, if it does."""
-    context = _context(machine, run.task)
-    filled = [arg.needed(context, run.env) for arg in plan.args]
-    try:
-        machine.memory.checked((plan.name, *filled))  # type: ignore[arg-type]  # atoms
-    except FactError as error:
-        return str(error)
-    return ""
-
-
-def _out_of_reach(machine: Machine, value: object) -> bool:
-    return isinstance(value, str) and machine.memory.items.sensor_of(value) is None
 
 
 # --- ends of steps ----------------------------------------------------------------
@@ -304,20 +230,22 @@ def of_step_end(machine: Machine, task: Task, outputs: Mapping[str, object]) -> 
             continue
         if receiver.variable is not None and receiver.variable not in bound:
             bound[receiver.variable] = value  # type: ignore[assignment]  # a value
-        elif receiver.term.needed(_context(machine, run.task), bound) != value:
+        elif receiver.term.needed(context_of(machine, run.task), bound) != value:
             return Cause(
                 clause=f"outputs of step `{step.node.tag}` of `{run.task.plan.name}`",
-                place=_place(machine, step.node.span),
+                place=place_of(machine, step.node.span),
                 part=format_term(receiver.term.term),
                 note=f"is not `{format_atom(value)}`",
-                bindings=_told(bound, _names([receiver.term.term])),
+                bindings=told_of(bound, names_in([receiver.term.term])),
             )
-    names = [n for e in step.effects for n in _names([e.node.resource, e.node.amount])]
+    names = [
+        n for e in step.effects for n in names_in([e.node.resource, e.node.amount])
+    ]
     return Cause(
         clause=f"effects of step `{step.node.tag}` of `{run.task.plan.name}`",
-        place=_place(machine, step.node.span),
+        place=place_of(machine, step.node.span),
         note="one of them cannot be made",
-        bindings=_told(bound, names),
+        bindings=told_of(bound, names),
     )
 
 
@@ -328,7 +256,7 @@ def of_signal(machine: Machine, task: Task) -> Cause | None:
     node = task.step.node
     return Cause(
         clause=f"wait-for of step `{node.tag}`",
-        place=_place(machine, node.span),
+        place=place_of(machine, node.span),
         note="its signal came",
     )
 
@@ -342,7 +270,7 @@ def of_child(
         return None
     link = Cause(
         clause=f"step `{step.node.tag}` of `{task.parent.plan.name}`",
-        place=_place(machine, step.node.span),
+        place=place_of(machine, step.node.span),
         part=str(task.goal()),
         note=f"failed: {result}",
         task=task.number,
@@ -375,7 +303,7 @@ def _of_query(
     machine: Machine, clause: str, query: Query, asker: Task, env: Env
 ) -> Cause | None:
     """Return which part of a query has no solution; None if all of it has one."""
-    context = _context(machine, asker)
+    context = context_of(machine, asker)
     bound: Mapping[str, object] = env
     for part, up_to_it, text in query.beginnings():
         context.noted = ""
@@ -384,31 +312,34 @@ def _of_query(
             names = [n for n in Query.names(part) if n in bound]
             return Cause(
                 clause=clause,
-                place=_place(machine, part.span) or _place(machine, query.formula.span),
+                place=place_of(machine, part.span)
+                or place_of(machine, query.formula.span),
                 part=text,
                 note=context.noted,
-                bindings=_told(bound, names),
+                bindings=told_of(bound, names),
             )
         bound = {**env, **found}
     return None
 
 
-def _context(machine: Machine, asker: Task | None) -> NotingContext:
+def context_of(machine: Machine, asker: Task | None) -> NotingContext:
     """Return what asks as a task would, and tells nobody."""
     context = machine.noting
     context.task, context.noted = asker, ""
     return context
 
 
-def _place(machine: Machine, span: Span) -> str:
+def place_of(machine: Machine, span: Span) -> str:
+    """Return the file and line of `span`, or nothing for one that has none."""
     return machine.library.compiler.row(span)
 
 
-def _names(terms: Iterable[nodes.Term]) -> list[str]:
+def names_in(terms: Iterable[nodes.Term]) -> list[str]:
+    """Return the names of the variables in `terms`."""
     parts = (part for term in terms for part in subterms(term))
     return [part.name for part in parts if isinstance(part, nodes.Var)]
 
 
-def _told(env: Mapping[str, object], names: Iterable[str]) -> Mapping[str, str]:
+def told_of(env: Mapping[str, object], names: Iterable[str]) -> Mapping[str, str]:
     """Return the values that variables have, as text."""
     return {name: format_atom(env[name]) for name in names if name in env}

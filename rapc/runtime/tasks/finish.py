@@ -29,7 +29,7 @@ from rapc.runtime.state.states import (
     WAITING,
 )
 from rapc.runtime.state.task import Env, MethodRun, Task, as_told
-from rapc.runtime.tasks import causes
+from rapc.runtime.tasks import causes, method_causes
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
 from rapc.runtime.tasks.rules import run_finish_rules
 from rapc.runtime.tasks.start import (
@@ -323,7 +323,7 @@ def end_method(
     """
     task, recorder = run.task, machine.recorder
     if result != OKAY and because is None:
-        because = causes.of_result(machine, run, result)
+        because = method_causes.of_result(machine, run, result)
     task.run = None
     if run.steps_left:
         for step in run.steps:

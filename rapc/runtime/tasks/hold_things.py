@@ -25,6 +25,7 @@ from rapc.runtime.state.states import BLOCKED, INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import Ask, Hold, Thing, ThingWait, format_thing, words
 from rapc.runtime.tasks.finish import end_method, stop
+from rapc.runtime.tasks.method_causes import of_refusal
 from rapc.world import Refused
 
 HOLDS: Final = "holds"
@@ -257,7 +258,8 @@ def _resume(machine: Machine, run: MethodRun, wait: ThingWait) -> None:
             return
         shared = _share(machine, run, done)
         if shared is None:
-            end_method(machine, run, INTERFERENCE)
+            because = of_refusal(machine, run)
+            end_method(machine, run, INTERFERENCE, because)
             return
         asks = (*asks, shared)
         later = ThingWait(task, (asks,), wait.on, wait.holder)

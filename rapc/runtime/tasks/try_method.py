@@ -13,11 +13,11 @@ from rapc.compiler.rap_plan import MethodPlan
 from rapc.errors import FactError
 from rapc.runtime.acts.activations import activate
 from rapc.runtime.acts.primitives import ground, request
-from rapc.runtime.events.events import MethodChosen
+from rapc.runtime.events.events import Cause, MethodChosen
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told
-from rapc.runtime.tasks import causes
+from rapc.runtime.tasks import causes, method_causes
 from rapc.runtime.tasks.choose import Held, choose, choose_sole
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
@@ -145,10 +145,20 @@ def start_method(machine: Machine, run: MethodRun, unfilled: bool = False) -> No
         _release_steps(machine, run)
         return
     result = request(machine, run, method.request)
+    because = None
     if result != OKAY and isinstance(result, Refused):
         result = settle_refusal(machine, run, result)
+        because = _of_refusal(machine, run, result)
     if result is not None:
-        end_method(machine, run, result)
+        end_method(machine, run, result, because)
+
+
+def _of_refusal(
+    machine: Machine, run: MethodRun, result: str | Refused | None
+) -> Cause | None:
+    """Return why a method ends that was refused; None if it goes on, or waits."""
+    failed = run.task.run is run and result == INTERFERENCE
+    return method_causes.of_refusal(machine, run) if failed else None
 
 
 def _begins_well(machine: Machine, run: MethodRun, unfilled: bool) -> bool:
@@ -162,7 +172,7 @@ def _begins_well(machine: Machine, run: MethodRun, unfilled: bool) -> bool:
         ground(machine, run, method.request)  # traces what it lacks
     else:
         run.steps = ()
-        because = causes.of_bad_start(machine, run)
+        because = method_causes.of_bad_start(machine, run)
     end_method(machine, run, INTERFERENCE, because)
     return False
 
@@ -172,13 +182,15 @@ def _switch_on(
 ) -> None:
     """Switch the skills of a method on; what awaits nothing goes on or ends."""
     result = activate(machine, run, plan, unfilled)
+    because = None
     if result is not None and not isinstance(result, str):
         result = settle_refusal(machine, run, result)
+        because = _of_refusal(machine, run, result)
     if run.task.run is not run:
         return
     if result is not None:
         run.steps = ()
-        end_method(machine, run, result)
+        end_method(machine, run, result, because)
     elif plan.background:
         _release_steps(machine, run)
     elif not plan.waits:
