@@ -100,3 +100,20 @@ def test_the_experiment_sets_both_ways_to_the_same_worlds() -> None:
         assert parts[mine].values == parts[theirs].values
         assert parts[mine].set == parts[theirs].set
     assert Path(made.library).name == LIBRARY.name
+
+
+@pytest.mark.parametrize(
+    ("goal", "where", "many"),
+    [
+        (("deliver-all", "fuel-drum", "depot", "warehouse"), "warehouse", 6),
+        (("move-object", "fuel-drum", "zone-1"), "zone-1", 1),
+    ],
+    ids=lambda value: str(value[0]) if isinstance(value, tuple) else "",
+)
+def test_drums_are_brought(goal: tuple[str, ...], where: str, many: int) -> None:
+    look = task("eye-scan-p", "external", priority=3)
+    made = run(look, task(*goal), seed=0, options={"depot-interval": 0})
+    assert (made.reason, set(made.outcomes)) == ("done", {"succeeded"})
+    items = made.world.state.items.values()
+    lying = [item for item in items if (item.kind, item.place) == ("fuel-drum", where)]
+    assert len(lying) == many
