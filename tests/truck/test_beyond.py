@@ -20,6 +20,7 @@ LIBRARY = STDLIB / "truck-beyond"
 WORLDS: Mapping[str, Mapping[str, Atom | bool]] = {
     "every-8": {"shuffle-interval": 8, "shuffle-efficiency": 40},
     "still": {},
+    "barred": {"road-troops": True, "enemy-interval": 100},
     "all-moved": {"shuffle-interval": 15, "shuffle-efficiency": 100},
 }
 HOSPITAL = Text((EXAMPLES / "truck-maps" / "hospital.json").read_text("utf-8"))

@@ -210,3 +210,33 @@ def test_enemies_do_not_keep_a_quarry_from_working() -> None:
     driver.world.advance(100)
     kinds = [i.kind for i in driver.world.state.items.values() if i.place == "quarry-1"]
     assert kinds.count("rock") >= 5
+
+
+def test_enemies_bar_roads_where_they_may_come_to_them() -> None:
+    driver = Driver(enemy_interval=20, road_troops=True)
+    seen = set()
+    for time in range(0, 2000, 10):
+        driver.world.advance(time)
+        seen.update(enemies(driver))
+    roads = {road["name"] for road in json.loads(map_text())["roads"]}
+    assert seen == {"zone-1", *roads}
+
+
+def test_a_truck_stops_half_way_where_they_are_and_can_leave() -> None:
+    driver = Driver([thing("enemy-unit", "road-1")], enemy_interval=0)
+    assert driver.drive("north") == "okay"
+    assert driver.world.state.truck.place == "road-1"
+    [met] = driver.world.encounters
+    assert (met.place, met.how) == ("road-1", None)
+    assert driver.drive("north") == "okay"
+    assert driver.world.state.truck.place == "zone-1"
+    assert [met.how for met in driver.world.encounters] == ["left"]
+
+
+def test_none_come_to_the_road_that_the_truck_is_on() -> None:
+    driver = Driver(map=with_sectors(), enemy_interval=1, road_troops=True)
+    for _ in range(40):
+        driver.drive("north")
+        driver.drive("south")
+        log = driver.world.encounters
+        assert all(met.until is not None for met in log[:-1])

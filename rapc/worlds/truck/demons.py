@@ -36,7 +36,7 @@ def summon(scene: Scene) -> None:
         turn = Demon("weather", sector.name, 0)
         turn.time = change(scene, turn)
         demons.append(turn)
-    haunts = enemies.haunts(scene.map, settings.enemy_sectors)
+    haunts = enemies.haunts(scene.map, settings.enemy_sectors, settings.road_troops)
     if settings.enemy_interval > 0 and settings.enemy_units > 0 and haunts:
         demons.append(Demon("enemies", "", enemies.pause(scene)))
     enemies.meet(scene)

@@ -1,8 +1,9 @@
 """Enemy troops: where they appear, how they go, what they do to the truck (T 6.1.1).
 
-Units come in bands. A band stays a while and moves on; at the truck's place it stays
-until its units are shot or the truck leaves. The longer some are with the truck, the
-likelier they capture it, which ends the run. All chance here comes from the streams
+Units come in bands, to places and, with `road-troops`, to roads, which they bar: the
+truck then stops half-way. A band stays a while and moves on; where the truck stands it
+stays until its units are shot or the truck leaves. The longer some are with the truck,
+the likelier they capture it, which ends the run. All chance here comes from the streams
 `enemies` and `weapon`.
 """
 
@@ -21,14 +22,21 @@ SAFE = frozenset({"warehouse", "depot"})
 """Kinds of places where no enemies come."""
 
 
-def haunts(ground: Map, sectors: str) -> tuple[str, ...]:
-    """The places where enemies may come: those of some sectors, or all zones.
+def haunts(ground: Map, sectors: str, on_roads: bool) -> tuple[str, ...]:
+    """Return where enemies may come: in some sectors, or to all zones.
+
+    Args:
+        ground: the map.
+        sectors: names of sectors, with commas; none: zones, and all roads.
+        on_roads: whether they come to roads as well as to places.
 
     Raises:
         ValueError: for a sector that the map has not.
     """
+    roads = tuple(road.name for road in ground.roads) if on_roads else ()
     if not sectors:
-        return tuple(place.name for place in ground.places if place.kind == "zone")
+        zones = (place.name for place in ground.places if place.kind == "zone")
+        return (*zones, *roads)
     known = {sector.name: sector.spots for sector in ground.sectors}
     wanted: set[str] = set()
     for name in (part.strip() for part in sectors.split(",")):
@@ -40,7 +48,8 @@ def haunts(ground: Map, sectors: str) -> tuple[str, ...]:
             )
         wanted.update(known[name])
     places = (place for place in ground.places if place.name in wanted)
-    return tuple(place.name for place in places if place.kind not in SAFE)
+    open_places = (place.name for place in places if place.kind not in SAFE)
+    return (*open_places, *(road for road in roads if road in wanted))
 
 
 def pause(scene: Scene) -> Number:
@@ -49,11 +58,16 @@ def pause(scene: Scene) -> Number:
 
 
 def appear(scene: Scene, demon: Demon) -> Number:
-    """A band comes to a place that may see enemies, if there are none yet."""
+    """A band comes to where enemies may be, if there are none yet.
+
+    None comes to the road that the truck is on: it has passed them, or they it.
+    """
     rng, settings = scene.chance["enemies"], scene.settings
-    place = rng.choice(haunts(scene.map, settings.enemy_sectors))
+    options = settings.enemy_sectors, settings.road_troops
+    place = rng.choice(haunts(scene.map, *options))
     units = rng.randint(1, settings.enemy_units)
-    if not _units(scene, place):
+    on_road = scene.map.place(place) is None and place == scene.state.truck.place
+    if not _units(scene, place) and not on_road:
         for _ in range(units):
             scene.make(ENEMY, place)
         due = number(round(scene.state.now + settings.enemy_stay, 2))

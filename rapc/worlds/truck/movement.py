@@ -8,6 +8,7 @@ from rapc.base.values import Atom, Number, number
 from rapc.world import OKAY, Reply
 from rapc.worlds.truck.demons import pass_time
 from rapc.worlds.truck.enemies import meet, part
+from rapc.worlds.truck.kinds import ENEMY
 from rapc.worlds.truck.map import DIRECTIONS, Leg
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import EXTERNAL
@@ -40,7 +41,7 @@ def truck_speed(scene: Scene, speed: Atom) -> Reply:
 
 
 def truck_move(scene: Scene) -> Reply:
-    """Travel down the road ahead to its end, or to where the eye has it stop.
+    """Travel down the road ahead to its end, or to where eye or enemies have it stop.
 
     RefusedError with no road ahead or an arm outside. Without fuel enough for the trip,
     or in a mishap, the truck is left on the road and the run is over; a captured
@@ -75,11 +76,11 @@ def _ahead(scene: Scene) -> Leg | None:
 
 
 def _stops_on(scene: Scene, leg: Leg) -> bool:
-    """Whether on the road something lies that the eye is looking out for."""
+    """Whether on the road enemies are, or something that the eye is looking out for."""
     if scene.state.truck.place == leg.road.name:
         return False
-    lying = scene.items_at(leg.road.name)
-    return any(item.kind in scene.state.monitored for item in lying)
+    stopping = (ENEMY, *scene.state.monitored)
+    return any(item.kind in stopping for item in scene.items_at(leg.road.name))
 
 
 def _cost(

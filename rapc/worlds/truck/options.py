@@ -99,6 +99,7 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     enemy_sectors: Annotated[
         str, _row("", "where they come, as names, with commas; none: the zones")
     ] = ""
+    road_troops: Annotated[bool, _row("", "they come to the roads there, too")] = False
     capture_time: Annotated[
         Number, _row(_TIME, "with enemies, half the trucks are captured; 0: never")
     ] = 450
