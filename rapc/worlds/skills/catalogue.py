@@ -15,7 +15,9 @@ import msgspec
 from rapc.base.values import Atom
 from rapc.worlds.skills.checks import (
     CatalogueError,
+    check_arbiter,
     check_entry,
+    check_list,
     check_together,
     told,
 )
@@ -71,14 +73,15 @@ class Catalogue:
         actuators: Sequence[Channel[Any]] = (),
         arbiters: Iterable[Arbiter] = (),
     ) -> None:
-        self.sensors = tuple(sensors)
-        self.actuators = tuple(actuators)
+        self.sensors = check_list("sensors", sensors, Channel, "channels")
+        self.actuators = check_list("actuators", actuators, Channel, "channels")
         self.arbiters: Mapping[Channel[Any], Arbiter] = {
-            arbiter.channel: arbiter for arbiter in arbiters
+            check_arbiter(arbiter): arbiter
+            for arbiter in check_list("arbiters", arbiters, Arbiter, "arbiters")
         }
         #: What a library may enable, by name.
         self.entries: dict[str, type[Skill] | Compound] = {}
-        for entry in skills:
+        for entry in check_list("skills", skills, object, "skills"):
             check_entry(entry)
             if entry.name in self.entries:
                 raise CatalogueError(f"two skills are named `{entry.name}`")
@@ -196,7 +199,7 @@ class Catalogue:
             if known is not channel:
                 raise CatalogueError(
                     f"{told(node)} means another channel `{channel.name}` than "
-                    f"others do: {_kind(channel)} instead of {_kind(known)}"
+                    f"others do: {channel.kind} instead of {known.kind}"
                 )
 
     def _check_compound(self, compound: Compound) -> None:
@@ -215,8 +218,3 @@ class Catalogue:
                         f"`{wanted.name}` of `{compound.name}` is not what its part "
                         f"`{part.name}` takes"
                     )
-
-
-def _kind(channel: Channel[Any]) -> str:
-    kind = getattr(channel.type, "__name__", str(channel.type))
-    return f"{kind} in {channel.unit}" if channel.unit else kind

@@ -9,11 +9,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 
 from rapc.worlds.skills.declarations import (
+    Arbiter,
     Channel,
     Compound,
     Event,
@@ -23,6 +24,8 @@ from rapc.worlds.skills.declarations import (
     Skill,
     as_input,
 )
+
+T = TypeVar("T")
 
 _NAME = re.compile(r"[a-z][a-z0-9-]*")
 
@@ -43,6 +46,41 @@ class CatalogueError(ValueError):
 def told(node: type[Node]) -> str:
     """Return how messages name a skill or an event: by its name and its class."""
     return f"`{node.name}` ({node.__name__})"
+
+
+def check_list(
+    what: str, given: Iterable[T], types: type[Any], word: str
+) -> tuple[T, ...]:
+    """Return a list that a catalogue is made of, when all in it is as it should be.
+
+    Args:
+        what: what the parameter is called.
+        given: the list.
+        types: the class of what stands in it.
+        word: what that is called.
+
+    Raises:
+        CatalogueError: if it is no list, or holds something else.
+    """
+    owner = f"`{what}` of a catalogue"
+    if not isinstance(given, Iterable) or isinstance(given, str | type):
+        raise CatalogueError(
+            f"{owner} is a list of {word}, not {given!a:.60}; one of a single thing "
+            "has brackets: [x]"
+        )
+    listed = tuple(given)
+    for one in listed:
+        if not isinstance(one, types):
+            raise CatalogueError(f"{owner} has {word}, not {one!a:.60}")
+    return listed
+
+
+def check_arbiter(arbiter: Arbiter) -> Channel[Any]:
+    """Return the channel of an arbiter. Raises CatalogueError if it names none."""
+    channel = getattr(arbiter, "channel", None)
+    if not isinstance(channel, Channel):
+        raise CatalogueError(f"the class {type(arbiter).__name__} has no `channel`")
+    return channel
 
 
 def check_entry(entry: object) -> None:

@@ -17,7 +17,8 @@ both are active. Not here: wiring (`network`) and checks of a whole set (`catalo
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Generic, TypeVar
+from types import UnionType
+from typing import Any, ClassVar, Generic, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
@@ -39,7 +40,7 @@ class Channel(Generic[T_co]):
     A channel holds the value of the present tick, or nothing.
     """
 
-    __slots__ = ("doc", "name", "own", "type", "unit")
+    __slots__ = ("doc", "name", "own", "type", "types", "unit")
 
     def __init__(
         self,
@@ -58,9 +59,33 @@ class Channel(Generic[T_co]):
         #: Whether each skill that writes the channel has one for itself, which only
         #: its own events read.
         self.own = own
+        #: The classes of which a value is, as far as that is quickly seen.
+        self.types = _classes(type)
+
+    @property
+    def kind(self) -> str:
+        """Return how messages name type and unit: `float in m`."""
+        plain = isinstance(self.type, type) and get_origin(self.type) is None
+        kind = self.type.__name__ if plain else str(self.type)
+        return f"{kind} in {self.unit}" if self.unit else kind
 
     def __repr__(self) -> str:
         return f"<channel {self.name}>"
+
+
+def _classes(type_: Any) -> tuple[type, ...]:
+    """Return the classes that values of a type have; `object` where any may do."""
+    origin = get_origin(type_)
+    if origin in (Union, UnionType):
+        return tuple(one for part in get_args(type_) for one in _classes(part))
+    found = type(None) if type_ is None else origin or type_
+    if found is Any or not isinstance(found, type):
+        return (object,)
+    try:
+        isinstance(None, found)
+    except TypeError:  # a protocol, a typed dict: it cannot be asked
+        return (object,)
+    return (float, int) if found is float else (found,)
 
 
 class Input(msgspec.Struct, frozen=True, eq=False):
@@ -110,6 +135,12 @@ class Ports:
     """The channels of one active skill or event, read and written by channel.
 
     What was not declared cannot be reached.
+
+    Args:
+        node: how messages name the skill or event.
+        values: what the channels hold, by slot.
+        reads: the slot of each channel that can be read.
+        writes: the slot of each channel that can be written.
     """
 
     __slots__ = ("_node", "_reads", "_values", "_writes")
@@ -134,7 +165,7 @@ class Ports:
             if channel in self._reads:
                 raise SkillError(
                     f"nothing was written to `{channel.name}` before "
-                    f"`{self._node}` read it"
+                    f"{self._node} read it"
                 ) from None
             raise self._undeclared("reads", channel) from None
         return value
@@ -148,7 +179,16 @@ class Ports:
         return value
 
     def __setitem__(self, channel: Channel[T], value: T) -> None:
-        """Write `value` to `channel` for the rest of the tick."""
+        """Write `value` to `channel` for the rest of the tick.
+
+        Raises:
+            SkillError: if it is not of the channel's type.
+        """
+        if not isinstance(value, channel.types):
+            raise SkillError(
+                f"{self._node} writes {value!a:.60} to `{channel.name}`, which is "
+                f"{channel.kind}"
+            )
         try:
             self._values[self._writes[channel]] = value
         except KeyError:
@@ -156,7 +196,7 @@ class Ports:
 
     def _undeclared(self, does: str, channel: Channel[Any]) -> SkillError:
         return SkillError(
-            f"`{self._node}` {does} `{channel.name}`, which it does not declare"
+            f"{self._node} {does} `{channel.name}`, which it does not declare"
         )
 
 

@@ -170,7 +170,8 @@ class _Wiring:
         writes = {
             channel: self._slot(member, channel) for channel in _outputs(member.node)
         }
-        member.ports = Ports(member.key, self.network.values, reads, writes)
+        node = f"`{member.key}` ({type(member.node).__name__})"
+        member.ports = Ports(node, self.network.values, reads, writes)
 
     def _slot(self, member: Member, channel: Channel[Any]) -> str:
         """Return where a skill writes one of its outputs."""

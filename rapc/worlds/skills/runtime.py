@@ -21,7 +21,7 @@ from rapc.base.values import Atom, Text, number
 from rapc.errors import PortError
 from rapc.world import Refused
 from rapc.worlds.skills.catalogue import Catalogue, Request
-from rapc.worlds.skills.declarations import Channel, Event, Skill
+from rapc.worlds.skills.declarations import Channel, Event, Skill, SkillError
 from rapc.worlds.skills.network import (
     Arbitration,
     Member,
@@ -121,7 +121,7 @@ class SkillRuntime:
         values.clear()
         values.update(self._before)
         for channel in network.sensors:
-            values[channel.name] = sensors[channel.name]()
+            values[channel.name] = _sensed(channel, sensors)
         for member in network.order:
             if isinstance(member, Arbitration):
                 self._arbitrate(member, values)
@@ -283,7 +283,13 @@ class SkillRuntime:
     def _arbitrate(self, work: Arbitration, values: dict[str, Any]) -> None:
         given = [values[slot] for slot in work.slots if slot in values]
         if given:
-            values[work.arbiter.channel.name] = work.arbiter.decide(given)
+            value, channel = work.arbiter.decide(given), work.arbiter.channel
+            if not isinstance(value, channel.types):
+                raise SkillError(
+                    f"the class {type(work.arbiter).__name__} decides on {value!a:.60} "
+                    f"for `{channel.name}`, which is {channel.kind}"
+                )
+            values[channel.name] = value
 
     def _listen(self, now: float, member: Member, event: Event) -> list[Told]:
         """Test an event, and tell it to the activations that have not heard it."""
@@ -291,11 +297,7 @@ class SkillRuntime:
         if said is None:
             told.clear()
             return []
-        if not isinstance(said, tuple):
-            raise PortError(
-                f"`test` of the class {type(event).__name__} returns a tuple or None, "
-                f"not {said!a:.60}{place_of(event.test)}"
-            )
+        _check_carried(event, said)
         hearers = [
             ticket
             for ticket in self._hearers[member.key]
@@ -304,6 +306,44 @@ class SkillRuntime:
         ]
         told.update(dict.fromkeys(hearers, now))
         return [Told(event.name, said, tuple(hearers))] if hearers else []
+
+
+def _sensed(channel: Channel[Any], sensors: Sensors) -> Any:
+    """Return what a sensor says. Raises SkillError for what its channel is not for."""
+    read = sensors.get(channel.name)
+    if not callable(read):
+        told = "is given no function that reads it"
+        if read is not None:
+            told = f"is read by calling a function, not {read!a:.60}"
+        raise SkillError(f"the sensor `{channel.name}` {told}")
+    value = read()
+    if not isinstance(value, channel.types):
+        raise SkillError(
+            f"the sensor `{channel.name}` is {value!a:.60}, and the channel "
+            f"{channel.kind}"
+        )
+    return value
+
+
+def _check_carried(event: Event, said: object) -> None:
+    """See that an event carries what it declares. Raises PortError."""
+    wanted = len(event.carries)
+    fault: str | None = None
+    if not isinstance(said, tuple):
+        fault = f"a tuple or None, not {said!a:.60}"
+    elif len(said) != wanted:
+        values = "1 value" if wanted == 1 else f"{wanted} values"
+        fault = f"{values}, as `carries` says, not {len(said)}"
+    else:
+        for carried, value in zip(event.carries, said, strict=True):
+            if wrong := carried.fault(value):
+                fault = f"{value!a:.60}: {wrong}"
+                break
+    if fault is not None:
+        raise PortError(
+            f"`test` of the class {type(event).__name__} returns {fault}"
+            f"{place_of(event.test)}"
+        )
 
 
 def written(value: Atom) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import pytest
 
@@ -10,6 +11,7 @@ from rapc.base.values import Atom, Text
 from rapc.worlds.skills.catalogue import Catalogue, Request
 from rapc.worlds.skills.checks import CatalogueError
 from rapc.worlds.skills.declarations import (
+    Arbiter,
     Channel,
     Compound,
     Event,
@@ -17,7 +19,16 @@ from rapc.worlds.skills.declarations import (
     Ports,
     Skill,
 )
-from tests.worlds.skills.tank import GOAL, HOLD, LEVEL, Aim, Fill, Smooth, catalogue
+from tests.worlds.skills.tank import (
+    GOAL,
+    HOLD,
+    LEVEL,
+    Aim,
+    Fill,
+    LowestLimit,
+    Smooth,
+    catalogue,
+)
 
 
 def test_a_compound_tells_and_uses_what_its_parts_do() -> None:
@@ -94,6 +105,25 @@ def test_a_parameter_is_of_a_known_kind() -> None:
 
     with pytest.raises(CatalogueError, match="kind `colour` of `x`"):
         Catalogue([Odd])
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ((Smooth,), "`skills` of a catalogue is a list of skills, not <class"),
+        (([Smooth], LEVEL), "`sensors` of a catalogue is a list of channels, not <ch"),
+        (([Smooth], "level"), "`sensors` of a catalogue is a list of channels, not 'l"),
+        (([Smooth], ["level"]), "`sensors` of a catalogue has channels, not 'level'"),
+        (([Smooth], [LEVEL], GOAL), "`actuators` of a catalogue is a list"),
+        (([Smooth], [LEVEL], [], 3), "`arbiters` of a catalogue is a list of arbiters"),
+        (([Smooth], [LEVEL], [], [Smooth]), "has arbiters, not <class '.*Smooth'>"),
+        (([Smooth], [LEVEL], [], [LowestLimit]), "has arbiters, not <class '.*Limit'>"),
+        (([Smooth], [LEVEL], [], [Arbiter()]), "the class Arbiter has no `channel`"),
+    ],
+)
+def test_a_catalogue_is_made_of_lists(given: Any, said: str) -> None:
+    with pytest.raises(CatalogueError, match=said):
+        Catalogue(*given)
 
 
 A, B = Channel("a", float), Channel("b", float)

@@ -267,11 +267,13 @@ def test_a_skill_reaches_only_what_it_declares() -> None:
         runtime.tick(0, {"a": lambda: 1.0})
 
     tried(lambda ports: ports[a])
-    with pytest.raises(SkillError, match="`sneak` reads `b`, which it does not"):
+    with pytest.raises(
+        SkillError, match=r"`sneak` \(Sneak\) reads `b`, which it does not"
+    ):
         tried(lambda ports: ports[b])
-    with pytest.raises(SkillError, match="`sneak` reads `b`"):
+    with pytest.raises(SkillError, match=r"`sneak` \(Sneak\) reads `b`"):
         tried(lambda ports: ports.get(b))
-    with pytest.raises(SkillError, match="`sneak` writes `a`"):
+    with pytest.raises(SkillError, match=r"`sneak` \(Sneak\) writes `a`"):
         tried(lambda ports: ports.__setitem__(a, 1.0))
 
 
@@ -298,7 +300,7 @@ def test_a_required_input_that_was_not_written_is_a_fault_of_its_writer() -> Non
 
     runtime = SkillRuntime(Catalogue([Silent, Reader]))
     runtime.activate(1, [Request("silent"), Request("reader")], [])
-    with pytest.raises(SkillError, match="nothing was written to `a` before `reader`"):
+    with pytest.raises(SkillError, match=r"before `reader` \(Reader\)"):
         runtime.tick(0, {})
 
 
