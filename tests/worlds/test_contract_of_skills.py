@@ -4,13 +4,30 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import pytest
 
+from rapc.base.values import Atom
 from rapc.testing.contract.trials import SKILLS, try_world
 from rapc.world import Fact, Kit, Offer, Refused, Signal, World
+from rapc.worlds.skills.catalogue import Catalogue
+from rapc.worlds.skills.declarations import Ports, Skill
+from rapc.worlds.skills.runtime import SkillRuntime, Told
+from rapc.worlds.skills.world import SkillWorld, offer
+from tests.worlds.skills.tank import (
+    FLOW,
+    LEVEL,
+    SMOOTH,
+    Aim,
+    Fill,
+    LimitFlow,
+    LowestLimit,
+    Reached,
+    Smooth,
+)
+from tests.worlds.skills.test_world import Water
 from tests.worlds.test_broken_worlds import Good
 
 
@@ -96,4 +113,74 @@ def test_nothing_is_wrong_with_the_humming_one() -> None:
 def test_what_is_wrong_with_skills_is_told(case: str) -> None:
     parts, said = BROKEN[case]
     told = found(type("Bad", (Humming,), parts))
+    assert re.search(said, told), told
+
+
+class Forgetful(Smooth):
+    """Take the waves off, and remember outside of what is saved how often."""
+
+    def step(self, now: float, ports: Ports) -> None:
+        self.times = getattr(self, "times", 0) + 1
+        super().step(now, ports)
+        self.state.value = self.times
+
+
+class Wordy(Smooth):
+    """Write words where numbers belong."""
+
+    def step(self, now: float, ports: Ports) -> None:
+        said: Any = "high"
+        ports[SMOOTH] = said
+
+
+class Bare(Reached):
+    """Carry nothing, though a level is declared."""
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        return ()
+
+
+class Aimless(Aim):
+    """Tell of the goal without the level."""
+
+    events = (Bare,)
+
+
+def tank(*skills: type[Skill]) -> type[World]:
+    """Return the world of a tank with these skills."""
+    own = Catalogue([*skills, Fill, LimitFlow], [LEVEL], [FLOW], [LowestLimit()])
+
+    class Tank(SkillWorld):
+        """A tank."""
+
+        name = "tank"
+        kit = Kit(offer(own))
+
+        def __init__(self, rng: Any, options: Any) -> None:
+            super().__init__(SkillRuntime(own), Water())
+
+        def tick(self) -> Iterable[Told]:
+            told = self.runtime.tick(self.time, {"level": lambda: self.state.level})
+            self.state.level += (self.runtime.value(FLOW) or 0.0) / 10
+            return told
+
+    return Tank
+
+
+def test_nothing_is_wrong_with_the_tank() -> None:
+    assert found(tank(Smooth, Aim)) == ""
+
+
+@pytest.mark.parametrize(
+    ("skills", "said"),
+    [
+        ((Forgetful, Aim), "goes on otherwise than it was saved, with skills on"),
+        ((Wordy, Aim), r"skills.py:\d+: SkillError: `smooth` \(Wordy\) writes 'high'"),
+        ((Smooth, Aimless), "`test` of the class Bare returns 1 value, as `carries`"),
+    ],
+)
+def test_what_skills_of_a_tank_do_wrong_is_found(
+    skills: tuple[type[Skill], ...], said: str
+) -> None:
+    told = found(tank(*skills))
     assert re.search(said, told), told

@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 from collections.abc import Collection, Iterable, Sequence
 
-from rapc.base.values import Atom, Fact, format_list
+from rapc.base.values import Atom, Fact, Text, format_list, number
 from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.kinds import Kinds
@@ -21,13 +21,18 @@ from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.settings import Settings
 from rapc.runtime.strict import hold_handlers
-from rapc.world import NOT_KNOWN, Finished, Handlers, Refused, Signal, World
+from rapc.world import NOT_KNOWN, Finished, Handlers, Message, Refused, Signal, World
+from rapc.worlds.skills.declarations import Parameter
+from rapc.worlds.skills.world import SkillWorld
 
 _STRANGER = "nobody"
 """What requests are about as long as the world has told nothing."""
 
 _MOST_WAITS = 1000
 """How often a world may send something else before a request ends."""
+
+_UNFIT = 0.1
+"""How many of the arguments of skills are not as they are declared."""
 
 _CANCELLED = 0.25
 """How many of the requests that are not atomic are cancelled."""
@@ -196,19 +201,46 @@ class Driver:
             args = form.args
         return (name, *[self._value(arg) for arg in args])
 
-    def skills(self) -> list[Fact]:
-        """Return one skill or two of those on offer, with arguments at random."""
-        offer = self.world.kit.offer.skills
-        names = self._rng.sample(list(offer), min(self._rng.randint(1, 2), len(offer)))
-        return [(n, *[self._value(None) for _ in range(offer[n])]) for n in names]
+    def activation(self) -> tuple[list[Fact], list[str]]:
+        """Return one skill or two of those on offer, and the events to be told.
 
-    def check_signals(self, on: Collection[int]) -> None:
+        Of a world that is all skills arguments are as declared, or now and then not,
+        and events are those that the skills may tell; else both are what is on offer.
+        """
+        offer, made = self.world.kit.offer, self.world
+        names = self._rng.sample(
+            list(offer.skills), min(self._rng.randint(1, 2), len(offer.skills))
+        )
+        if not isinstance(made, SkillWorld):
+            asked = [[self._value(None) for _ in range(offer.skills[n])] for n in names]
+            return self._with(names, asked), list(offer.events)
+        known = [made.runtime.catalogue.describe(n.removeprefix(":")) for n in names]
+        asked = [[self._argument(one) for one in skill.parameters] for skill in known]
+        told = dict.fromkeys(f":{event}" for skill in known for event in skill.events)
+        return self._with(names, asked), list(told)
+
+    def _with(self, names: list[str], asked: list[list[Atom]]) -> list[Fact]:
+        return [(name, *args) for name, args in zip(names, asked, strict=True)]
+
+    def _argument(self, parameter: Parameter) -> Atom:
+        """Return a value for a parameter of a skill, mostly one that fits."""
+        if self._rng.random() < _UNFIT:
+            return self._value(None)
+        if parameter.kind == "text":
+            return Text(_STRANGER)
+        if parameter.kind == "symbol":
+            return str(self._value(None))
+        low = 0.0 if parameter.low is None else parameter.low
+        high = max(low, 10.0) if parameter.high is None else parameter.high
+        return number(self._rng.choice([low, high, self._rng.uniform(low, high)]))
+
+    def hold(self, sent: Iterable[Message], on: Collection[int]) -> None:
         """See that what was sent are signals on offer, of activations that are on.
 
         Raises:
             PortError: if not.
         """
-        for message in self.world.messages():
+        for message in sent:
             self._machine.port.check_message(message)
             if isinstance(message, Signal) and not set(message.tickets) <= set(on):
                 said = f"sent {format_list(message.content)} for an activation that is"

@@ -5,7 +5,7 @@ What is wrong is told in lines, by the author's file and row where a call shows 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -14,15 +14,15 @@ from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.runtime.admission import misfitting, refusals
-from rapc.runtime.authors import blame, breach, is_refusal, is_time, wrong
+from rapc.runtime.authors import blame, breach, is_time, wrong
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver, first_facts
+from rapc.testing.contract.skills import try_skills
 from rapc.world import (
     NOT_KNOWN,
     Drawable,
     Kit,
     Savable,
-    Skilled,
     Text,
     Time,
     Timed,
@@ -31,9 +31,6 @@ from rapc.world import (
 
 REQUESTS = 150
 """How many requests a world is tried with under one seed."""
-
-ACTIVATIONS = 12
-"""How often skills are switched on under one seed."""
 
 SEEDS = (0, 1, 2)
 """The seeds under which a world is tried."""
@@ -344,41 +341,7 @@ def _usual_times(tried: _Tried) -> Iterator[str]:
 def _skills(tried: _Tried) -> Iterator[str]:
     """Skills come on or are refused, and what is off tells nothing."""
     for seed in SEEDS:
-        driver = tried.driver(seed)
-        world, on = driver.world, set[int]()
-        if not isinstance(world, Skilled):
-            yield f"the world `{world.name}` offers skills, and has no `activate`"
-            return
-        events = list(world.kit.offer.events)
-        for ticket in range(1, ACTIVATIONS + 1):
-            skills = driver.skills()
-            answer = world.activate(ticket, skills, events)
-            if answer is None:
-                on.add(ticket)
-            elif not is_refusal(answer):
-                raise wrong(driver.world, "activate", "the answer to skills", answer)
-            elif not set(answer.conflicts) <= on:
-                said = "refuses skills beside an activation that is not on"
-                yield f"{breach(driver.world, 'activate', said)}"
-            _let_live(driver, on)
-            if ticket % 2 and on:
-                world.deactivate(min(on))
-                on.remove(min(on))
-                _let_live(driver, on)
-        for ticket in on:
-            world.deactivate(ticket)
-        world.deactivate(10**6)
-        _let_live(driver, ())
-
-
-def _let_live(driver: Driver, on: Collection[int]) -> None:
-    """Let some time pass; see that only what is on tells anything."""
-    driver.check_signals(on)
-    world = driver.world
-    for _ in range(5):
-        if world.ended() is None:
-            world.advance(_now(world) + 1)
-            driver.check_signals(on)
+        yield from try_skills(tried.driver(seed), tried.make(seed))
 
 
 def _handlers(tried: _Tried) -> Iterator[str]:

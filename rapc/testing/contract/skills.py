@@ -1,0 +1,91 @@
+"""The part of the port's contract that is about skills.
+
+They are switched on and off at random, with arguments that their author has declared
+where that is known (a `SkillWorld`), and now and then with others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from rapc.runtime.authors import breach, is_refusal, wrong
+from rapc.testing.contract.driver import Driver
+from rapc.world import Message, Savable, Skilled, Time, World
+
+ACTIVATIONS = 12
+"""How often skills are switched on under one seed."""
+
+_SAVED = 3
+"""Every which of these times the world is saved."""
+
+_STEPS = 5
+"""How many time units pass between two that are switched on or off."""
+
+
+def try_skills(driver: Driver, copy: World) -> Iterator[str]:
+    """Switch skills on and off: they come on or are refused; off, they tell nothing.
+
+    A world that can be saved is saved with skills on, and goes on alike.
+
+    Args:
+        driver: the robot, in a new world.
+        copy: another world like that one.
+
+    Yields:
+        What is wrong, in lines.
+    """
+    world, on = driver.world, set[int]()
+    if not isinstance(world, Skilled):
+        yield f"the world `{world.name}` offers skills, and has no `activate`"
+        return
+    for ticket in range(1, ACTIVATIONS + 1):
+        skills, events = driver.activation()
+        answer = world.activate(ticket, skills, events)
+        if answer is None:
+            on.add(ticket)
+        elif not is_refusal(answer):
+            raise wrong(driver.world, "activate", "the answer to skills", answer)
+        elif not set(answer.conflicts) <= on:
+            said = "refuses skills beside an activation that is not on"
+            yield f"{breach(driver.world, 'activate', said)}"
+        _let_live(driver, on)
+        if ticket % _SAVED == 0:
+            yield from _saved(driver, copy, on)
+        if ticket % 2 and on:
+            world.deactivate(min(on))
+            on.remove(min(on))
+            _let_live(driver, on)
+    for ticket in on:
+        world.deactivate(ticket)
+    world.deactivate(10**6)
+    _let_live(driver, ())
+
+
+def _saved(driver: Driver, copy: World, on: Collection[int]) -> Iterator[str]:
+    """Save the world as it is; yield where one put in its state goes another way."""
+    world = driver.world
+    if not (isinstance(world, Savable) and isinstance(copy, Savable)):
+        return
+    copy.restore(world.save())
+    for _ in range(_STEPS):
+        seen = [_goes_on(one) for one in (world, copy)]
+        driver.hold(seen[0][1], on)
+        if seen[0] != seen[1] or world.save() != copy.save():
+            said = "goes on otherwise than it was saved, with skills on"
+            yield f"{breach(world, 'restore', said)}"
+            return
+
+
+def _goes_on(world: World) -> tuple[Time, list[Message]]:
+    """Let a time unit pass; return the time, and what has been sent."""
+    if world.ended() is None:
+        world.advance(world.now() + 1)
+    return world.now(), list(world.messages())
+
+
+def _let_live(driver: Driver, on: Collection[int]) -> None:
+    """Let some time pass; see that only what is on tells anything."""
+    driver.hold(driver.world.messages(), on)
+    for _ in range(_STEPS):
+        _, sent = _goes_on(driver.world)
+        driver.hold(sent, on)
