@@ -6,6 +6,7 @@ python -m tests.docs.test_library_hallway_page    writes the frame anew
 from __future__ import annotations
 
 import re
+import tempfile
 from pathlib import Path
 
 from rapc.library.loader import load
@@ -29,18 +30,21 @@ def test_the_table_of_layers_has_every_rap_in_its_file() -> None:
     assert told == {name: Path(rap.span.file).name for name, rap in raps.items()}
 
 
-def _frame() -> str:
-    """Return what the command of the page draws."""
+def _frame(folder: Path) -> str:
+    """Return what the command of the page draws in a folder with its one file."""
     [command] = re.findall(r"^rapc (run .* --show)$", PAGE, re.M)
-    done = rapc(*command.split(), cwd=ROOT, COLUMNS="72", LINES="36")
+    [text] = re.findall(r"^```rap\n(.*?)^```", PAGE, re.M | re.S)
+    (folder / "robot.rap").write_text(text, encoding="utf-8")
+    done = rapc(*command.split(), cwd=folder, COLUMNS="72", LINES="36")
     assert done.stderr == ""
     return done.stdout.partition("Run over")[0]
 
 
-def test_the_frame_is_what_is_drawn() -> None:
-    assert FRAME.findall(PAGE) == [_frame()]
+def test_the_frame_is_what_is_drawn(tmp_path: Path) -> None:
+    assert FRAME.findall(PAGE) == [_frame(tmp_path)]
 
 
 if __name__ == "__main__":
-    drawn = _frame()
+    with tempfile.TemporaryDirectory() as made:
+        drawn = _frame(Path(made))
     FILE.write_text(FRAME.sub(lambda _: drawn, PAGE), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The networks drawn in docs/hallway.md are those of the commands beside them.
+"""The networks drawn in docs/hallway.md are those of the commands and code beside them.
 
 python -m tests.hallway.test_figures    draws them anew; needs Graphviz
 """
@@ -9,6 +9,7 @@ import json
 import re
 import shlex
 import subprocess
+import tempfile
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -35,8 +36,14 @@ FIGURES: dict[str, list[str]] = {
 """The arguments by which each figure is made, by its file."""
 
 
-def _printed(name: str, form: str = "dot") -> str:
-    done = rapc(*FIGURES[name], "--format", form, cwd=ROOT)
+[LIBRARY] = re.findall(r"^```rap\n(.*?)^```", PAGE, re.M | re.S)
+"""The file `robot.rap` of the page."""
+
+
+def _printed(folder: Path, name: str, form: str = "dot") -> str:
+    """Return what the command of a figure prints in a folder of its own."""
+    (folder / "robot.rap").write_text(LIBRARY, encoding="utf-8")
+    done = rapc(*FIGURES[name], "--format", form, cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout
 
@@ -53,8 +60,8 @@ SKILLS = {
 
 
 @pytest.mark.parametrize("name", SKILLS)
-def test_a_figure_is_what_its_command_prints(name: str) -> None:
-    network: dict[str, Any] = json.loads(_printed(name, "json"))
+def test_a_figure_is_what_its_command_prints(name: str, tmp_path: Path) -> None:
+    network: dict[str, Any] = json.loads(_printed(tmp_path, name, "json"))
     drawn = ElementTree.parse(DOCS / name)  # noqa: S314  # a file of ours
     nodes: dict[str, str] = {}
     edges: Counter[tuple[str, str]] = Counter()
@@ -81,6 +88,16 @@ def test_a_figure_is_what_its_command_prints(name: str) -> None:
     }
 
 
+def test_figure_3_is_what_its_code_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    found = re.findall(
+        r"^```python\n(.*?)^```\n\n```mermaid\n(.*?)^```", PAGE, re.M | re.S
+    )
+    [(code, drawn)] = found
+    exec(compile(code, "hallway.md", "exec"), {})  # noqa: S102  # a page of ours
+    assert capsys.readouterr().out.strip() == drawn.strip()
+    assert "[[" not in drawn  # no events
+
+
 def test_the_page_has_just_these_figures() -> None:
     assert set(FIGURES) == set(SKILLS)
 
@@ -94,9 +111,11 @@ def test_the_building_is_drawn_with_all_its_spaces() -> None:
 def main() -> None:
     """Draw the figures anew."""
     for name in FIGURES:
+        with tempfile.TemporaryDirectory() as folder:
+            printed = _printed(Path(folder), name)
         done = subprocess.run(
             ["dot", "-Tsvg"],
-            input=_printed(name),
+            input=printed,
             text=True,
             capture_output=True,
             check=True,

@@ -57,7 +57,8 @@ def test_the_default_map_is_as_described() -> None:
 
 def test_the_skill_of_the_page_runs() -> None:
     names: dict[str, object] = {}
-    exec(compile(_block("python"), "hallway.md", "exec"), names)  # noqa: S102
+    [code] = re.findall(r"```python\n((?:(?!```).)*?class Spin.*?)```", PAGE, re.DOTALL)
+    exec(compile(code, "hallway.md", "exec"), names)  # noqa: S102
     spin = names["Spin"]
     assert isinstance(spin, type)
     assert issubclass(spin, Skill)

@@ -10,6 +10,7 @@ import pytest
 
 import rapc as rapc_package
 from rapc.console.show.plan import believed_pose
+from rapc.library.loader import load
 from rapc.worlds.hallway import HallwayWorld
 from tests.cli.command import rapc
 
@@ -108,3 +109,21 @@ def test_to_be_looked_at_changes_nothing(tmp_path: Path) -> None:
     )
     assert done.stderr == ""
     assert shown.read_bytes() == quiet.read_bytes()
+
+
+def test_the_page_names_the_facts_by_which_the_picture_tells_belief() -> None:
+    """They are words of the library; a picture of another name would show nothing."""
+    picture = HallwayWorld(Random(0), {}).picture()
+    plan = picture.plan
+    assert plan is not None
+    told = {str(gauge.believed[0]) for gauge in picture.gauges}
+    told |= {str(door.believed[0]) for door in plan.doors}
+    told |= {str(mark.believed[0]) for mark in plan.marks}
+    assert plan.reckoning is not None
+    reckoning = plan.reckoning
+    told |= {str(f[0]) for f in (reckoning.place, reckoning.origin, reckoning.area)}
+    page = (ROOT / "docs" / "library-hallway.md").read_text(encoding="utf-8")
+    [named] = re.findall(r"is read from five facts,(.*?): (.*?)\n\n", page, re.S)
+    assert told | {"robot"} == set(re.findall(r"`([^`]+)`", named[1]))
+    library = load([ROOT / "stdlib" / "hallway"]).library
+    assert told <= {*library.propositions, *library.properties}

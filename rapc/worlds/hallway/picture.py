@@ -1,4 +1,10 @@
-"""The building as a picture: its spaces, and the robot's floor true to scale."""
+"""The building as a picture: its spaces, and the robot's floor true to scale.
+
+What the robot believes is told by facts of memory, which the picture names: those that
+the world tells at the start (`rapc.worlds.hallway.facts`), and `found-closed`, which is
+a word of stdlib/hallway. In a library without that word no door is believed closed. The
+page docs/library-hallway.md names the same facts.
+"""
 
 from __future__ import annotations
 
