@@ -1,13 +1,15 @@
-"""RAP134 and RAP135: tasks that stand by where they should not, or for nothing."""
+"""RAP134, RAP135, RAP138: tasks that stand by wrongly, for nothing, or unready."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.asked import asked_through
-from rapc.analysis.endless import endless
+from rapc.analysis.asked import asked_by, asked_through, is_computed
+from rapc.analysis.certain import fact_name
+from rapc.analysis.endless import endless, is_never
 from rapc.analysis.index import INDEX, Index
+from rapc.analysis.literals import literals
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -84,6 +86,30 @@ program is not seen.""",
 """,
 )
 
+_UNREADY = """\
+(declare-memory-property battery (?level) unknown)
+(declare-memory-proposition at-dock ())
+(declare-primitive plug-in () (okay) :on (okay (battery 100)))
+(declare-primitive drive () (okay) :on (okay (at-dock)))
+(define-rap (recharge)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (context (at-dock)) (primitive (plug-in))){})
+"""
+
+UNREADY = Rule(
+    code="RAP138",
+    name="unready-reaction",
+    severity=Severity.WARNING,
+    summary="a standing task has no method for some of the states that wake it",
+    why="""A task that wakes and has no method that fits fails with `no-method`, and a
+standing task that has failed is gone for good. Here every method asks for a fact that
+the monitor does not ask for, and that does change: give a method with `otherwise`, or
+let the monitor ask for the fact as well.""",
+    example=_UNREADY.format(""),
+    better=_UNREADY.format("\n  (method (context otherwise) (primitive (drive)))"),
+)
+
 
 def _run(run: Pass) -> set[int]:
     """Report, and return the ids of the monitors that nothing ever changes."""
@@ -103,6 +129,8 @@ def _run(run: Pass) -> set[int]:
                 for found in _unheard(library, rap.monitor_state, changed):
                     unheard.add(id(rap.monitor_state))
                     run.report(found)
+            for found in _unready(library, rap, changed):
+                run.report(found)
     return unheard
 
 
@@ -111,7 +139,7 @@ ANALYZER = Analyzer(
     doc="Finds tasks that never end where they should, and monitors of what never is.",
     run=_run,
     needs=(INDEX,),
-    rules=(ENDLESS, UNHEARD),
+    rules=(ENDLESS, UNHEARD, UNREADY),
 )
 
 
@@ -157,6 +185,31 @@ def _used(index: Index, use: str) -> Iterator[nodes.Pattern]:
     for one in index.uses():
         if one.use == use and isinstance(one.node, nodes.Pattern):
             yield one.node
+
+
+def _unready(
+    library: Library, rap: nodes.DefineRap, changed: set[str]
+) -> Iterator[Diagnostic]:
+    """Yield a fact that all methods ask for, though the monitor does not."""
+    if rap.monitor_state is None or rap.succeed is None or not is_never(rap.succeed):
+        return
+    clauses = [rap.monitor_state, rap.repeat_while]
+    asked = {n for one in clauses if one is not None for n in asked_by(library, one)}
+    every = [list(literals(method.context)) for method in rap.methods]
+    for one in every[0] if every else ():
+        if not all(one in there for there in every):
+            continue
+        name = fact_name(one)
+        if name in changed and name not in asked and not is_computed(library, name):
+            yield Diagnostic(
+                rule=UNREADY.name,
+                message=f"`{rap.name}` has no method where this does not hold, and "
+                "fails for good",
+                span=one.span,
+                labels=(Label(rap.monitor_state.span, "it wakes by this alone"),),
+                help="add a method with `otherwise`, or ask for this in the monitor",
+            )
+            return
 
 
 def _unheard(

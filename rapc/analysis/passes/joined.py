@@ -1,0 +1,102 @@
+"""RAP107: facts that hold together because nothing is known of either [L 2.22]."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX
+from rapc.analysis.literals import Literal, literals, names
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import nodes
+
+JOINED = Rule(
+    code="RAP107",
+    name="joined-by-unknown",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="two properties are to have the same value, which may be `unknown`",
+    why="""A property of which nothing is known has its default, and that binds a
+variable like any value [L 2.22]. So two things of which nobody knows where they are lie at the
+same place, `unknown`. Ask that the value is none. Where something is always known of
+one of the two the test is not needed; the rule is opt-in for that reason.""",
+    example="""\
+(declare-memory-property place-of (?thing ?place) unknown)
+(declare-primitive join (?one ?other) (okay))
+(define-rap (put-together ?one ?other)
+  (method
+    (context (and (place-of ?one ?here) (place-of ?other ?here)))
+    (primitive (join ?one ?other))))
+""",
+    better="""\
+(declare-memory-property place-of (?thing ?place) unknown)
+(declare-primitive join (?one ?other) (okay))
+(define-rap (put-together ?one ?other)
+  (method
+    (context (and (place-of ?one ?here) (n= ?here unknown) (place-of ?other ?here)))
+    (primitive (join ?one ?other))))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    for one in run.result(INDEX).of(nodes.And):
+        given: set[str] = set()
+        if isinstance(one.owner, nodes.DefineRap):
+            given = {variable.name for variable in one.owner.inputs}
+        elif isinstance(one.owner, nodes.DefineQuery):
+            given = {arg.variable.name for arg in one.owner.args}
+        for found in _joined(run, list(literals(one.node)), given):
+            run.report(found)
+
+
+ANALYZER = Analyzer(
+    name="joined",
+    doc="Finds properties that share a value that may be unknown.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(JOINED,),
+)
+
+
+def _joined(
+    run: Pass, parts: Sequence[Literal], given: set[str]
+) -> Iterator[Diagnostic]:
+    """Yield the second of two properties with one value, if nothing else asks of it."""
+    first: dict[str, nodes.Proposition] = {}
+    elsewhere = set(given)
+    pairs: list[tuple[nodes.Proposition, nodes.Proposition, str]] = []
+    for part in parts:
+        value = _value(run, part)
+        if value is None:
+            elsewhere |= names(part.formula)
+            continue
+        fact = part.formula
+        assert isinstance(fact, nodes.Proposition)
+        elsewhere |= {a.name for a in fact.args[:-1] if isinstance(a, nodes.Var)}
+        other = first.setdefault(value, fact)
+        if other is not fact:
+            pairs.append((other, fact, value))
+    for other, fact, value in pairs:
+        if value not in elsewhere:
+            yield Diagnostic(
+                rule=JOINED.name,
+                message=f"`{value}` may be `unknown` here, and equal for that alone",
+                span=fact.span,
+                labels=(Label(other.span, "the other one"),),
+                help=f"ask `(n= {value} unknown)` as well",
+            )
+
+
+def _value(run: Pass, part: Literal) -> str | None:
+    """The variable that takes the value of a property whose default is `unknown`."""
+    fact = part.formula
+    if not part.holds or not isinstance(fact, nodes.Proposition) or not fact.args:
+        return None
+    declared = run.signatures.relations.get(fact.name)
+    last = fact.args[-1]
+    if declared is None or not declared.is_property or declared.default != "unknown":
+        return None
+    if declared.most != len(fact.args) or not isinstance(last, nodes.Var):
+        return None
+    return None if last.anonymous else last.name
