@@ -188,7 +188,7 @@ def _closure(
 ) -> dict[str, int]:
     """Return for each name the bits of all that can be reached from it."""
     sums = dict(own)
-    order = list(_callees_first(calls))
+    order = list(callees_first(calls))
     changed = True
     while changed:
         changed = False
@@ -202,7 +202,12 @@ def _closure(
     return sums
 
 
-def _callees_first(calls: Mapping[str, Sequence[str]]) -> Iterator[str]:
+def calls_of(rap: nodes.DefineRap) -> tuple[str, ...]:
+    """Return the RAPs that a RAP asks for, each once."""
+    return tuple(dict.fromkeys(s.goal.name for m in rap.methods for s in steps(m)))
+
+
+def callees_first(calls: Mapping[str, Sequence[str]]) -> Iterator[str]:
     """Yield the names so that each follows those it calls, circles aside."""
     seen: set[str] = set()
     for start in calls:

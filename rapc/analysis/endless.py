@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rapc.analysis.effects import callees_first, calls_of
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -28,10 +29,14 @@ def endless(library: Library) -> Mapping[str, Span]:
         waits = rap.monitor_state is not None or rap.monitor_time is not None
         if waits and rap.succeed is not None and is_never(rap.succeed):
             found[rap.name] = rap.succeed.span
-    grown = bool(found)
+    if not found:
+        return found
+    calls = {rap.name: calls_of(rap) for rap in library.raps.values()}
+    order = [library.raps[name] for name in callees_first(calls)]
+    grown = True
     while grown:
         grown = False
-        for rap in library.raps.values():
+        for rap in order:
             if rap.name in found or rap.succeed is not None or not rap.methods:
                 continue
             causes = [_endless_step(method, found) for method in rap.methods]

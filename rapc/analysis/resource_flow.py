@@ -61,6 +61,9 @@ def whole(flow: Flow, every: Flows, library: Library) -> Flow:
     total = Flow(list(flow.changes), list(flow.asked), list(flow.given), flow.escapes)
     waiting, seen = list(flow.given), set(flow.given)
     while waiting and not total.escapes:
+        if len(seen) > _MOST:
+            total.escapes = True
+            break
         name, at = waiting.pop()
         rap = library.raps.get(name)
         if rap is None or not rap.methods or at >= len(rap.inputs):
@@ -74,6 +77,10 @@ def whole(flow: Flow, every: Flows, library: Library) -> Flow:
             seen.add(one)
             waiting.append(one)
     return total
+
+
+_MOST = 200
+"""To so many inputs a resource is followed."""
 
 
 def _new(

@@ -108,6 +108,35 @@ def _tests(count: int) -> str:
     return f"(define-rap (r))\n{rows}"
 
 
+WORLD = """\
+(declare-memory-proposition p ())
+(declare-primitive a () (okay) :uses (w) :on (okay (not (p))))
+"""
+
+
+def _chain(count: int, body: str, last: str) -> str:
+    """RAPs each of which asks for the next, the first one given as a task."""
+    rows = [
+        f"(define-rap (r{n:04} ?s) {body} (method (task-net (t (r{n + 1:04} ?s)))))\n"
+        for n in range(count)
+    ]
+    return f"{WORLD}{''.join(rows)}(define-rap (r{count:04} ?s) {last})\n"
+
+
+def _protected(count: int) -> str:
+    steps = "\n".join(f"(t{n} (x) ((p) for t{n + 1}))" for n in range(count))
+    body = f"(method (task-net {steps} (t{count} (x))))"
+    return f"{WORLD}(define-rap (x) (method (primitive (a))))\n(define-rap (y) {body})"
+
+
+def _results(count: int) -> str:
+    rows = "\n".join(
+        f"(method n{n} (context (result-with-method n{n} okay)) (primitive (a)))"
+        for n in range(count)
+    )
+    return f"{WORLD}(define-rap (r) {rows})"
+
+
 IGNORE, FILE_IGNORE = "; rapc: ignore[unknown-rap]", "; rapc: file-ignore[unknown-rap]"
 
 TEXTS: dict[str, Callable[[int], str]] = {
@@ -119,6 +148,18 @@ TEXTS: dict[str, Callable[[int], str]] = {
     "suppressed steps of one RAP": _suppressed_steps,
     "unknown methods of one RAP": _methods_asked_for,
     "tests with unknown names": _tests,
+    "goals that never come": lambda n: _chain(
+        n, "(succeed (p))", "(succeed (p)) (method (primitive (a)))"
+    ),
+    "what never ends below": lambda n: (
+        _chain(n, "", "(succeed nil) (monitor-state (p)) (method (primitive (a)))")
+        + "(define-agenda d (task (r0000 here)))"
+    ),
+    "a set handed on": lambda n: _chain(
+        n, "(resources (set ?m))", "(method (context (member ?s x)) (primitive (a)))"
+    ),
+    "protections in a row": _protected,
+    "results of many methods": _results,
 }
 
 

@@ -7,12 +7,12 @@ be brought about.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, asked_through, is_computed, is_known
 from rapc.analysis.certain import done_by_method
-from rapc.analysis.effects import EFFECTS, Effect
+from rapc.analysis.effects import EFFECTS, Effect, callees_first, calls_of
 from rapc.analysis.endless import is_never
 from rapc.analysis.literals import Literal, apart, follows, literals, names
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
@@ -21,7 +21,6 @@ from rapc.analysis.passes.standing import ANALYZER as STANDING
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import steps
 from rapc.library.library import Library
 
 _WORLD = """\
@@ -126,9 +125,8 @@ def _run(run: Pass) -> None:
                 continue
             for found in (*_endless(run, rap, done), *_empty(rap, done)):
                 run.report(found)
-    for name, lost in hopeless.items():
-        if not _is_due_to_another(run.library, name, hopeless):
-            run.report(lost)
+    for name in _causes(run.library, hopeless) if hopeless else ():
+        run.report(hopeless[name])
 
 
 ANALYZER = Analyzer(
@@ -158,28 +156,16 @@ def _hopeless(
     )
 
 
-def _is_due_to_another(
-    library: Library, name: str, hopeless: Mapping[str, object]
-) -> bool:
-    """Whether a RAP asks for one that is hopeless too, and does not ask for it."""
-    for other in _below(library, name):
-        if other in hopeless and name not in _below(library, other):
-            return True
-    return False
-
-
-def _below(library: Library, name: str) -> set[str]:
-    """The RAPs that a RAP asks for, directly or not."""
-    found: set[str] = set()
-    waiting = [name]
-    while waiting:
-        rap = library.raps.get(waiting.pop())
-        for method in rap.methods if rap is not None else ():
-            for step in steps(method):
-                if step.goal.name not in found:
-                    found.add(step.goal.name)
-                    waiting.append(step.goal.name)
-    return found
+def _causes(library: Library, hopeless: Container[str]) -> Iterator[str]:
+    """Yield the hopeless RAPs that ask for no other one, directly or not."""
+    calls = {rap.name: calls_of(rap) for rap in library.raps.values()}
+    lost: set[str] = set()
+    for name in callees_first(calls):
+        below = any(other in lost for other in calls[name] if other != name)
+        if name in hopeless and not below:
+            yield name
+        if below or name in hopeless:
+            lost.add(name)
 
 
 def _endless(

@@ -17,9 +17,9 @@ JOINED = Rule(
     opt_in=True,
     summary="two properties are to have the same value, which may be `unknown`",
     why="""A property of which nothing is known has its default, and that binds a
-variable like any value [L 2.22]. So two things of which nobody knows where they are lie at the
-same place, `unknown`. Ask that the value is none. Where something is always known of
-one of the two the test is not needed; the rule is opt-in for that reason.""",
+variable like any value [L 2.22]. So two things of which nobody knows where they are
+lie at the same place, `unknown`. Ask that the value is none. Where something is always
+known of one of the two the test is not needed; the rule is opt-in for that reason.""",
     example="""\
 (declare-memory-property place-of (?thing ?place) unknown)
 (declare-primitive join (?one ?other) (okay))

@@ -66,7 +66,9 @@ def _run(run: Pass) -> None:
                 *kinds.of((filled.place,)),
             )
             for key in keys:
-                constants.setdefault((key, filled.term.value), []).append(filled)
+                there = constants.setdefault((key, filled.term.value), [])
+                if len(there) < _ENOUGH:
+                    there.append(filled)
         else:
             places[id(filled.term)] = filled.place
     missing = run.result(BINDINGS).missing
@@ -95,6 +97,10 @@ ANALYZER = Analyzer(
     rules=(MARKED,),
     needs_whole="form",
 )
+
+
+_ENOUGH = 4
+"""So many constants of a place are kept of those that are the same."""
 
 
 def _used_once(run: Pass) -> Iterator[tuple[nodes.Var, int]]:

@@ -6,7 +6,7 @@ that is one of the results that the primitive declares, or a reason of the inter
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import msgspec
 
@@ -50,6 +50,7 @@ _ASKS = 2
 
 def _run(run: Pass) -> None:
     known = {r for form in run.library.primitives.values() for r in results(form)}
+    by_name: dict[int, _ByName] = {}
     wrong: dict[int, list[tuple[nodes.Const, Sequence[_Answers]]]] = {}
     for asked in run.result(INDEX).of(nodes.HistoryTest):
         rap, test = asked.owner, asked.node
@@ -58,7 +59,9 @@ def _run(run: Pass) -> None:
         result = test.args[-1] if test.args else None
         if not isinstance(result, nodes.Const) or result.value not in known:
             continue
-        answers = _answers(run, _meant(rap, test))
+        if id(rap) not in by_name:
+            by_name[id(rap)] = _by_name(run, rap)
+        answers = by_name[id(rap)].get(_meant(test))
         own = {name for one in answers or () for name in results(one.form)}
         if answers and result.value not in {*own, *REASONS}:
             wrong.setdefault(id(rap), []).append((result, answers))
@@ -81,16 +84,6 @@ ANALYZER = Analyzer(
 )
 
 
-def _meant(rap: nodes.DefineRap, test: nodes.HistoryTest) -> Sequence[nodes.Method]:
-    """The methods that a question is about."""
-    if test.query == "last-result" or len(test.args) < _ASKS:
-        return list(rap.methods)
-    first = test.args[0]
-    if not isinstance(first, nodes.Const):
-        return list(rap.methods)
-    return [method for method in rap.methods if method.name == first.value]
-
-
 class _Answers(msgspec.Struct, frozen=True):
     """A request of a method, and the declaration of its primitive."""
 
@@ -98,17 +91,37 @@ class _Answers(msgspec.Struct, frozen=True):
     form: nodes.DeclarePrimitive
 
 
-def _answers(run: Pass, methods: Sequence[nodes.Method]) -> Sequence[_Answers] | None:
-    """Return the requests of methods; None if one has another body, or is unknown."""
-    found = []
-    for method in methods:
-        if not isinstance(method.body, nodes.Primitive):
-            return None
-        form = run.library.primitives.get(method.body.request.name)
-        if form is None:
-            return None
-        found.append(_Answers(method.body.request, form))
+_ByName = Mapping[object, Sequence[_Answers] | None]
+"""The requests of the methods by their names, and of all by None."""
+
+
+def _meant(test: nodes.HistoryTest) -> object:
+    """The name of the method that a question is about; None for any."""
+    if test.query == "last-result" or len(test.args) < _ASKS:
+        return None
+    first = test.args[0]
+    return first.value if isinstance(first, nodes.Const) else None
+
+
+def _by_name(run: Pass, rap: nodes.DefineRap) -> _ByName:
+    """Return what methods ask for; None where one has another body, or is unknown."""
+    found: dict[object, list[_Answers] | None] = {}
+    for method in rap.methods:
+        one = _answer(run, method)
+        for name in {method.name, None}:
+            there = found.setdefault(name, [])
+            if one is None:
+                found[name] = None
+            elif there is not None:
+                there.append(one)
     return found
+
+
+def _answer(run: Pass, method: nodes.Method) -> _Answers | None:
+    if not isinstance(method.body, nodes.Primitive):
+        return None
+    form = run.library.primitives.get(method.body.request.name)
+    return None if form is None else _Answers(method.body.request, form)
 
 
 def _finding(wrong: Sequence[tuple[nodes.Const, Sequence[_Answers]]]) -> Diagnostic:

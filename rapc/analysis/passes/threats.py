@@ -8,7 +8,7 @@ and what all of its primitives do if they end `okay`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.certain import done, fact_name
@@ -120,9 +120,12 @@ def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagn
     for at, step in enumerate(steps):
         for effect in done(run.library, step.goal) if at not in net.early else ():
             changes.setdefault(fact_name(effect), []).append((at, effect))
+    changing = {name: _bits(by for by, _ in there) for name, there in changes.items()}
     for at, note, wanted in protected:
         other = places[note.tag]
         apart = before[at] | after[other] | 1 << at | 1 << other
+        if not changing.get(fact_name(wanted), 0) & ~apart:
+            continue
         for by, effect in changes.get(fact_name(wanted), ()):
             if not apart >> by & 1 and _contradict(run, wanted, effect):
                 yield _finding(note, wanted, steps[by])
@@ -154,6 +157,13 @@ def _broken(
                         help="let it come last, or ask for this in the context",
                     )
                     return
+
+
+def _bits(numbers: Iterable[int]) -> int:
+    found = 0
+    for one in numbers:
+        found |= 1 << one
+    return found
 
 
 def _protected(

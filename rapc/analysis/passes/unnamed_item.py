@@ -40,8 +40,12 @@ ask `(know-sensor-name ?thing true)` in its context.""",
 def _run(run: Pass) -> None:
     for rap in run.library.raps.values():
         unknown = dict(_unknown(rap))
-        for method in rap.methods if unknown else ():
-            for found in _unnamed(rap, method, unknown):
+        if not unknown:
+            continue
+        silent = [method for method in rap.methods if not _asks(rap, method)]
+        alone = len(silent) == 1 and len(rap.methods) > _ENOUGH
+        for method in silent:
+            for found in _unnamed(method, unknown, alone=alone):
                 run.report(found)
 
 
@@ -68,14 +72,10 @@ def _unknown(rap: nodes.DefineRap) -> Iterator[tuple[str, nodes.SensorName]]:
 
 
 def _unnamed(
-    rap: nodes.DefineRap,
-    method: nodes.Method,
-    unknown: dict[str, nodes.SensorName],
+    method: nodes.Method, unknown: dict[str, nodes.SensorName], *, alone: bool
 ) -> Iterator[Diagnostic]:
-    if _asks(rap, method):
-        return
     told: set[str] = set()
-    for term in _asked_for(rap, method):
+    for term in _asked_for(method, alone=alone):
         if not isinstance(term, nodes.Var) or term.name in told:
             continue
         if term.name in unknown:
@@ -91,21 +91,19 @@ def _unnamed(
             )
 
 
-_ENOUGH = 2
-"""So many methods ask for the name where one with steps should, too."""
+_ENOUGH = 3
+"""More methods than this show by their number that each should ask."""
 
 
-def _asked_for(rap: nodes.DefineRap, method: nodes.Method) -> Iterator[nodes.Term]:
+def _asked_for(method: nodes.Method, *, alone: bool) -> Iterator[nodes.Term]:
     """Yield what a method needs a sensor name for.
 
     What its steps need is for their RAPs to ask; but where all other methods ask for it
-    already, this one is no exception.
+    already, and this one is alone, it is no exception.
     """
     if isinstance(method.body, nodes.Primitive):
         yield from method.body.request.args
-        return
-    others = [one for one in rap.methods if one is not method]
-    if len(others) > _ENOUGH and all(_asks(rap, one) for one in others):
+    elif alone:
         for step in steps(method):
             yield from step.goal.args
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.asked import is_computed
 from rapc.analysis.certain import fact_name
 from rapc.analysis.effects import EFFECTS, Effect, Effects
-from rapc.analysis.literals import literals
+from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.hopeless import can_come
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -52,24 +53,19 @@ effect is not declared.""",
 
 
 def _run(run: Pass) -> None:
-    if not run.complete:
-        return
     nets = run.result(TASK_NETS)
-    for rap in run.library.raps.values():
+    known: dict[str, _ByName | None] = {}
+    for rap in run.library.raps.values() if run.complete else ():
         asked: set[str] | None = None
         for method in rap.methods:
             net = nets.get(id(method.body))
             if not isinstance(method.body, nodes.TaskNet) or net is None:
                 continue
-            if net.broken or net.order is None:
+            if net.broken or net.order is None or not _protects(method.body):
                 continue
-            for at, step in enumerate(method.body.steps):
-                for note in step.annotations:
-                    if isinstance(note, nodes.For) and note.formula is not None:
-                        asked = _asked(rap) if asked is None else asked
-                        before = _done(run.result(EFFECTS), method.body, net, at)
-                        for found in _vain(run, note, step, before, asked):
-                            run.report(found)
+            asked = _asked(rap) if asked is None else asked
+            for found in _of_net(run, method.body.steps, net, asked, known):
+                run.report(found)
 
 
 ANALYZER = Analyzer(
@@ -96,39 +92,85 @@ def _asked(rap: nodes.DefineRap) -> set[str]:
     }
 
 
-def _done(
-    effects: Effects, body: nodes.TaskNet, net: Net, at: int
-) -> Sequence[Effect] | None:
-    """Return what a step and those not ordered behind it may do, if all is known."""
-    found: list[Effect] = []
-    for other, step in enumerate(body.steps):
-        if other != at and net.is_before(at, other):
-            continue
-        done = effects.of(step.goal.name)
-        if done is None:
-            return None
-        found += done
+_ByName = Mapping[str, Sequence[Effect]]
+"""What a RAP may do, by the names of facts."""
+
+
+def _protects(body: nodes.TaskNet) -> bool:
+    notes = [note for step in body.steps for note in step.annotations]
+    return any(isinstance(n, nodes.For) and n.formula is not None for n in notes)
+
+
+def _by_name(effects: Effects, name: str) -> _ByName | None:
+    done = effects.of(name)
+    if done is None:
+        return None
+    found: dict[str, list[Effect]] = {}
+    for effect in done:
+        found.setdefault(effect.name, []).append(effect)
     return found
 
 
-def _vain(
+def _of_net(
     run: Pass,
-    note: nodes.For,
-    step: nodes.Step,
-    done: Sequence[Effect] | None,
+    steps: Sequence[nodes.Step],
+    net: Net,
     asked: set[str],
+    known: dict[str, _ByName | None],
 ) -> Iterator[Diagnostic]:
-    for one in literals(note.formula) if done is not None else ():
-        assert done is not None
-        fact = fact_name(one)
-        if not fact or fact in asked or not one.holds:
-            continue
-        if not can_come(run.library, one, done):
-            yield Diagnostic(
-                rule=VAIN.name,
-                message=f"nothing up to here brings `{format_formula(one.formula)}` "
-                "about",
-                span=one.span,
-                labels=(Label(step.goal.span, f"`{format_goal(step.goal)}` does not"),),
-                help="protect what the step brings about, or declare that it does",
-            )
+    """Yield what steps protect that no step up to there can bring about."""
+    changers: dict[str, list[tuple[int, Sequence[Effect]]]] = {}
+    for at, step in enumerate(steps):
+        name = step.goal.name
+        if name not in known:
+            known[name] = _by_name(run.result(EFFECTS), name)
+        done = known[name]
+        if done is None:
+            return
+        for fact, effects in done.items():
+            changers.setdefault(fact, []).append((at, effects))
+    for at, step in enumerate(steps):
+        for note in step.annotations:
+            if not isinstance(note, nodes.For):
+                continue
+            for one in literals(note.formula):
+                fact = fact_name(one)
+                if not fact or fact in asked or not one.holds:
+                    continue
+                if is_computed(run.library, fact):
+                    continue
+                there = changers.get(fact, [])
+                if len(there) > _MOST or _comes(run, one, there, net, at):
+                    continue
+                yield _finding(one, step)
+
+
+_MOST = 20
+"""Where more steps than this change a fact, one of them may well bring it about."""
+
+
+def _comes(
+    run: Pass,
+    one: Literal,
+    there: Sequence[tuple[int, Sequence[Effect]]],
+    net: Net,
+    at: int,
+) -> bool:
+    """Whether a step that is not behind another may make a literal hold."""
+    if not there:
+        return can_come(run.library, one, ())
+    return any(
+        can_come(run.library, one, effects)
+        and (other == at or not net.is_before(at, other))
+        for other, effects in there
+    )
+
+
+def _finding(one: Literal, step: nodes.Step) -> Diagnostic:
+    return Diagnostic(
+        rule=VAIN.name,
+        message=f"nothing up to here brings `{format_formula(one.formula)}` about",
+        span=one.span,
+        labels=(Label(step.goal.span, f"`{format_goal(step.goal)}` does not"),),
+        help="protect what the step brings about, or declare that it does",
+    )
