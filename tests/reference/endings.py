@@ -38,8 +38,9 @@ def succeed(run: Run, task: Task, found: Bindings | None) -> None:
         outputs={name: format_atom(value) for name, value in task.outputs.items()},
     )
     task.live = False
-    task.outcome, task.last_result = "succeeded", OKAY
+    task.outcome = "succeeded"
     at_end(run, task, "succeed", task.outputs)
+    task.last_result = OKAY
     if task.parent is not None and task.place is not None:
         task.parent.env.update(bound)
         for change in changes:
