@@ -351,8 +351,7 @@ def test_answers_of_the_wrong_type_are_the_worlds_fault(case: str) -> None:
     slow = issubclass(world, Waits)
     with pytest.raises(rapc.PortError, match=said) as caught:
         run(world, "(rest)" if slow else "(compare)")
-    if "comparator" not in case:
-        assert HERE in caught.value.message
+    assert HERE in caught.value.message
 
 
 def test_a_run_in_a_broken_world_is_ended_in_its_trace() -> None:

@@ -12,6 +12,7 @@ from math import isnan
 
 import msgspec
 
+from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Fact, Number
 from rapc.errors import PortError
 from rapc.ir import nodes
@@ -93,8 +94,8 @@ def named(name: str, compare: Comparator) -> Score:
             return SHARED
         found = compare(_described(a), _described(b))
         if type(found) not in (int, float) or isnan(found):
-            said = f"the comparator `{name}` returned {found!a:.60}, no number"
-            raise PortError(said)
+            whose = f"the comparator `{name}`{place_of(compare)}"
+            raise PortError(f"{whose} returned {found!a:.60}, no number")
         return found
 
     return Score(score, False)
