@@ -11,18 +11,21 @@ from typing import TextIO
 
 import click
 
+from rapc.analysis.endless import endless
 from rapc.base.interrupts import interrupts_held
-from rapc.base.values import number
+from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, same_file, settings
 from rapc.cli.given import prepare, run_options
 from rapc.cli.options import Count
+from rapc.library.library import Library
 from rapc.runtime.authors import blame
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.task_request import TaskRequest
 from rapc.world import Drawable, Time, World
 
 EXAMPLES = """\b
@@ -87,6 +90,9 @@ def run(
     Unless -q or --show is given, the trace goes to standard output; a short report
     closes it.
 
+    A task that is never done keeps the run going for good, unless it stands in the
+    background or --until is given; it is named on standard error.
+
     Exit status: 0 if every task that is not in the background succeeded and none in
     the background failed, 1 if not, 2 if nothing could be run.
     """
@@ -97,6 +103,8 @@ def run(
     library = load_checked(path)
     end = _time(until)
     given = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
+    if end is None:
+        _tell_endless(given.requests, library.library)
     interpreter, world = given.interpreter, given.world
     drawn = _drawable(world, world_name) if show else None
     report = RunReport()
@@ -118,6 +126,16 @@ def run(
         click.echo(visible(line))
     if not all(map(_went_well, interpreter.results())):
         raise SystemExit(1)
+
+
+def _tell_endless(requests: Iterable[TaskRequest], library: Library) -> None:
+    """Say on standard error which tasks keep a run going that nothing else ends."""
+    never = endless(library)
+    for request in requests:
+        if request.goal[0] in never and not request.background:
+            goal = visible(format_list(request.goal))
+            said = f"note: {goal} is never done, and nothing else ends the run"
+            click.echo(f"{said}: give --until, or `:background true` with it", err=True)
 
 
 def _went_well(result: TaskResult) -> bool:

@@ -187,3 +187,15 @@ def test_what_a_world_says_does_not_act_on_the_terminal(bed: Path) -> None:
     told = rapc("worlds", "bed:Garish", cwd=bed)
     assert "red\N{REPLACEMENT CHARACTER}[31m" in told.stdout
     assert "\x1b" not in done.stdout + done.stderr + told.stdout + told.stderr
+
+
+def test_a_task_that_is_never_done_is_named_where_nothing_ends_the_run(
+    bed: Path,
+) -> None:
+    guard = "(define-rap (guard) (succeed nil) (monitor-state (rested)))"
+    (bed / "doze.rap").write_text(f"{LIBRARY}{guard}\n")
+    note = "note: (guard) is never done, and nothing else ends the run: give --until, "
+    assert note in _run(bed, task="(guard)").stderr
+    for more in (("--until", "3"), ("--task", "(guard) :background true")):
+        done = _run(bed, *more, task="(guard) :background true")
+        assert "never done" not in done.stderr
