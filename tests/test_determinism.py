@@ -9,22 +9,30 @@ from pathlib import Path
 
 import pytest
 
-LIBRARY = '(require "truck")\n'
-ORDER = "(fill-order red 2 factory-1)"
-RIVAL = "(fill-order blue 1 factory-2) :priority 1 :at 100"
+TRUCK = (
+    *("--world", "truck"),
+    *("--task", "(fill-order red 2 factory-1)"),
+    *("--task", "(fill-order blue 1 factory-2) :priority 1 :at 100"),
+)
+HALLWAY = (
+    *("--world", "hallway", "--agenda", "standing-by"),
+    *("--task", "(go-to desk) :at 1", "--until", "600"),
+)
 COMMAND = (sys.executable, "-c", "from rapc.cli.main import main; main()", "run", "-")
 
 
-def _traces(folder: Path, hash_seed: int, seed: int) -> tuple[bytes, str]:
+def _traces(
+    folder: Path, hash_seed: int, seed: int, given: tuple[str, ...] = TRUCK
+) -> tuple[bytes, str]:
     """The traces of a run in a process of its own, as JSON Lines and as text."""
     path = folder / f"{hash_seed}-{seed}.jsonl"
     done = subprocess.run(
         [
             *COMMAND,
-            *("--world", "truck", "--task", ORDER, "--task", RIVAL),
+            *given,
             *("--seed", str(seed), "--trace", str(path)),
         ],
-        input=LIBRARY,
+        input=f'(require "{given[1]}")\n',
         env={**os.environ, "PYTHONHASHSEED": str(hash_seed)},
         capture_output=True,
         text=True,
@@ -34,13 +42,13 @@ def _traces(folder: Path, hash_seed: int, seed: int) -> tuple[bytes, str]:
     return path.read_bytes(), done.stdout
 
 
-@pytest.mark.parametrize("seed", [0, 7])
+@pytest.mark.parametrize(("given", "seed"), [(TRUCK, 0), (TRUCK, 7), (HALLWAY, 3)])
 def test_another_process_and_hash_seed_give_the_same_trace(
-    tmp_path: Path, seed: int
+    tmp_path: Path, given: tuple[str, ...], seed: int
 ) -> None:
-    first = _traces(tmp_path, 1, seed)
+    first = _traces(tmp_path, 1, seed, given)
     assert first[0].startswith(b'{"event":"run-started","n":0,"cycle":0,"time":0,')
-    assert _traces(tmp_path, 2, seed) == first
+    assert _traces(tmp_path, 2, seed, given) == first
 
 
 def test_another_seed_gives_another_trace(tmp_path: Path) -> None:

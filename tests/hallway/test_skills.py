@@ -9,12 +9,14 @@ import pytest
 from rapc.base.values import Text
 from rapc.world import Refused
 from rapc.worlds.hallway.channels import DRIVE, TRAJECTORY
-from rapc.worlds.hallway.map_text import read_map
+from rapc.worlds.hallway.map import signs
+from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.simulation import HallwaySettings
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.skills.catalogue import Request
 from rapc.worlds.skills.drawing import draw
 from rapc.worlds.skills.runtime import Told
+from tests.effort import first
 from tests.hallway.driver import (
     FOLLOW_HALL,
     STILL,
@@ -22,6 +24,12 @@ from tests.hallway.driver import (
     to_landmark,
     watch,
 )
+
+HUNG = signs(named_map("default"))
+
+SPACES = sorted({sign.space for sign in HUNG} - {"lift", "lab"})
+SPACES.insert(0, "lab")
+"""Those of the default map, the laboratory first."""
 
 NORTH, EAST, SOUTH, WEST = math.pi / 2, 0.0, -math.pi / 2, math.pi
 
@@ -82,7 +90,7 @@ def test_two_movements_are_in_conflict() -> None:
     assert backing.conflicts == (one,)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", first(2, range(6)))
 def test_a_hall_is_followed_to_its_end(seed: int) -> None:
     driver = Driver(seed)
     driver.place(3.5, 14.0 + 0.1 * (seed - 3), 0.1 * (seed - 3))
@@ -174,7 +182,7 @@ def test_moving_into_a_wall_gets_stuck_before_it() -> None:
     assert driver.sim.state.collisions == []
 
 
-@pytest.mark.parametrize("heading", [-3.0, -1.0, 0.5, 2.0, 3.1])
+@pytest.mark.parametrize("heading", first(2, [-3.0, 0.5, -1.0, 2.0, 3.1]))
 def test_turning_ends_at_the_heading(heading: float) -> None:
     driver = Driver()
     outcome = driver.until(
@@ -221,9 +229,12 @@ def test_landmarks_in_view_are_told_of_in_turn_without_being_watched_for() -> No
         assert abs(math.remainder(float(str(heading)) - math.pi, math.tau)) < 0.05
 
 
-def test_every_landmark_is_reached_from_every_other_in_its_space() -> None:
-    for seed, sign in enumerate(Driver().sim.signs):
-        for other in Driver().sim.signs:
+@pytest.mark.parametrize("space", first(1, SPACES))
+def test_every_landmark_is_reached_from_every_other_in_its_space(space: str) -> None:
+    for seed, sign in enumerate(HUNG):
+        for other in HUNG:
+            if sign.space != space:
+                continue
             if other.space != sign.space or other.floor != sign.floor:
                 continue
             driver = Driver(seed)
@@ -252,8 +263,11 @@ def test_a_landmark_out_of_sight_is_lost() -> None:
     assert driver.until(to_landmark(sign), events=events).event == "lost-landmark"
 
 
-def test_every_doorway_is_passed_both_ways() -> None:
-    for number, sign in enumerate(Driver().sim.signs):
+@pytest.mark.parametrize("space", first(1, SPACES))
+def test_every_doorway_is_passed_both_ways(space: str) -> None:
+    for number, sign in enumerate(HUNG):
+        if sign.space != space:
+            continue
         driver = Driver(number)
         driver.place_at(sign.landmark, sign.space)
         body = driver.sim.state.robot

@@ -10,9 +10,11 @@ from rapc.base.values import Atom
 from rapc.worlds.hallway.channels import (
     DRIVE,
     POSE,
+    PROGRESS,
     TRAJECTORY,
     TRAVEL,
     Drive,
+    Progress,
     Trajectory,
     Travel,
 )
@@ -24,6 +26,9 @@ ARRIVED = 0.3
 
 FACING = 0.05
 """How near to its bearing a turn is complete, in radians."""
+
+HALTED = 2.0
+"""Seconds without coming on after which something stands behind the robot."""
 
 DIRECTION = Parameter(
     "direction", "number", "rad", "a heading in the frame of dead reckoning"
@@ -92,26 +97,46 @@ class FaceDirection(Skill):
         ports[TRAJECTORY] = Trajectory(bearing, 0.0, turn=True)
 
 
+class Halted(Event):
+    """The robot has come no farther backwards."""
+
+    name = "stuck"
+    inputs = (PROGRESS,)
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        """Whether it has been standing for some time."""
+        return () if ports[PROGRESS].stalled >= HALTED else None
+
+
+class Backing(Start):
+    """What `back-off` remembers."""
+
+    #: How far it had come when it last came on, and when that was.
+    far: float = 0.0
+    moved: float | None = None
+
+
 class BackOff(Skill):
     """Go backwards a little, slowly and blindly, away from what was bumped into."""
 
     name = "back-off"
     inputs = (POSE,)
-    outputs = (DRIVE, TRAVEL)
+    outputs = (DRIVE, TRAVEL, PROGRESS)
     parameters = (Parameter("distance", "number", "m", low=0, high=0.5),)
-    events = (MovementComplete,)
+    events = (MovementComplete, Halted)
     uses = ("wheels",)
-    State = Start
-    state: Start
+    State = Backing
+    state: Backing
 
     def step(self, now: float, ports: Ports) -> None:
         """Drive until the distance has been made."""
         pose, state = ports[POSE], self.state
         if state.x is None:
             state.x, state.y = pose.x, pose.y
-        done = (
-            math.hypot(pose.x - state.x, pose.y - state.y)
-            >= (self.arguments["distance"])
-        )
+        far = math.hypot(pose.x - state.x, pose.y - state.y)
+        if state.moved is None or far > state.far + 0.02:
+            state.far, state.moved = far, now
+        done = far >= self.arguments["distance"]
         ports[TRAVEL] = Travel(done)
+        ports[PROGRESS] = Progress(now - state.moved)
         ports[DRIVE] = Drive(0.0 if done else -0.08, 0.0)
