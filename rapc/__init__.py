@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from rapc.host import load as load
     from rapc.host import loads as loads
     from rapc.host import methods as methods
+    from rapc.host import rap_text as rap_text
     from rapc.host import run as run
     from rapc.runtime.events import events as events
     from rapc.runtime.events.trace import JsonTrace as JsonTrace
@@ -78,6 +79,7 @@ _HOMES = {
     "load": "rapc.host",
     "loads": "rapc.host",
     "methods": "rapc.host",
+    "rap_text": "rapc.host",
     "open_world": "rapc.worlds.registry",
     "run": "rapc.host",
 }

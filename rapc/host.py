@@ -22,8 +22,9 @@ from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
-from rapc.errors import ArgumentError, Error, TextError
+from rapc.errors import ArgumentError, Error, RefusedError, TextError
 from rapc.ir.nodes import DefineRap, Method
+from rapc.ir.printer import format_node
 from rapc.library import loader
 from rapc.library.loader import Loaded
 from rapc.library.saved import SavedLibrary
@@ -265,6 +266,22 @@ def run(
     going = library.start(world, agenda=agenda, tasks=tasks, **more)
     reason = going.run(until=until, cycles=cycles)
     return RunResult(reason, going.now, going.results(), going)
+
+
+def rap_text(run: Interpreter, name: str) -> str:
+    """Return a RAP as text, with the methods that a solver has found in a run.
+
+    What was found can so be kept for other runs [S 3.2]: the text may stand in place of
+    the RAP. It is one line, which `rapc fmt` lays out.
+
+    Raises:
+        RefusedError: if the library has no such RAP.
+    """
+    rap = run.machine.library.library.raps.get(name)
+    if rap is None:
+        raise RefusedError([f"there is no RAP `{name}`"])
+    added = tuple(m.node for m in run.machine.state.added_methods.get(name, ()))
+    return format_node(msgspec.structs.replace(rap, methods=rap.methods + added))
 
 
 def methods(text: str) -> tuple[Method, ...]:

@@ -29,7 +29,7 @@ from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings
-from rapc.runtime.snapshot import AgendaEntry, rap_text
+from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.strict import hold_handlers
 from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.runtime.tasks.finish import remove
@@ -149,17 +149,6 @@ class Interpreter:
     def record(self) -> Recording:
         """Keep every event from now on, to be read later."""
         return Recording(self._machine.recorder)
-
-    def rap_text(self, name: str) -> str:
-        """Return a RAP as RAP text, with the methods that its solver has found.
-
-        What is found in one run can so be kept for others [S 3.2]: the text may stand
-        in place of the RAP. It is one line, which `rapc fmt` lays out.
-
-        Raises:
-            KeyError: if the library has no such RAP.
-        """
-        return rap_text(self._machine, name)
 
     def watch_contexts(self, listener: ContextListener) -> None:
         """Tell `listener` whenever the context of a method is asked, and the answer."""

@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.values import format_list, number
-from rapc.ir.printer import format_formula, format_node
+from rapc.ir.printer import format_formula
 from rapc.runtime.events.events import Goal, RunStarted, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.saving.format import digest
@@ -49,17 +49,6 @@ class AgendaEntry(msgspec.Struct, frozen=True):
 def agenda(machine: Machine) -> tuple[AgendaEntry, ...]:
     """All live tasks by number; a value that the run leaves alone."""
     return tuple(_entry(machine, task) for task in machine.state.live_tasks())
-
-
-def rap_text(machine: Machine, name: str) -> str:
-    """Return a RAP with the methods that its solver has added, as text on one line.
-
-    Raises:
-        KeyError: if the library has no such RAP.
-    """
-    rap = machine.library.library.raps[name]
-    added = tuple(plan.node for plan in machine.state.added_methods.get(name, ()))
-    return format_node(msgspec.structs.replace(rap, methods=rap.methods + added))
 
 
 def _entry(machine: Machine, task: Task) -> AgendaEntry:

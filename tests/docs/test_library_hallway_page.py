@@ -30,10 +30,6 @@ def test_the_table_of_layers_has_every_rap_in_its_file() -> None:
     assert told == {name: Path(rap.span.file).name for name, rap in raps.items()}
 
 
-<<<<<<< HEAD
-def _frame(folder: Path) -> str:
-    """Return what the command of the page draws in a folder with its one file."""
-=======
 def test_every_test_of_the_table_of_paragraphs_is_there() -> None:
     [table] = re.findall(r"^\| paragraph \|.*?\n(?=\n)", PAGE, re.M | re.S)
     rows = [row.strip("|").split("|") for row in table.strip().splitlines()[2:]]
@@ -52,11 +48,10 @@ def test_every_test_of_the_table_of_paragraphs_is_there() -> None:
     assert paragraphs == {"3", "3.1", "3.2", "3.3", "4", "4.1", "4.2", "4.2.1", "4.3"}
 
 
-def _frame() -> str:
-    """Return what the command of the page draws."""
->>>>>>> 886e700 (Stop backing away where something stands behind the robot, write found ways out as text, and name a test for each paragraph of S 3 to 4.3)
+def _frame(folder: Path) -> str:
+    """Return what the command of the page draws in a folder with its one file."""
     [command] = re.findall(r"^rapc (run .* --show)$", PAGE, re.M)
-    [text] = re.findall(r"^```rap\n(.*?)^```", PAGE, re.M | re.S)
+    text, *_ = re.findall(r"^```rap\n(.*?)^```", PAGE, re.M | re.S)
     (folder / "robot.rap").write_text(text, encoding="utf-8")
     done = rapc(*command.split(), cwd=folder, COLUMNS="72", LINES="36")
     assert done.stderr == ""

@@ -41,7 +41,7 @@ def test_ways_that_were_found_are_text_that_drives_without_a_planner() -> None:
     run, _ = begin(2, task, options=QUIET)
     heard = run.record()
     run.run(until=1000)
-    text = run.rap_text(PLANNED)
+    text = rapc.rap_text(run, PLANNED)
     assert text.startswith(f"(define-rap ({PLANNED} (?space space))")
     assert text.count("(method ") == 1
     assert "(go-to-next-space kitchen-door kitchen)" in text
@@ -65,6 +65,6 @@ def test_ways_that_were_found_are_text_that_drives_without_a_planner() -> None:
 
 def test_a_rap_without_a_planner_is_written_as_it_was() -> None:
     run, _ = begin(2)
-    assert run.rap_text("nothing") == "(define-rap (nothing) (succeed true))"
-    with pytest.raises(KeyError):
-        run.rap_text("no-such-rap")
+    assert rapc.rap_text(run, "nothing") == "(define-rap (nothing) (succeed true))"
+    with pytest.raises(rapc.RefusedError, match="no RAP `no-such-rap`"):
+        rapc.rap_text(run, "no-such-rap")
