@@ -3,7 +3,8 @@
     python -m bench.growth [NAME]...
 
 Four times the text should take four times as long, or little more; 16 is quadratic.
-The times are CPU seconds of `check_library` and of reading before it.
+The times are CPU seconds of `check_library` and of reading before it, and, for texts
+that can be laid out, those of `rapc fmt` in rows of their own.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from collections.abc import Callable, Iterator, Mapping
 
 from bench.common import short
 from rapc.analysis.driver import check_library
+from rapc.base.source import SourceFile
 from rapc.library.loader import load_text
+from rapc.parser.formatter import formatted
 
 STEPS = (1, 2, 4)
 
@@ -129,6 +132,47 @@ def _dense_calls(n: int) -> str:
     )
 
 
+def _literals(n: int) -> str:
+    asked = " ".join(f"(q ?x{i})" for i in range(n))
+    return f"{_FACTS}(define-rap (r) (succeed (and {asked})))\n"
+
+
+def _monitors(n: int) -> str:
+    return _FACTS + "".join(
+        f"(define-rap (r{i}) (succeed nil) (monitor-state (and (q ?x) (p ?x {i})))"
+        f" (method (primitive (act a{i}))))\n"
+        for i in range(n)
+    )
+
+
+def _queries(n: int) -> str:
+    return _FACTS + "".join(
+        f"(define-query (a{i} ?x) (and (q ?x) (a{i + 1} ?x)))\n" for i in range(n)
+    )
+
+
+def _rows(n: int) -> str:
+    rows = " ".join(f"((act a{i}) okay :asserts ((q a{i})))" for i in range(n))
+    rap = "(define-rap (r) (method (primitive (act a0))))"
+    return f"{_FACTS}{rap}\n(define-test t (script {rows}) (task (r)))"
+
+
+def _protected(n: int) -> str:
+    steps = " ".join(f"(t{i} (r) ((q a{i}) for t{i + 1}))" for i in range(n))
+    rap = "(define-rap (r) (effects (not (q a1))) (method (primitive (act a))))\n"
+    return f"{_FACTS}{rap}(define-rap (s) (method (task-net {steps} (t{n} (r)))))"
+
+
+def _claims(n: int) -> str:
+    raps = "".join(
+        f"(define-rap (r{i}) (method (claims (arm {i}) (leg {n - i}))"
+        f" (task-net (t (r{i // 2})))))\n"
+        for i in range(n)
+    )
+    tasks = " ".join(f"(task (r{i}) :priority {i % 7})" for i in range(n))
+    return f"{_FACTS}{raps}(define-agenda day {tasks})"
+
+
 CONSTRUCTS: Mapping[str, tuple[Callable[[int], str], int]] = {
     "RAPs": (_raps, 2000),
     "`method-tried` of unknown methods": (_methods_tried, 500),
@@ -146,6 +190,12 @@ CONSTRUCTS: Mapping[str, tuple[Callable[[int], str], int]] = {
     "contexts of forty parts": (_contexts, 50),
     "tasks of one agenda": (_tasks, 500),
     "RAPs that call eight others": (_dense_calls, 1000),
+    "facts of one conjunction": (_literals, 500),
+    "RAPs with a monitor": (_monitors, 500),
+    "queries that ask each other in a row": (_queries, 500),
+    "rows of one script": (_rows, 500),
+    "steps that protect facts": (_protected, 200),
+    "RAPs that claim two things": (_claims, 200),
 }
 """Each with how its text is made, and n."""
 
@@ -157,17 +207,32 @@ def seconds(text: str) -> float:
     return time.process_time() - start
 
 
+def laid_out(text: str) -> float:
+    """Return the CPU time that laying out a text takes."""
+    start = time.process_time()
+    formatted(SourceFile("<text>", text))
+    return time.process_time() - start
+
+
+WORKS: Mapping[str, Callable[[str], float]] = {"": seconds, ", laid out": laid_out}
+"""What is measured, by what is put behind the name of a construct."""
+
+
 def rows(wanted: tuple[str, ...] = (), share: int = 1) -> Iterator[tuple[str, float]]:
     """Measure constructs, of an n divided by `share`; give a row and the growth."""
     for name, (make, n) in CONSTRUCTS.items():
         if wanted and not any(word in name for word in wanted):
             continue
         size = max(1, n // share)
-        times = [seconds(make(size * step)) for step in STEPS]
-        growth = times[-1] / times[0]
-        mark = "**too much**" if growth > LIMIT else ""
-        told = " | ".join(short(each) for each in times)
-        yield f"| {name} | {size:,} | {told} | {growth:.1f} | {mark} |", growth
+        for what, work in WORKS.items():
+            times = [work(make(size * step)) for step in STEPS]
+            growth = times[-1] / times[0]
+            mark = "**too much**" if growth > LIMIT else ""
+            told = " | ".join(short(each) for each in times)
+            yield (
+                f"| {name}{what} | {size:,} | {told} | {growth:.1f} | {mark} |",
+                growth,
+            )
 
 
 def main() -> None:

@@ -29,7 +29,7 @@ def _rows(text: str) -> list[tuple[str, str, str]]:
 
 def test_every_construct_is_one_that_can_be_checked() -> None:
     found = dict(growth.rows(share=100))
-    assert len(found) == len(growth.CONSTRUCTS)
+    assert len(found) == len(growth.CONSTRUCTS) * len(growth.WORKS)
     reports = {
         name: check_library(load_text(make(3)))
         for name, (make, _) in growth.CONSTRUCTS.items()

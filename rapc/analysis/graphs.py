@@ -127,9 +127,12 @@ def task_nets(rap: nodes.DefineRap) -> Graph:
         for step in steps(method):
             label = f"{step.tag}: {format_node(step.goal)}"
             drawing.vertex("step", f"{group}/{step.tag}", label, group)
+        tags = {step.tag for step in steps(method)}
         for step in steps(method):
             for note in step.annotations:
                 for source, target, label in _drawn(step.tag, note):
+                    if not tags.issuperset((source, target)):
+                        continue  # a tag that names no step
                     drawing.edge(
                         f"step {group}/{source}", f"step {group}/{target}", label
                     )

@@ -276,3 +276,12 @@ def test_a_world_without_a_network_has_none_to_be_drawn() -> None:
     done = rapc("graph", *truck, cwd=ROOT)
     assert done.returncode == 2
     assert "the world `truck` has no network of skills to be drawn" in done.stderr
+
+
+def test_a_tag_that_names_no_step_is_not_drawn(folder: Path) -> None:
+    (folder / "lib.rap").write_text(
+        "(define-rap (wait))\n; rapc: ignore[unknown-tag] to be written\n"
+        "(define-rap (go) (method (task-net (t1 (wait) (for t2)))))\n"
+    )
+    known, edges = _drawn(folder, "--rap", "go")
+    assert (known, edges) == (["step method/t1"], [])

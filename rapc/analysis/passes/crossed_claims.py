@@ -68,6 +68,10 @@ _Orders = Mapping[tuple[nodes.Thing, nodes.Thing], Sequence[_Taken]]
 """What is wanted by what is held and what is wanted."""
 
 
+_Known = dict[tuple[nodes.Thing, nodes.Thing], dict[_Things, _Taken]]
+"""The same of several tasks, by all that is held; of those alike the first one."""
+
+
 def _run(run: Pass) -> None:
     raps = run.library.raps.values()
     if not any(method.claims for rap in raps for method in rap.methods):
@@ -75,19 +79,21 @@ def _run(run: Pass) -> None:
     orders: dict[str, _Orders] = {}
     told: set[_Things] = set()
     for agenda in run.library.agendas.values():
-        by_priority: dict[int, list[_Orders]] = {}
+        by_priority: dict[int, _Known] = {}
         for task in agenda.tasks:
             name = task.goal.name
             if name not in orders:
                 orders[name] = _orders(run.library, name)
-            others = by_priority.setdefault(task.priority, [])
+            others = by_priority.setdefault(task.priority, {})
             for one, other in _crossed(orders[name], others):
                 pair = frozenset((one.thing, other.thing))
                 if pair not in told:
                     told.add(pair)
                     run.report(_finding(one, other))
-            if orders[name]:
-                others.append(orders[name])
+            for key, taken in orders[name].items():
+                known = others.setdefault(key, {})
+                for other in taken:
+                    known.setdefault(other.held, other)
 
 
 ANALYZER = Analyzer(
@@ -134,16 +140,14 @@ def things(library: Library, method: nodes.Method) -> Iterator[nodes.Thing]:
             yield thing
 
 
-def _crossed(
-    orders: _Orders, others: Sequence[_Orders]
-) -> Iterator[tuple[_Taken, _Taken]]:
+def _crossed(orders: _Orders, others: _Known) -> Iterator[tuple[_Taken, _Taken]]:
     """Yield what is taken in opposite orders, unless a third thing keeps it apart."""
-    for (thing, wanted), mine in orders.items() if others else ():
-        for theirs in others:
-            for other in theirs.get((wanted, thing), ()):
-                one = next((one for one in mine if not one.held & other.held), None)
-                if one is not None:
-                    yield one, other
+    for (thing, wanted), mine in orders.items():
+        for other in others.get((wanted, thing), {}).values():
+            one = next((one for one in mine if not one.held & other.held), None)
+            if one is not None:
+                yield one, other
+                break
 
 
 def _finding(one: _Taken, other: _Taken) -> Diagnostic:
