@@ -311,10 +311,11 @@ class Interpreter:
         return self._machine.state.reason is None
 
     def _go(self, most: int | None, wait: bool) -> int:
-        self.start()
-        recorder = self._machine.recorder
+        state, recorder = self._machine.state, self._machine.recorder
+        if not state.started:
+            self.start()
         before = recorder.cycle
-        if self._machine.state.reason is None:
+        if state.reason is None:
             try:
                 reason = self._loop.run(most, wait)
             except BaseException as error:
@@ -329,6 +330,7 @@ class Interpreter:
         Raises:
             PortError: see `blame`.
         """
+        self._machine.turning, self._machine.broken = False, True
         try:
             blame(error, self._world, self._code)
         except PortError as told:

@@ -31,7 +31,9 @@ class Loop:
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
         self._cost = machine.settings.cycle_cost
-        self._patience = machine.settings.idle_cycles
+        # A world that may end the run by itself is asked in each turn.
+        may_end = type(machine.world).ended is not World.ended
+        self._patience = -1 if may_end else machine.settings.idle_cycles
 
     def run(self, most: int | None, wait: bool, choose: bool = True) -> str | None:
         """Turn until the run is over, and return why, or `most` cycles are done.
@@ -40,14 +42,11 @@ class Loop:
         about to be chosen. Each of these returns None.
         """
         machine = self._machine
-        machine.turning = machine.broken = True
-        try:
-            if machine.state.until is not None and most != 0:
-                machine.set_clock(machine.recorder.time)  # it may not go on
-            reason = self._run(most, wait, choose)
-        finally:
-            machine.turning = False
-        machine.broken = False
+        machine.turning = True
+        if machine.state.until is not None and most != 0:
+            machine.set_clock(machine.recorder.time)  # it may not go on
+        reason = self._run(most, wait, choose)
+        machine.turning = machine.broken = False
         return reason
 
     def _run(self, most: int | None, wait: bool, choose: bool) -> str | None:
@@ -58,9 +57,7 @@ class Loop:
         monitors, unsettled = machine.monitors, machine.recognizer.unsettled
         to_test, host_timers = monitors.to_test, machine.host_timers
         changed, gone = machine.things.changed, state.activations.off
-        cost, cycle = self._cost, recorder.cycle
-        # A world that may end the run by itself is asked in each turn.
-        patience = self._patience if type(world).ended is World.ended else -1
+        cost, patience, cycle = self._cost, self._patience, recorder.cycle
         last = -1 if most is None else cycle + most
         # The last cycle that the clock may stand still; it moved `patience` before.
         limit = cycle - state.idle + patience

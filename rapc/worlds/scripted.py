@@ -390,8 +390,11 @@ class ScriptedWorld(World):
         if row is None and state.told:
             row = state.told.pop(0)
         if row is not None:
-            names = dict(zip(row.pattern[1:], request[1:], strict=True))
-            _change(memory, row, names)
+            if row.pattern == request:
+                _change(memory, row)
+            else:
+                names = dict(zip(row.pattern[1:], request[1:], strict=True))
+                _change(memory, row, names)
 
     def _handle_at(self, memory: HandlerMemory, _: Fact) -> None:
         _change(memory, self._state.entries.pop(0))

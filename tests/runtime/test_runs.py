@@ -13,6 +13,7 @@ from rapc.runtime.events import events
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import read_task_request
+from rapc.worlds.scripted import ScriptedWorld
 
 from .helpers import Play, at, fact, play, row
 
@@ -181,11 +182,13 @@ def test_a_cancelled_task_leaves_with_all_it_spawned() -> None:
 
 
 def test_the_world_may_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    why: list[str] = []
+    monkeypatch.setattr(
+        ScriptedWorld, "ended", lambda _: why[0] if why else None, raising=False
+    )
     ran = Play(USE, "(use a)", "(use b)")
     ran.interpreter.step()
-    monkeypatch.setattr(
-        type(ran.world), "ended", lambda _: "out of fuel", raising=False
-    )
+    why.append("out of fuel")
     ran.run()
     assert ran.told("over") == ["over world"]
     assert len(ran.told("asked")) == 1
