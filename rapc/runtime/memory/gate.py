@@ -152,6 +152,8 @@ class Gate(MemoryView):
                 arguments, or their kinds.
         """
         fact = self._memory.checked(fact)
+        if not self._of_kinds:
+            return fact
         for at, holds in self._of_kinds.get(fact[0], ()):
             if not holds(fact[at]):
                 signatures = self._memory.signatures
