@@ -87,6 +87,8 @@ def main() -> None:
     parser.add_argument("--last", type=int, default=2, help="rocks of each colour")
     parser.add_argument("--usual", action="store_true", help="trips at medium speed")
     given = parser.parse_args()
+    if given.seeds < 1 or not 1 <= given.last <= ROCKS:
+        parser.error(f"--seeds is 1 or more, --last from 1 to {ROCKS}")
     seeds = range(given.first_seed, given.first_seed + given.seeds)
     for name, anywhere in (("still", False), ("shuffled", True)):
         times = [

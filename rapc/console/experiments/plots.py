@@ -175,6 +175,10 @@ def _whole() -> MaxNLocator:
     return MaxNLocator(integer=True, steps=[1, 2, 5, 10])
 
 
+_LONG_LABEL = 33
+"""Labels of so many characters stand two in a row; three would leave the picture."""
+
+
 def _frame(panels: Sequence[Axes], summary: Summary) -> None:
     """Axes, their names, the mark, and the legend."""
     above, middle, below = panels
@@ -206,11 +210,12 @@ def _frame(panels: Sequence[Axes], summary: Summary) -> None:
         )
     middle.yaxis.set_major_locator(_whole())
     for axes in panels:
+        _, labels = axes.get_legend_handles_labels()
         axes.legend(
             fontsize=7,
             loc="lower left",
             bbox_to_anchor=(0, 1),
-            ncols=3,
+            ncols=3 if max(map(len, labels), default=0) < _LONG_LABEL else 2,
             borderpad=0,
             columnspacing=1,
             handlelength=1.5,
