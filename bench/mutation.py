@@ -199,7 +199,7 @@ def row(kind: str, made: Sequence[Outcome]) -> str:
 
 HEAD = (
     "| group | slip | made | found | cause named | one finding | lines off | by "
-    "| no trace | remark |"
+    "| remark |"
 )
 
 PAGE = """\
@@ -213,16 +213,16 @@ what the slip took away), in how many there is one finding alone, and how many l
 between slip and finding in the middle case. A kind with a remark is not always visible
 to a check, which knows the library and not what its author had in mind; the remark says
 when it is, or why never. A slip that leaves the nodes of the program as they were is
-not counted. Of the slips that are not found the column `no trace` counts those that
-change no trace of any of the library's own tests: these may well leave it as good as it
-was.
+not counted.
 
     python -m bench.mutation --page --each {each} > docs/slips.md
 
-writes this page.
+writes this page, and `python -m bench.mutation KIND --missed --runs` tells what is
+missed of a kind, and which of that changes no trace of any of the library's own tests,
+so that it may well leave the library as good as it was.
 
 {head}
-|---|---|---:|---:|---:|---:|---:|---|---:|---|
+|---|---|---:|---:|---:|---:|---:|---|---|
 """
 
 
@@ -231,17 +231,9 @@ def page(benches: Sequence[Bench], each: int, seed: int) -> Iterator[str]:
     names = ", ".join(f"`{path}`" for paths in LIBRARIES for path in paths)
     yield PAGE.format(libraries=names, each=each, head=HEAD).rstrip("\n")
     surely: list[Outcome] = []
-    runs = {bench.folder: Runs(bench.folder) for bench in benches}
     for kind in KINDS:
-        both = list(outcomes(kind, benches, each, seed))
-        made = [one for _, one in both]
-        same = sum(
-            bool(runs[bench.folder].are_the_same(one.file))
-            for bench, one in both
-            if not one.found and one.file is not None
-        )
-        missed = str(same) if len(made) > sum(bool(one.found) for one in made) else ""
-        yield f"{row(kind, made)} {missed} | {NOT_SURE.get(kind, '')} |"
+        made = [one for _, one in outcomes(kind, benches, each, seed)]
+        yield f"{row(kind, made)} {NOT_SURE.get(kind, '')} |"
         surely += made if kind not in NOT_SURE else []
     found = [one for one in surely if one.found]
     named = sum(one.named for one in found)
@@ -260,6 +252,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--page", action="store_true", help="print docs/slips.md")
     parser.add_argument("--missed", action="store_true", help="print what is missed")
+    parser.add_argument("--runs", action="store_true", help="and run what is missed")
     args = parser.parse_args()
     benches = [Bench(paths) for paths in LIBRARIES]
     if args.page:
@@ -278,11 +271,20 @@ def main() -> None:
         total += [one for _, one in made]
         for bench, one in made if args.missed else ():
             if not one.named or len(one.found) != 1:
-                print(_told(bench, one))
+                print(_told(bench, one), _same(bench, one) if args.runs else "")
     found = [one for one in total if one.found]
     named = sum(one.named for one in found)
     single = sum(len(one.found) == 1 for one in found)
     print(f"\n{len(total)} slips, {len(found)} found, {named} named, {single} by one")
+
+
+def _same(bench: Bench, one: Outcome) -> str:
+    """Say whether a slip that is not found changes a trace of the library's tests."""
+    if one.found or one.file is None:
+        return ""
+    same = Runs(bench.folder).are_the_same(one.file)
+    words = {None: "no tests", True: "no trace differs", False: "a trace differs"}
+    return f"({words[same]})"
 
 
 def _told(bench: Bench, one: Outcome) -> str:
