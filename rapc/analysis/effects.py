@@ -56,8 +56,8 @@ class Effects:
         for rule in library.memory_rules:
             bits = self._of_rules(rule)
             self._own[rule.index.name] = self._own.get(rule.index.name, 0) | bits
-        self._sums = _closure(self._own, self._calls)
-        self._unsure = _closure(
+        self._sums = closure(self._own, self._calls)
+        self._unsure = closure(
             {name: int(name in self._open) for name in self._own}, self._calls
         )
         self._effects = tuple(self._numbers)
@@ -101,7 +101,7 @@ class Effects:
                 calls.append(step.goal.name)
                 if step.goal.name not in self._library.raps or _awaits(step):
                     self._open.add(rap.name)
-        if not rap.methods or any(map(_does_nothing, rap.methods)):
+        if not rap.methods or any(map(does_nothing, rap.methods)):
             self._open.add(rap.name)
         if rap.name in self._unread:
             self._open.add(rap.name)
@@ -174,7 +174,7 @@ def _values(fact: nodes.Proposition, given: Mapping[str, object]) -> Values:
     )
 
 
-def _does_nothing(method: nodes.Method) -> bool:
+def does_nothing(method: nodes.Method) -> bool:
     """Whether a method leaves it to others, or to be written later."""
     return isinstance(method.body, nodes.TaskNet) and not method.body.steps
 
@@ -183,7 +183,7 @@ def _awaits(step: nodes.Step) -> bool:
     return any(isinstance(note, nodes.WaitFor) for note in step.annotations)
 
 
-def _closure(
+def closure(
     own: Mapping[str, int], calls: Mapping[str, Sequence[str]]
 ) -> dict[str, int]:
     """Return for each name the bits of all that can be reached from it."""

@@ -6,7 +6,10 @@ from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
+from rapc.analysis.outcomes import Outcomes
+from rapc.analysis.passes.unknown_result import REASONS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.source import Span
 from rapc.ir import nodes
 
 DEAD = Rule(
@@ -17,7 +20,11 @@ DEAD = Rule(
     why="""Of the cases of a `match-result` the first that matches is taken alone, so
 what stands behind a case that matches everything, or behind the same case, is never
 reached. A task ends with a result, not with a signal; an event is a signal, and has no
-result.""",
+result. A task that ends well has the result `succeed`; one that fails has a result of a
+primitive of its RAP or of one below it, the name of an event that fails one of them, or
+a reason of the interpreter. An event that skills tell is heard by the rules of a RAP
+only if such skills are on for it or for one below it. Methods that a problem solver
+adds are not looked at.""",
     example="""\
 (declare-memory-proposition at (?place))
 (declare-primitive drive (?place) (okay stuck))
@@ -40,9 +47,52 @@ result.""",
 
 
 def _run(run: Pass) -> None:
+    results = {r for form in run.library.primitives.values() for r in form.results}
+    results |= {name.removeprefix(":") for name in run.library.events}
+    told = {e for form in run.library.skills.values() for e in form.events or ()}
+    raps, outcomes = run.library.raps, None
     for rule in run.result(INDEX).of(nodes.MemoryRule):
+        dead = set[Span]()
         for found in _dead(rule.node):
+            dead.add(found.span)
             run.report(found)
+        if not run.complete or rule.node.index.name not in raps:
+            continue
+        if outcomes is None:
+            unread = {rap.name for rap in raps.values() if run.unsure(rap.span)}
+            outcomes = Outcomes(run.library, unread)
+        for found in _impossible(rule.node, outcomes, results, told):
+            if found.span not in dead:
+                run.report(found)
+
+
+def _impossible(
+    rule: nodes.MemoryRule, outcomes: Outcomes, results: set[str], told: set[str]
+) -> Iterator[Diagnostic]:
+    """Tell of the cases for what never comes of a RAP, though of others it may."""
+    name = rule.index.name
+    for case in rule.cases:
+        result = case.result
+        if rule.when == "event":
+            if (
+                isinstance(result, nodes.Signal)
+                and result.name in told
+                and not outcomes.tells(name, result.name)
+            ):
+                message = f"no skill that `{name}` has on, or what is below it, tells "
+                help = "move it to the RAP with that skill, or make it an event rule"
+                yield _wrong(case, f"{message}`{result.name}`", help)
+        elif isinstance(result, nodes.Const) and isinstance(result.value, str):
+            failure = result.value
+            if failure == "okay":
+                message = "a task that ends well has the result `succeed`"
+                yield _wrong(case, message, "write `succeed` for `okay`")
+            elif failure in results - {*REASONS} and not outcomes.fails_with(
+                name, failure
+            ):
+                message = f"`{name}` never fails with `{failure}`"
+                help = "name a result of what it does, or remove the case"
+                yield _wrong(case, message, help)
 
 
 def _dead(rule: nodes.MemoryRule) -> Iterator[Diagnostic]:
