@@ -98,7 +98,7 @@ class Outcomes:
         return found
 
     def _of_waits(self, waits: Iterable[nodes.WaitFor]) -> int:
-        """What is awaited may be told; an event that fails is what is failed with."""
+        """Return the bits of events that are awaited, and of failures by them."""
         found = 0
         for wait in waits:
             found |= self._bit(wait.signal)

@@ -18,6 +18,7 @@ from rapc.errors import (
     TextError,
     WorldError,
 )
+from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
 from rapc.runtime.interpreter import Interpreter
@@ -28,7 +29,7 @@ from rapc.runtime.task_request import (
     of_agenda,
     read_task_request,
 )
-from rapc.testing.faults import read_fault
+from rapc.testing.faults import read_fault, told_for_skills
 from rapc.world import World
 from rapc.worlds import registry
 from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
@@ -167,11 +168,13 @@ def _fault(text: str) -> InjectedFault:
         fail(f"--fault: {error}")
 
 
-def _with_faults(world: World, faults: Sequence[InjectedFault], seed: int) -> World:
+def _with_faults(
+    world: World, library: Library, faults: Sequence[InjectedFault], seed: int
+) -> World:
     """A world with faults, if any; ends the command for one that cannot be."""
     offered = Signatures.offered(world.kit.offer)
     for fault in faults:
-        wrong = problem(fault, offered)
+        wrong = problem(fault, offered, told_for_skills(library))
         if wrong is not None:
             fail(f"--fault: {wrong}")
     return FaultyWorld(world, faults, seed) if faults else world
@@ -196,7 +199,7 @@ def _build(
             (own if owner == "rapc" else texts)[name] = value
         options = registry.read_options(world_class, texts)
         world = registry.build_world(world_class, seed, options)
-        world = _with_faults(world, faults, seed)
+        world = _with_faults(world, library.library, faults, seed)
     except WorldError as error:
         fail(error.message, error.help)
     try:

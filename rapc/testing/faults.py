@@ -12,11 +12,25 @@ from rapc.base.names import nearest
 from rapc.base.values import Number, number
 from rapc.errors import TextError
 from rapc.ir import nodes
+from rapc.library.library import Library
 from rapc.parser.parse import parse_pattern
 from rapc.testing.patterns import end_of_list, flat
 from rapc.worlds.faults import InjectedFault
 
 _OPTIONS = {"p": "p", "from": "start", "until": "stop", "by": "by"}
+
+
+def told_for_skills(library: Library) -> frozenset[str]:
+    """Return the events that may be told for skills: declared of them, or awaited.
+
+    A spurious signal is another of these that none of the skills has told.
+    """
+    told = {event for form in library.skills.values() for event in form.events or ()}
+    bodies = (m.body for rap in library.raps.values() for m in rap.methods)
+    for body in bodies:
+        if isinstance(body, nodes.Skills):
+            told.update(wait.signal for wait in body.waits)
+    return frozenset(told)
 
 
 def read_fault(text: str) -> InjectedFault:

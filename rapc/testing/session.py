@@ -10,6 +10,7 @@ import msgspec
 
 from rapc.base.values import format_list
 from rapc.testing.coverage import Coverage
+from rapc.testing.faults import told_for_skills
 from rapc.testing.run import Case, Outcome, Status, run_case
 from rapc.world import World
 from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
@@ -54,7 +55,8 @@ class TestSession(msgspec.Struct, frozen=True):
                 yield f"{format_list(fault.request)}: {reasons[0]}"
 
     def _problem(self, fault: InjectedFault, case: Case) -> str | None:
-        return problem(fault, case.library.signatures)
+        told = told_for_skills(case.library.library)
+        return problem(fault, case.library.signatures, told)
 
 
 def summary(outcomes: Sequence[Outcome], seeds: int) -> str:

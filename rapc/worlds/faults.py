@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import random
 from base64 import b64decode, b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 
 import msgspec
 
@@ -62,12 +62,15 @@ class InjectedFault(msgspec.Struct, frozen=True):
         return on_time and match(self.request, request) is not None
 
 
-def problem(fault: InjectedFault, signatures: Signatures) -> str | None:
+def problem(
+    fault: InjectedFault, signatures: Signatures, told: Container[str] | None = None
+) -> str | None:
     """Return why a fault can hit nothing in a world, or None.
 
     Args:
         fault: the fault.
         signatures: what the world offers.
+        told: the events that may be told for skills, if that is known.
     """
     name = str(fault.request[0])
     if fault.of_signal:
@@ -76,6 +79,10 @@ def problem(fault: InjectedFault, signatures: Signatures) -> str | None:
             return f"a signal is {', '.join(HOW[:-1])} or {HOW[-1]}, not {fault.result}"
         if wrong is None and fault.result == SPURIOUS and _open(fault.request):
             return f"a spurious signal has no variables: {format_list(fault.request)}"
+        if wrong is None and fault.result == SPURIOUS and told is not None:
+            return (
+                None if name in told else f"`{name}` is told for no skills that come on"
+            )
         return None if wrong is None else str(wrong)
     found = signatures.fault("primitive", name, len(fault.request) - 1)
     found = found or signatures.no_result(name, fault.result)

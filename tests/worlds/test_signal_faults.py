@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import pytest
 
-from rapc.testing.faults import read_fault
+import rapc
+from rapc.testing.faults import read_fault, told_for_skills
 from rapc.world import NOT_KNOWN, Fact, Signal, Time
-from rapc.worlds.faults import FaultyWorld
+from rapc.worlds.faults import FaultyWorld, problem
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -105,3 +106,31 @@ def test_a_signal_held_back_has_a_time_where_the_world_knows_none() -> None:
     assert world.next_time() == NOT_KNOWN
     world.activate(1, (ROLL,), (":done",))
     assert world.next_time() == 4
+
+
+LIBRARY = rapc.loads(
+    """
+    (declare-event :done ())
+    (declare-event :seen (?what))
+    (declare-event :bump ())
+    (declare-skill :roll () :events (:seen))
+    (define-rap (roll)
+      (method (primitive (enable (:roll)) (wait-for (:done) :succeed))))
+    (define-event-rule (:bump) (rule))
+    """
+)
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        ("(:done) spurious", None),
+        ("(:seen mug) spurious", None),
+        ("(:bump) spurious", "`:bump` is told for no skills that come on"),
+        ("(:bump) lost", None),
+    ],
+)
+def test_what_no_skills_tell_cannot_be_spurious(fault: str, said: str | None) -> None:
+    program = LIBRARY.program
+    told = told_for_skills(program.library)
+    assert problem(read_fault(fault), program.signatures, told) == said
