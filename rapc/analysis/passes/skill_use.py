@@ -1,6 +1,8 @@
-"""RAP150 and RAP151: events that no skill around tells, skills that nobody enables.
+"""RAP150, RAP151 and RAP155: events and skills that do not go together.
 
-What a skill may tell stands in its declaration; one that says nothing may tell any.
+Events that no skill around tells, skills that nobody enables, and skills that are
+disabled where they were not enabled. What a skill may tell stands in its declaration;
+one that says nothing may tell any.
 """
 
 from __future__ import annotations
@@ -61,10 +63,43 @@ libraries that use a part of it: its skills are not told of.""",
 """,
 )
 
+DISABLED = Rule(
+    code="RAP155",
+    name="vain-disable",
+    severity=Severity.WARNING,
+    summary="a primitive disables a skill that it does not enable",
+    why="""The skills of a primitive go off when it ends; `disable` says so for the
+reader. It switches no others off: those of another task, or the `skills` of a method,
+stay on.""",
+    example="""\
+(declare-event :arrived ())
+(declare-skill :drive () :events (:arrived))
+(declare-skill :look-out ())
+(define-rap (go)
+  (method
+    (primitive (enable (:drive)) (wait-for (:arrived) :succeed) (disable (:look-out)))))
+(define-rap (guard)
+  (method
+    (primitive (enable (:look-out)) (wait-for (:arrived) :succeed))))
+""",
+    better="""\
+(declare-event :arrived ())
+(declare-skill :drive () :events (:arrived))
+(declare-skill :look-out ())
+(define-rap (go)
+  (method
+    (primitive (enable (:drive)) (wait-for (:arrived) :succeed) (disable (:drive)))))
+(define-rap (guard)
+  (method
+    (primitive (enable (:look-out)) (wait-for (:arrived) :succeed))))
+""",
+)
+
 
 def _run(run: Pass) -> None:
     enabled = [found.node for found in run.result(INDEX).of(nodes.Skill)]
     _report_untold(run)
+    _report_disabled(run)
     _report_unused(run, {skill.name for skill in enabled})
 
 
@@ -112,6 +147,21 @@ def _tellers(run: Pass, event: str) -> Iterator[str]:
             yield f"`{name}`"
 
 
+def _report_disabled(run: Pass) -> None:
+    for primitive in run.result(INDEX).of(nodes.Skills):
+        on = {skill.name for skill in primitive.node.enable}
+        for skill in primitive.node.disable:
+            if skill.name not in on:
+                run.report(
+                    Diagnostic(
+                        rule=DISABLED.name,
+                        message=f"this primitive does not enable `{skill.name}`",
+                        span=skill.span,
+                        help="its skills go off by themselves; others it leaves on",
+                    )
+                )
+
+
 def _report_unused(run: Pass, enabled: set[str]) -> None:
     unread = run.unsure
     if not run.complete or not enabled & run.library.skills.keys():
@@ -133,9 +183,9 @@ def _report_unused(run: Pass, enabled: set[str]) -> None:
 
 ANALYZER = Analyzer(
     name="skill-use",
-    doc="Finds events that no skill around tells, and skills that nobody enables.",
+    doc="Finds events and skills that do not go together.",
     run=_run,
     needs=(INDEX,),
-    rules=(UNTOLD, UNUSED),
+    rules=(UNTOLD, UNUSED, DISABLED),
     needs_whole="method",
 )
