@@ -121,8 +121,9 @@ class Picture(msgspec.Struct, frozen=True):
 
     `here` names the spot where the robot is, `heading` the direction it points in (a
     point of the compass, or nothing), `roads` the spots that are joined, `look` the
-    property under which memory has what a thing looks like. Where there is a `plan`, it
-    is drawn in place of spots and roads if there is room.
+    property under which memory has what a thing looks like, `said` what the robot is
+    heard to say. Where there is a `plan`, it is drawn in place of spots and roads if
+    there is room.
     """
 
     here: str
@@ -132,3 +133,4 @@ class Picture(msgspec.Struct, frozen=True):
     look: str = ""
     gauges: tuple[Gauge, ...] = ()
     plan: Plan | None = None
+    said: str = ""

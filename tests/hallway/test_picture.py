@@ -9,6 +9,7 @@ from random import Random
 import pytest
 
 import rapc as rapc_package
+from rapc.base.values import Text
 from rapc.console.show.plan import believed_pose
 from rapc.library.loader import load
 from rapc.worlds.hallway import HallwayWorld
@@ -127,3 +128,27 @@ def test_the_page_names_the_facts_by_which_the_picture_tells_belief() -> None:
     assert told | {"robot"} == set(re.findall(r"`([^`]+)`", named[1]))
     library = load([ROOT / "stdlib" / "hallway"]).library
     assert told <= {*library.propositions, *library.properties}
+
+
+def test_what_the_robot_says_is_printed_and_kept() -> None:
+    world = HallwayWorld(Random(0), {"doors": 0})
+    speak = (":speak", Text("the charger"))
+    assert world.activate(1, [speak], [":spoken"]) is None
+    world.advance(1)
+    assert world.picture().said == "the charger"
+    assert world.said == ((0.1, "the charger"),)
+    world.messages()
+    world.deactivate(1)
+    world.advance(4)
+    assert world.picture().said == ""
+    assert world.said == ((0.1, "the charger"),)
+
+
+def test_the_show_prints_what_is_said(tmp_path: Path) -> None:
+    (tmp_path / "robot.rap").write_text('(require "hallway")')
+    task = ("--task", '(say "the charger") :at 1')
+    run = ("run", "robot.rap", "--world", "hallway", *task)
+    done = rapc(*run, "--show", "--show-every", "1", cwd=tmp_path)
+    assert done.returncode == 0
+    heads = [line for line in done.stdout.splitlines() if line.startswith("time")]
+    assert heads[-1].endswith("in lab   says “the charger”")

@@ -118,6 +118,8 @@ def _head(picture: Picture, memory: MemoryView, doings: Activity) -> Text:
         believed = _otherwise(gauge, memory)
         if believed:
             line.append(f" ≠ {believed}", _WRONG)
+    if picture.said:
+        line.append(f"   says “{picture.said}”")
     return line
 
 

@@ -32,6 +32,9 @@ from rapc.worlds.hallway.simulation import STANDOFF, Simulation
 STEP = 6.0
 """How many metres are a step of the picture."""
 
+READ = 3.0
+"""For how many seconds what was said stays in the picture."""
+
 POINTS = (
     "east",
     "northeast",
@@ -67,7 +70,16 @@ def picture(simulation: Simulation) -> Picture:
         heading=point,
         gauges=(Gauge("in", state.space, _SPACE),),
         plan=floor_plan(simulation, body.floor),
+        said=_said(simulation),
     )
+
+
+def _said(simulation: Simulation) -> str:
+    """Return what the robot has said last, as long as that can be read."""
+    said = simulation.state.said
+    if not said or simulation.now - said[-1][0] > READ:
+        return ""
+    return said[-1][1]
 
 
 def _spots(simulation: Simulation, spaces: list[Space]) -> Iterator[Spot]:

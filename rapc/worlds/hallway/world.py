@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from random import Random
 
 import msgspec
@@ -133,6 +133,11 @@ class HallwayWorld(SkillWorld):
             number(round(off, 2)),
             number(round(body.battery, 1)),
         )
+
+    @property
+    def said(self) -> Sequence[tuple[float, str]]:
+        """Return what the robot has said so far: when, and the words."""
+        return tuple(self.simulation.state.said)
 
     def picture(self) -> Picture:
         """Return the robot's floor as it is now, for `--show`."""
