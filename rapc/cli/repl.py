@@ -17,13 +17,15 @@ from rapc.debug.log import EventLog
 from rapc.debug.recorded import Beginnings, beginnings, follow
 from rapc.debug.session import Session
 from rapc.debug.tape import Tape
+from rapc.debug.texts import TYPED
 from rapc.errors import Error, LoadError, StateError
-from rapc.host import load
+from rapc.host import load, loads
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
 from rapc.runtime.saving.format import digest
 from rapc.worlds.registry import find_world
+from rapc.worlds.scripted import ScriptedWorld
 
 RECORDED = ".jsonl"
 """What the names of recorded runs end with."""
@@ -34,13 +36,14 @@ Examples:
   rapc repl rocks.rap --world truck --task '(rock-order red 1)' -c ':step 5' -c ':tree'
   rapc repl rocks.rap --world truck --agenda deliveries --json < commands
   rapc repl run.jsonl
+  rapc repl
 """
 
 
 @click.command(
     epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
 )
-@click.argument("path")
+@click.argument("path", required=False)
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
 @click.option(
@@ -56,7 +59,7 @@ Examples:
 )
 @common_options
 def repl(
-    path: str,
+    path: str | None,
     world_name: str | None,
     tasks: Sequence[str],
     agenda: str | None,
@@ -69,19 +72,26 @@ def repl(
 ) -> None:
     """Debug a run of the library at PATH in a world, or a recorded run.
 
+    Without PATH nothing is defined and there is no world: a place to try RAP text.
     On a terminal there is a prompt, at which `:help` lists all commands. Else inputs
     are read from standard input, and the answers are written without decoration.
 
     Exit status: 0, or 1 if an input of a script could not be carried out; 2 if nothing
     could be begun.
     """
-    if path.endswith(RECORDED):
+    if path is None:
+        if world_name or tasks or agenda or facts or values or faults:
+            fail("a library is missing: give PATH", "without one there is no world")
+        library = loads("", TYPED)
+        world = ScriptedWorld([], declared=library.program.library)
+        shell = Shell(Session.open(library, world, seed=seed), commands())
+    elif path.endswith(RECORDED):
         shell = _recorded(Path(path))
     elif world_name is None:
         fail("a world is missing: give --world", "`rapc worlds` lists those installed")
     else:
-        library = load_checked(path)
-        begun = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
+        program = load_checked(path)
+        begun = prepare(program, world_name, tasks, agenda, seed, facts, values, faults)
         shell = Shell(_session(begun), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):

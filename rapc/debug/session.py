@@ -23,6 +23,9 @@ from rapc.host import CheckedLibrary
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
 
+_NO_MORE_TO_DO = ("done", "stuck")
+"""Why a run is over that goes on if something is done to it."""
+
 _FEW = 16
 """Fewer cycles than these are sooner replayed than saved."""
 
@@ -70,9 +73,13 @@ class Session(Course):
     def act(self, act: Act) -> None:
         """Do something to the run, now; in the past it begins a new branch.
 
+        A run that is over because there was no more to do goes on with it.
+
         Raises:
             Error: if it cannot be done; then nothing has changed.
         """
+        if self.reason in _NO_MORE_TO_DO and not self.no_way_back:
+            self.goto(self.cycle)
         branch, moment = self.branch, self.moment
         run = act.do(self.run)
         if moment < branch.end or moment.acts < len(branch.acts):

@@ -108,6 +108,9 @@ def test_what_cannot_be_begun_is_refused(tmp_path: Path) -> None:
     assert "is no trace" in done.stderr
     assert rapc("repl", str(tmp_path / "none.jsonl")).returncode == 2
     assert "a world is missing" in rapc("repl", "examples/rock-order.rap").stderr
+    for given in (("--world", "truck"), ("--task", "(a)"), ("--fact", "(a)")):
+        done = rapc("repl", *given)
+        assert (done.returncode, "a library is missing" in done.stderr) == (2, True)
 
 
 def test_a_trace_has_the_digest_of_its_library(tmp_path: Path) -> None:

@@ -169,6 +169,20 @@ def test_an_act_in_the_past_begins_a_branch() -> None:
         session.switch("x")
 
 
+def test_a_run_that_had_no_more_to_do_goes_on_with_what_is_given() -> None:
+    session = truck()
+    assert session.go().said == "done"
+    last = session.cycle
+    session.act(SubmitTask(read_task_request("(rock-order blue 1)")))
+    assert not session.over
+    assert session.go().said == "done"
+    assert session.cycle > last
+    assert [one.outcome for one in session.run.results()] == ["succeeded"] * 2
+    assert [branch.name for branch in session.branches] == ["main"]
+    told = session.scan()
+    assert [one.serial for one in told] == list(range(len(told)))
+
+
 def test_an_act_that_cannot_be_done_changes_nothing() -> None:
     session = truck()
     session.step(5)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from rapc.repl.arguments import is_balanced, split
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs
 from rapc.repl.shell import Shell
+from tests.cli.command import rapc
 from tests.debug.sessions import row, scripted
 from tests.repl.shells import rows, said, truck_shell
 
@@ -184,3 +187,22 @@ LISTENING = """
 (define-rap (top) (method (task-net (t1 (go) (wait-for (:ring hall) :proceed)))))
 (define-rap (go) (method (primitive (act))))
 """
+
+
+def test_without_a_library_rap_text_can_be_tried() -> None:
+    text = """
+    (declare-memory-proposition at (?who ?where))
+    (define-rap (be-at ?where) (succeed (at robot ?where)))
+    :assert (at robot hall)
+    (at ?who ?where)
+    (be-at hall)
+    :run
+    (declare-primitive walk (?where) (okay))
+    :reload
+    """
+    done = rapc("repl", "--json", stdin=text)
+    records = [json.loads(line) for line in done.stdout.splitlines()]
+    assert records[3]["rows"] == [{"?who": "robot", "?where": "hall"}]
+    assert "task accomplished (be-at hall) [1]" in " ".join(records[5]["lines"])
+    refused = {r["input"]: r["lines"] for r in records if r["failed"]}
+    assert list(refused) == ["(declare-primitive walk (?where) (okay))", ":reload"]
