@@ -18,7 +18,7 @@ from rapc.debug.log import EventLog
 from rapc.debug.reload import TakeUp, changed
 from rapc.debug.saves import Moment
 from rapc.debug.stepped import Stop
-from rapc.errors import ArgumentError
+from rapc.errors import ArgumentError, Error
 from rapc.host import CheckedLibrary
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
@@ -78,10 +78,16 @@ class Session(Course):
         Raises:
             Error: if it cannot be done; then nothing has changed.
         """
-        if self.reason in _NO_MORE_TO_DO and not self.no_way_back:
+        goes_on = self.reason in _NO_MORE_TO_DO and not self.no_way_back
+        if goes_on:
             self.goto(self.cycle)
         branch, moment = self.branch, self.moment
-        run = act.do(self.run)
+        try:
+            run = act.do(self.run)
+        except Error:
+            if goes_on:
+                self.step()  # to its end again
+            raise
         if moment < branch.end or moment.acts < len(branch.acts):
             branch = self._branch_off(moment)
         branch.acts.append((moment.cycle, act))

@@ -172,7 +172,11 @@ def test_an_act_in_the_past_begins_a_branch() -> None:
 def test_a_run_that_had_no_more_to_do_goes_on_with_what_is_given() -> None:
     session = truck()
     assert session.go().said == "done"
-    last = session.cycle
+    last, told = session.cycle, session.scan()
+    with pytest.raises(ArgumentError, match="there is no task"):
+        session.act(FailTask(999))
+    assert session.over
+    assert session.scan() == told
     session.act(SubmitTask(read_task_request("(rock-order blue 1)")))
     assert not session.over
     assert session.go().said == "done"
