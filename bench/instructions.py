@@ -5,8 +5,10 @@
 Valgrind counts the instructions of the processor that a piece of work takes in each of
 the two; each counts twice, with fewer and with more repetitions, and the difference is
 that of the work alone. So the ratio is the same whatever else the machine does, though
-a count takes some fifty times as long as the work. Waiting for memory is not counted:
-for that there is `bench.paired`, on a machine that does nothing else.
+a count takes some fifty times as long as the work. Neither checkout may be edited
+meanwhile: Python would compile what has changed within one of the counts. Waiting for
+memory is not counted: for that there is `bench.paired`, on a machine that does nothing
+else.
 """
 
 from __future__ import annotations
