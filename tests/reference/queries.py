@@ -129,8 +129,10 @@ class Asker(Terms):
                 yield from self.past(formula, env)
             case nodes.SensorName(item, value):
                 # every plain symbol is its own sensor name; nothing was introduced
-                if self.has_value(item, env) and self.term(value, env) == "true":
-                    yield env
+                if self.has_value(item, env):
+                    self.term(item, env)
+                    if self.term(value, env) == "true":
+                        yield env
             case _:
                 raise AssertionError(f"not in sections 1 to 6: {formula}")
 

@@ -312,3 +312,21 @@ def test_top_level_tasks_count_in_the_recursion_test() -> None:
         "0 created 1 (again a) None 1 0 None",
         "0 failed 1 (again a) futile-loop futile-loop",
     ]
+
+
+def test_an_input_that_has_lost_its_value_when_the_step_may_run_fails_it() -> None:
+    """It is 9 + 1 when the step is made; at 5, when it is read again, it is nothing."""
+    text = """
+    (define-rap (top) (method (task-net (t1 (use (+ (look-up a) 1)) (window now 5 9)))))
+    (define-rap (use ?i) (method (primitive (act c))))
+    """
+    told = play(
+        text,
+        "(top)",
+        only="query-faulted task-failed",
+        facts=("(p a 9)",),
+        at=(At(2, asserts=(("p", "a", "a"),)),),
+        settings=Settings(futile_limit=1),
+    )
+    assert told[0].startswith("5 faulted 1 step `t1` at lib.rap:")
+    assert told[1] == "5 failed 2 (use (+ (look-up a) 1)) interference interference"

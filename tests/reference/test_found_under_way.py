@@ -175,3 +175,12 @@ def test_a_refusal_that_names_an_ancestor_is_not_asked_again_for_ever() -> None:
     )
     assert told[0].startswith("0 refused 2 (act a) (act a)")
     assert [line.split()[2] for line in told if "failed" in line] == ["2", "1"]
+
+
+def test_an_item_that_cannot_be_computed_is_in_nobodys_reach() -> None:
+    text = """
+    (define-query (near ?u) (know-sensor-name ?u))
+    (define-rap (top) (succeed (near (/ 1 0))))
+    """
+    (told,) = play(text, "(top)", only="query-faulted task-succeeded")
+    assert told.startswith("0 faulted 1 `near` in succeed at lib.rap:")

@@ -68,15 +68,16 @@ def run_cycle(machine: Machine, task: Task) -> None:
 
 def _first_of_all(machine: Machine, task: Task) -> None:
     """Step 1, and what sets off others at the first selection; may end the task."""
-    wait = task.wait
+    wait, unbound = task.wait, False
     if not task.bound:
         read_inputs(machine, task)
+        unbound = not task.bound
     if machine.recorder.on:
         _tell_selected(machine, task)
     machine.agenda.last_family = task.family
     if wait is not None and not (wait.first_selected or task.plan.monitored):
         _begin(machine, task, wait)
-    if task.identity is None and _misses_inputs(machine, task):
+    if (unbound or task.identity is None) and _misses_inputs(machine, task):
         return
     if wait is not None:
         if wait.setup_failed:
