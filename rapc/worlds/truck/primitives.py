@@ -128,5 +128,7 @@ OFFER = Offer(
         "speed": ("speed",),
         "fuel-level": ("fuel",),
         "clock": ("time",),
+        "weather": ("place", "sky"),
+        "light": ("place", "light"),
     },
 )
