@@ -47,12 +47,12 @@ def commitment(session: Session, number: int) -> Commitment:
         ArgumentError: if the task is at work on no method.
         StateError: if the run cannot be taken back in time.
     """
-    run = session.run
-    task = live_task(run, number)
+    task = live_task(session.run, number)
     if task.run is None:
         raise ArgumentError(f"task [{number}] is at work on no method")
     told = _chosen_at(session, number)
     with session.elsewhere(told.cycle - 1):
+        run = session.run  # the past may be made with another library
         run.come_to_choice()
         before = live_task(run, number)
         if not before.bound:
@@ -60,8 +60,8 @@ def commitment(session: Session, number: int) -> Commitment:
         names = run.machine.state.methods(before.plan)
         plan = next((m for m in names if m.name == told.keys["method"]), None)
         facts = tuple(one.fact for one in method_supports(run.machine, before, plan))
-    machine = run.machine
-    task = live_task(run, number)
+    machine = session.run.machine
+    task = live_task(session.run, number)
     method = task.run.plan if task.run is not None else None
     now = None
     if method is not None and method.choice is not None:

@@ -59,6 +59,15 @@ def test_options_are_changed_where_results_are_forced() -> None:
     assert shell.session.run.save() == there
 
 
+def test_what_a_choice_rested_on_is_asked_of_the_run_as_it_was_made() -> None:
+    shell = truck_shell()
+    shell.answer(":to 60")
+    before = said(shell, ":when chosen")
+    shell.answer(":option rapc.futile-limit 4")
+    assert said(shell, ":when chosen") == before
+    assert shell.session.run.settings.futile_limit == 4
+
+
 def test_what_cannot_be_changed_is_said() -> None:
     shell = truck_shell()
     for text, answer in (
