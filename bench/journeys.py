@@ -3,6 +3,7 @@
 python -m bench.journeys                     500 journeys in the default building
 python -m bench.journeys --pairs 60 --random-map 5
 python -m bench.journeys --pairs 60 --map museum
+python -m bench.journeys --pairs 30 --set drift=4
 
 The seed of a journey draws start and goal among all landmarks, and all chance of the
 run. A line is printed for each journey that failed, and for each time at which the
@@ -16,7 +17,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from rapc.base.values import Atom, Text
+from rapc.base.values import Atom, Text, number
 from rapc.runtime.events.report import cause_lines
 from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.map_text import named_map
@@ -36,8 +37,17 @@ def main() -> None:
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--map", default="default", help="a building of the wheel")
     parser.add_argument("--random-map", type=int, help="the seed of a building")
+    parser.add_argument(
+        "--set",
+        nargs="*",
+        default=[],
+        metavar="NAME=NUMBER",
+        help="options of the world",
+    )
     given = parser.parse_args()
     map, options = building(given.map, given.random_map)
+    for name, _, value in (text.partition("=") for text in given.set):
+        options[name] = number(float(value))
     start, journeys = time.process_time(), []
     for seed in range(given.first_seed, given.first_seed + given.pairs):
         journey = travel(seed, map, options)

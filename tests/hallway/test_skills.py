@@ -431,3 +431,45 @@ def test_skills_that_go_off_stop_the_robot() -> None:
     assert driver.sim.runtime.value(TRAJECTORY) is None
     driver.tick(10)
     assert driver.sim.state.robot.speed == 0
+
+
+def _passes(place: tuple[float, float, float], person: tuple[float, float]) -> Driver:
+    """Drive to the east for five metres past somebody who stands there."""
+    settings = HallwaySettings(doors=0, people=1, lift=0, drift=0, usage=0)
+    driver = Driver(0, settings)
+    driver.place(*place)
+    (walker,) = driver.sim.state.walkers
+    walker.x, walker.y = person
+    driver.on(Request("detect-doorway"), events=("passed-doorway",))
+    ticket = driver.on(Request("move-in-direction", (EAST, 5.0, 0.5)))
+    for _ in range(160):
+        walker.pause = 9.0
+        driver.tick()
+    driver.off(ticket)
+    return driver
+
+
+@pytest.mark.parametrize("aside", first(1, [1.62, 1.55, 1.7, 1.75]))
+def test_between_a_box_and_somebody_there_is_no_doorway(aside: float) -> None:
+    driver = _passes((6.0, 0.95, EAST), (8.35, aside))
+    assert driver.sim.state.robot.x > 10
+    assert [told.event for _, told in driver.heard] == []
+
+
+@pytest.mark.parametrize("at", first(1, [4.9, 4.75, 5.1, 5.3]))
+def test_who_swerves_through_a_doorway_at_an_angle_notices_it(at: float) -> None:
+    driver = Driver(3)
+    driver.place(3.2, 0.45, EAST)
+    driver.on(Request("detect-doorway"), events=("passed-doorway",))
+    events = ("movement-complete", "stuck")
+    for x, y in ((at - 0.6, 0.45), (at, -0.6), (at - 1.2, -1.2)):
+        body = driver.sim.state.robot
+        heading = math.atan2(y - body.reckoned_y, x - body.reckoned_x)
+        far = math.hypot(x - body.reckoned_x, y - body.reckoned_y)
+        move = Request("move-in-direction", (heading, far + 0.25, 0.4))
+        driver.until(move, events=events, within=30)
+    assert driver.sim.state.space == "kitchen"
+    (told,) = [one for _, one in driver.heard if one.event == "passed-doorway"]
+    x, y, heading = (float(str(value)) for value in told.arguments)
+    assert (x, y) == pytest.approx((5.0, -0.1), abs=0.25)
+    assert heading == pytest.approx(SOUTH, abs=0.1)
