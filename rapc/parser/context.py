@@ -12,14 +12,25 @@ from typing import Any, NamedTuple, Protocol, TypedDict, Unpack
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
+from rapc.language.heads import ARROW
 from rapc.language.slips import SLIPS
-from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
+from rapc.parser.syntax import (
+    Arrow,
+    Datum,
+    Keyword,
+    List,
+    Numeral,
+    String,
+    Symbol,
+    Variable,
+)
 
 Read = Callable[["Context", Any], Any]
 """Makes something of a datum, or of a list alone; None if it had to be left out."""
 
 _KINDS = {
     Symbol: "a symbol",
+    Arrow: f"the mark `{ARROW}`",
     Variable: "a variable",
     Keyword: "a keyword",
     Numeral: "a number",

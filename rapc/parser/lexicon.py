@@ -18,7 +18,9 @@ from typing import Any
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix
 from rapc.base.source import SourceFile
 from rapc.base.values import Number, format_atom, number
+from rapc.language.heads import ARROW
 from rapc.parser.syntax import (
+    Arrow,
     Comment,
     Datum,
     Keyword,
@@ -56,7 +58,7 @@ MAKERS: Mapping[str, Callable[[Any, int, int], Datum]] = {
     "KEYWORD": Keyword,
     "WORD": Symbol,
 }
-"""What makes a datum of an atom's value and place, by its kind."""
+"""What makes a datum of an atom's value and place, by its kind; but see `maker`."""
 
 _MEANT = str.maketrans(
     {
@@ -126,6 +128,11 @@ class Lexicon:
         return re.compile(self._string)
 
 
+def maker(kind: str, value: Number | str | None) -> Callable[[Any, int, int], Datum]:
+    """Return what makes a datum of an atom of this kind and value."""
+    return Arrow if value == ARROW else MAKERS[kind]
+
+
 def atom_value(kind: str, raw: str) -> Number | str | None:
     """The value of an atom of this kind, or None if something is wrong with it."""
     if kind == "NUMBER":
@@ -183,7 +190,7 @@ class ReadLog:
         kind = (match and match.lastgroup) or "WORD"
         value = atom_value(kind, raw)
         if value is not None:
-            return MAKERS[kind](value, start, end)
+            return maker(kind, value)(value, start, end)
         if kind == "NUMBER":
             self._too_long("number", MAX_NUMBER, start, end)
             return Numeral(0, start, end)

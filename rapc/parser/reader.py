@@ -18,11 +18,11 @@ from rapc.base.source import SourceFile
 from rapc.language.comments import comment_end
 from rapc.language.grammar import TERMINALS
 from rapc.parser.lexicon import (
-    MAKERS,
     MAX_DEPTH,
     Lexicon,
     ReadLog,
     atom_value,
+    maker,
     string_value,
 )
 from rapc.parser.repair.cut import recover
@@ -169,7 +169,7 @@ class _Words(dict[str, _Word]):
         start, end = found.span(kind)
         raw = piece[start:end]
         value = atom_value(kind, raw)
-        make = MAKERS[kind]
+        make = maker(kind, value)
         if value is None:
             make, value = self._log.atom, raw
         word = (start, make, value, start, end, piece.count(")", end), len(piece))

@@ -22,6 +22,14 @@ class Symbol(msgspec.Struct, frozen=True, gc=False):
     end: int
 
 
+class Arrow(msgspec.Struct, frozen=True, gc=False):
+    """The mark `=>` between inputs and outputs; neither a name nor a value."""
+
+    name: str
+    start: int
+    end: int
+
+
 class Variable(msgspec.Struct, frozen=True, gc=False):
     """A variable; the name keeps its question mark."""
 
@@ -62,7 +70,7 @@ class List(msgspec.Struct, frozen=True, gc=False):
     end: int
 
 
-Datum = Symbol | Variable | Keyword | Numeral | String | List
+Datum = Symbol | Arrow | Variable | Keyword | Numeral | String | List
 
 
 class TopLevel(msgspec.Struct, frozen=True, gc=False):

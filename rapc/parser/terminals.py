@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from rapc.base.values import Number
 from rapc.language.grammar import TERMINALS
-from rapc.language.heads import ARROW
 from rapc.parser.context import Context, Read
 from rapc.parser.syntax import Datum, Keyword, Numeral, String, Symbol, Variable
 from rapc.parser.terms import term
@@ -54,7 +53,7 @@ def one_word(word: str) -> Fits:
 
 
 def _is_name(datum: Datum) -> bool:
-    return type(datum) is Symbol and datum.name != ARROW
+    return type(datum) is Symbol
 
 
 def is_string(datum: Datum) -> bool:

@@ -12,7 +12,16 @@ from rapc.language.grammar import RULES
 from rapc.language.heads import ARROW, CALLS, QUERIES, rules_by_head
 from rapc.language.words import WORDS
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
+from rapc.parser.syntax import (
+    Arrow,
+    Datum,
+    Keyword,
+    List,
+    Numeral,
+    String,
+    Symbol,
+    Variable,
+)
 
 _CALLS = rules_by_head("call")
 _LEAST = {
@@ -33,12 +42,12 @@ def term(ctx: Context, datum: Datum) -> nodes.Term | None:
         return _call(ctx, datum)
     span = Span(ctx.file, datum.start, datum.end)
     if type(datum) is Symbol or type(datum) is Keyword:
-        if datum.name == ARROW:
-            _stray_arrow(ctx, datum)
-            return None
         return nodes.Const(datum.name, span)
     if type(datum) is Numeral:
         return nodes.Const(datum.value, span)
+    if type(datum) is Arrow:
+        _stray_arrow(ctx, datum)
+        return None
     assert type(datum) is String
     return nodes.Const(Text(datum.value), span)
 
@@ -47,12 +56,12 @@ def constant(datum: Datum) -> Atom | None:
     """Return what a constant stands for; None for what is none."""
     match datum:
         case Symbol(name) | Keyword(name):
-            return None if name == ARROW else name
+            return name
         case Numeral(number):
             return number
         case String(text):
             return Text(text)
-        case List() | Variable():
+        case List() | Variable() | Arrow():
             return None
 
 
@@ -125,7 +134,7 @@ def pattern(ctx: Context, datum: Datum, kind: type[P]) -> P | None:
     return kind(name, terms(ctx, datum.items[1:]), place)
 
 
-_NO_PROPOSITIONS = frozenset((*QUERIES, *CALLS, ARROW))
+_NO_PROPOSITIONS = frozenset((*QUERIES, *CALLS))
 
 
 def proposition(ctx: Context, datum: Datum) -> nodes.Proposition | None:
@@ -140,10 +149,10 @@ def propositions(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Proposition
 
 def thing(ctx: Context, datum: Datum) -> nodes.Thing | None:
     """Return what is used or claimed: a symbol, or a name with its arguments."""
-    if type(datum) is Symbol and datum.name != ARROW:
+    if type(datum) is Symbol:
         return nodes.Thing(datum.name, (), ctx.span(datum))
     name = head_of(datum)
-    if type(datum) is List and name is not None and name != ARROW:
+    if type(datum) is List and name is not None:
         return nodes.Thing(name, terms(ctx, datum.items[1:]), ctx.span(datum))
     ctx.report(
         "malformed-proposition",
@@ -190,7 +199,7 @@ def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
 def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
     """Return what a step or a task asks for: `(rap args... [=> outs...])`."""
     name = head_of(datum)
-    if name is None or type(datum) is not List or name == ARROW:
+    if name is None or type(datum) is not List:
         ctx.report(
             "malformed-goal",
             f"a goal is wanted here, not {_what(datum)}",
@@ -212,11 +221,11 @@ def split_arrow(
     """Return what stands before and after the `=>` of an index or a goal."""
     items = datum.items[1:]
     for item in items:
-        if type(item) is Symbol and item.name == ARROW:
+        if type(item) is Arrow:
             break
     else:
         return items, ()
-    places = [i for i, d in enumerate(items) if type(d) is Symbol and d.name == ARROW]
+    places = [i for i, d in enumerate(items) if type(d) is Arrow]
     first = places[0]
     for place in places[1:]:
         ctx.report(

@@ -107,6 +107,7 @@ def _by_lark(tree: Tree[Token]) -> tuple[Plain, ...]:
             else:
                 text = text.lower()
             kind = KINDS.get(child.type, child.type.capitalize())
+            kind = "Arrow" if text == "=>" else kind
             items.append((kind, text, child.start_pos, child.end_pos))
     return tuple(items)
 

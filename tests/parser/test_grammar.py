@@ -119,6 +119,25 @@ def test_words_of_the_language_are_terms(word: str) -> None:
         assert parsed(program).diagnostics == ()
 
 
+@pytest.mark.parametrize(
+    "program",
+    [
+        "(define-rap (go) (method (task-net (=> (go)))))",
+        "(define-rap (go) (method => (task-net)))",
+        "(define-rap (go) (method (task-net (t1 (go) (for =>)))))",
+        "(define-query (=>) (p))",
+        "(define-agenda => (task (go)))",
+        "(declare-memory-proposition => (?x))",
+        "(define-test => (task (go)) (expect (succeeds (go))))",
+        "(define-test done (task (go =>)) (expect (succeeds (go))))",
+        "(define-test done (task (go)) (expect (succeeds (go =>))))",
+    ],
+)
+def test_the_arrow_names_nothing(program: str) -> None:
+    assert not accepted(program)
+    assert parsed(program).diagnostics
+
+
 @pytest.mark.parametrize("text", ["(p => x)", "(=> x)"])
 def test_the_arrow_is_no_value_and_no_name(text: str) -> None:
     program = f"(define-rap (a) (succeed {text}))"

@@ -9,7 +9,7 @@ from tests.parser.reading import plain, reading
 ATOMS = [
     ("location", "Symbol", "location"),
     ("DEFINE-Rap", "Symbol", "define-rap"),
-    ("=>", "Symbol", "=>"),
+    ("=>", "Arrow", "=>"),
     ("<=", "Symbol", "<="),
     ("#1", "Symbol", "#1"),
     ("1st", "Symbol", "1st"),

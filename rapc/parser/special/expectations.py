@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import cast
 
 from rapc.ir import nodes
-from rapc.language.heads import rules_by_head
+from rapc.language.heads import ARROW, rules_by_head
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.elaborate import wrong
+from rapc.parser.elaborate import made, wrong
 from rapc.parser.special.clauses import lone_formula
 from rapc.parser.special.script import options, whole
-from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
+from rapc.parser.syntax import Arrow, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import term
 
 EXPECTATIONS = tuple(rules_by_head("expectation"))
@@ -54,18 +54,26 @@ def event_pattern(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
     rest = _joined(ctx, datum.items[1:])
     words = {word.name: 1 for word in rest if isinstance(word, Keyword)}
     given = options(ctx, rest, f"`{name}`", words)
-    keys = tuple((key[1:], _value(ctx, one.items[1])) for key, one in given.items())
+    values = {key[1:]: _value(ctx, one.items[1]) for key, one in given.items()}
+    keys = tuple((key, value) for key, value in values.items() if value is not None)
     return nodes.EventPattern(name, keys, ctx.span(datum))
 
 
-def _value(ctx: Context, datum: Datum) -> nodes.TracePattern:
-    """A term of the trace, as it is written there."""
+def _value(ctx: Context, datum: Datum) -> nodes.TracePattern | None:
+    """A term of the trace, as it is written there; None for what is none."""
     if isinstance(datum, List):
-        items = [_value(ctx, item) for item in _joined(ctx, datum.items)]
-        return nodes.ListPattern(tuple(items), ctx.span(datum))
+        items = [_item(ctx, item) for item in _joined(ctx, datum.items)]
+        return nodes.ListPattern(made(items), ctx.span(datum))
     if isinstance(datum, Symbol):
         return nodes.Const(datum.name, ctx.span(datum))
-    return cast(nodes.Const | nodes.Var, term(ctx, datum))
+    return cast(nodes.Const | nodes.Var | None, term(ctx, datum))
+
+
+def _item(ctx: Context, datum: Datum) -> nodes.TracePattern | None:
+    """A term in a list: a goal has the mark before its outputs among its terms."""
+    if isinstance(datum, Arrow):
+        return nodes.Const(ARROW, ctx.span(datum))
+    return _value(ctx, datum)
 
 
 def _joined(ctx: Context, data: Sequence[Datum]) -> list[Datum]:

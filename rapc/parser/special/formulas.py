@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.language.heads import ALONE, ARROW, CALLS, TRUTHS
+from rapc.language.heads import ALONE, CALLS, TRUTHS
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.elaborate import wrong
 from rapc.parser.syntax import Datum, List, Symbol
@@ -66,7 +66,7 @@ def truth(ctx: Context, datum: Datum) -> nodes.Truth:
     return nodes.Truth(TRUTHS[datum.name], ctx.span(datum))
 
 
-_NO_PROPOSITIONS = frozenset((*CALLS, *ALONE, ARROW))
+_NO_PROPOSITIONS = frozenset((*CALLS, *ALONE))
 """Words that head lists which are no formulas; formulas have readers."""
 
 

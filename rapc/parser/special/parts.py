@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 import msgspec
 
 from rapc.ir import nodes
-from rapc.language.heads import ARROW
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
 
@@ -146,7 +145,7 @@ def _argument(
 
 def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
     """A variable with a name that is not yet among those `seen`."""
-    if isinstance(datum, Symbol) and datum.name != ARROW:
+    if isinstance(datum, Symbol):
         ctx.report_fixable(
             "malformed-form",
             f"the variable `?{datum.name}` lacks its `?`",

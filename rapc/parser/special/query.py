@@ -14,7 +14,7 @@ def define_query(ctx: Context, form: List) -> nodes.DefineQuery | None:
     items = form.items[1:]
     head = items[0] if items else None
     name = head.items[0] if isinstance(head, List) and head.items else None
-    if not isinstance(head, List) or not isinstance(name, Symbol) or name.name == "=>":
+    if not isinstance(head, List) or not isinstance(name, Symbol):
         ctx.report(
             "malformed-form",
             "`define-query` begins with a name and its arguments in parentheses",

@@ -96,7 +96,7 @@ def _name(ctx: Context, datum: List, index: Datum | None) -> Symbol | None:
         return index
     if type(index) is List and index.items:
         first = index.items[0]
-        if isinstance(first, Symbol) and first.name != "=>":
+        if isinstance(first, Symbol):
             return first
         message = "an index begins with the name of the RAP"
         ctx.report("malformed-goal", message, first)

@@ -10,7 +10,7 @@ from rapc.ir import nodes
 from rapc.language.heads import rules_by_head
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.fields import filled, slots
-from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
+from rapc.parser.syntax import Arrow, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import colon, goal, pattern
 
 
@@ -89,7 +89,8 @@ def asked_goal(
 ) -> nodes.Goal | None:
     """A goal without outputs, of constants and, unless `ground`, variables."""
     found = goal(ctx, datum)
-    if found is not None and found.outputs:
+    arrow = isinstance(datum, List) and any(type(d) is Arrow for d in datum.items)
+    if found is not None and arrow:
         help = "in `succeeds` they stand behind it: `(succeeds (find box) kitchen)`"
         ctx.report("malformed-goal", "no outputs can stand here", datum, help=help)
         return None
