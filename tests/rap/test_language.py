@@ -2,7 +2,8 @@
 
 Sections from 2 on are numbered sentences. Each names a test, which runs here under
 several seeds, or a rule of the checker, whose example runs here too; no test that is
-named after a sentence is without one. What the pages show in RAP stands in a file of
+named after a sentence is without one. Sentences on the handlers of worlds name a test
+in Python. What the pages show in RAP stands in a file of
 tests.
 """
 
@@ -23,6 +24,7 @@ from tests.cli.command import rapc
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[1] / "docs"
+STRICT = HERE.parent / "runtime" / "test_strict.py"
 INDEX = DOCS / "language.md"
 PAGES = tuple(sorted((DOCS / "language").glob("*.md")))
 FILES = tuple(sorted(HERE.glob("*.test.rap")))
@@ -30,6 +32,7 @@ SEEDS = range(3)
 
 _SENTENCE = re.compile(r"^- \*\*(\d+)\.(\d+)\*\* (.*?)(?=^- |^$|\Z)", re.M | re.S)
 _TEST = re.compile(r"`(s\d+-\d+-[a-z0-9-]+)`")
+_IN_PYTHON = re.compile(r"`(test_[a-z_]+)`")
 _RULE = re.compile(r"rule\s+\[`([a-z-]+)`\]\((?:\.\./)?rules\.md#\1\)")
 _LINKED_RULE = re.compile(r"\[`([a-z-]+)`\]\(\.\./rules\.md#([a-z-]+)\)")
 _LINK = re.compile(r"\]\(([^)#]*)(?:#([^)]*))?\)")
@@ -87,7 +90,8 @@ def test_sections_from_2_on_are_made_of_sentences() -> None:
 def test_each_sentence_names_a_test_of_its_number_or_a_rule(page: Path) -> None:
     for section, number, words in sentences(page):
         named = _TEST.findall(words)
-        assert named or _RULE.findall(words), f"{section}.{number} names neither"
+        others = _RULE.findall(words) or _IN_PYTHON.findall(words)
+        assert named or others, f"{section}.{number} names none"
         for name in named:
             assert name.startswith(f"s{section}-{number}-"), name
 
@@ -96,6 +100,13 @@ def test_each_named_test_is_there_and_each_numbered_test_is_named() -> None:
     named = [name for page in PAGES for name in _TEST.findall(text(page))]
     assert sorted(set(named)) == sorted(numbered_tests())
     assert len(set(named)) == len(named)
+
+
+def test_each_test_in_python_is_there() -> None:
+    there = set(re.findall(r"^def (test_\w+)", text(STRICT), re.M))
+    named = [name for page in PAGES for name in _IN_PYTHON.findall(text(page))]
+    assert len(named) == 6
+    assert set(named) <= there
 
 
 @pytest.mark.parametrize("file", FILES, ids=_page)
