@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from rapc.analysis.effects import callees_first, calls_of
 from rapc.base.source import Span
@@ -18,21 +18,22 @@ def is_never(formula: nodes.Formula) -> bool:
     return isinstance(formula, nodes.Truth) and not formula.value
 
 
-def endless(library: Library) -> Mapping[str, Span]:
-    """Return the RAPs that stand by for good, each with the clause that says so.
+def endless(raps: Mapping[str, nodes.DefineRap]) -> Mapping[str, Span]:
+    """Return those of `raps` that stand by for good, each with the clause that says so.
 
-    A RAP without `succeed` is done when a method has ended well: never, if each of its
-    methods has a step that is never done and that nothing ends.
+    Steps for other RAPs count as done some time. A RAP without `succeed` is done when a
+    method has ended well: never, if each of its methods has a step that is never done
+    and that nothing ends.
     """
     found: dict[str, Span] = {}
-    for rap in library.raps.values():
+    for rap in raps.values():
         waits = rap.monitor_state is not None or rap.monitor_time is not None
         if waits and rap.succeed is not None and is_never(rap.succeed):
             found[rap.name] = rap.succeed.span
     if not found:
         return found
-    calls = {rap.name: calls_of(rap) for rap in library.raps.values()}
-    order = [library.raps[name] for name in callees_first(calls)]
+    calls = {rap.name: calls_of(rap) for rap in raps.values()}
+    order = [raps[name] for name in callees_first(calls) if name in raps]
     grown = True
     while grown:
         grown = False
@@ -43,6 +44,21 @@ def endless(library: Library) -> Mapping[str, Span]:
             if all(causes):
                 found[rap.name] = next(cause for cause in causes if cause)
                 grown = True
+    return found
+
+
+def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap]:
+    """Return the RAPs called `names` and all that their steps lead to.
+
+    Others are not looked at: a compiled library need not read them.
+    """
+    found: dict[str, nodes.DefineRap] = {}
+    stack = list(names)
+    while stack:
+        name = stack.pop()
+        if name not in found and name in library.raps:
+            found[name] = library.raps[name]
+            stack.extend(calls_of(found[name]))
     return found
 
 

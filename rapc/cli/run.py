@@ -11,7 +11,7 @@ from typing import TextIO
 
 import click
 
-from rapc.analysis.endless import endless
+from rapc.analysis.endless import endless, reached
 from rapc.base.interrupts import interrupts_held
 from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
@@ -130,8 +130,9 @@ def run(
 
 def _tell_endless(requests: Iterable[TaskRequest], library: Library) -> None:
     """Say on standard error which tasks keep a run going that nothing else ends."""
-    never = endless(library)
-    for request in requests:
+    asked = list(requests)
+    never = endless(reached(library, (str(one.goal[0]) for one in asked)))
+    for request in asked:
         if request.goal[0] in never and not request.background:
             goal = visible(format_list(request.goal))
             said = f"note: {goal} is never done, and nothing else ends the run"

@@ -108,7 +108,7 @@ def _run(run: Pass) -> None:
         return
     reach = _reach(run)
     told: set[int] = set()
-    never_done = endless(run.library)
+    never_done = endless(run.library.raps)
     for agenda in run.library.agendas.values():
         for found in (
             *_low(run, agenda, never_done),

@@ -61,7 +61,7 @@ def _run(run: Pass) -> Explained:
     computed: set[int] = set()
     for used in run.result(INDEX).uses():
         short = used.use == "test" and run.signatures.relations.get(used.name)
-        if short and short.most is not None and used.count + 1 == short.most:
+        if short and not short.is_property and used.count + 1 == short.most:
             lacking[id(used.owner)] += 1
     for misuse in run.result(MISUSES).found:
         used = misuse.used

@@ -115,7 +115,7 @@ def _run(run: Pass) -> set[int]:
     """Report, and return the ids of the monitors that nothing ever changes."""
     library = run.library
     unheard: set[int] = set()
-    never_done = endless(library) if library.agendas else {}
+    never_done = endless(library.raps) if library.agendas else {}
     for agenda in library.agendas.values():
         for task in agenda.tasks:
             cause = never_done.get(task.goal.name)
