@@ -124,6 +124,8 @@ def test_a_copy_of_a_standard_library_stands_for_the_installed_one(
     (copy / "inner.rap").write_text(_rap("inner", "truck"))
     (tmp_path / "clone" / "examples").mkdir()
     (tmp_path / "clone" / "examples" / "mine.rap").write_text(_rap("mine", "truck"))
+    one_file = _rap("other", "truck/world")
+    (tmp_path / "clone" / "examples" / "other.rap").write_text(one_file)
     folder, paths = COPIES[case]
     monkeypatch.chdir(tmp_path / folder)
     loaded = load(paths)

@@ -306,7 +306,8 @@ def _resolve(name: str, requiring: Path, given: Sequence[Path]) -> Path | None:
     """Return the file or folder a `require` means; never the requiring file itself.
 
     A copy of a standard library among the paths `given`, or one that contains the
-    requiring file, stands for the installed one: else all its names were defined twice.
+    requiring file, stands for the installed one, also where one file of it is required:
+    else all its names were defined twice.
     """
     if os.path.isabs(name):
         return None
@@ -316,7 +317,12 @@ def _resolve(name: str, requiring: Path, given: Sequence[Path]) -> Path | None:
     installed = _in_folder(name, _shown(_stdlib()), requiring)
     if installed is None:
         return None
-    return next(_copies(name, installed, requiring, given), installed)
+    library, _, inner = name.partition("/")
+    for copy in _copies(library, _stdlib() / library, requiring, given):
+        meant = _in_folder(inner, copy, requiring) if inner else copy
+        if meant is not None:
+            return meant
+    return installed
 
 
 def _copies(
