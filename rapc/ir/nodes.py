@@ -651,6 +651,17 @@ class Require(Node, frozen=True, eq=False):
 # --- what is given -----------------------------------------------------------------
 
 
+class Moved(Node, frozen=True, eq=False):
+    """`(item place)`: an item that a handler has introduced is at another place now.
+
+    Both are constants or, in a row of a script, variables.
+    """
+
+    item: Term
+    place: Term
+    span: Span = NOWHERE
+
+
 RowKind = Literal["request", "enable", "disable"]
 
 
@@ -670,6 +681,8 @@ class ScriptRow(Node, frozen=True, eq=False):
     after: Number | None
     asserts: tuple[Proposition, ...]
     erases: tuple[Proposition, ...]
+    moves: tuple[Moved, ...]
+    loses: tuple[Term, ...]
     data: tuple[Datum, ...]
     signals: tuple[Signal, ...]
     refused: bool
@@ -733,6 +746,20 @@ class Erases(Node, frozen=True, eq=False):
     """`(erases prefix...)`."""
 
     prefixes: tuple[Proposition, ...]
+    span: Span = NOWHERE
+
+
+class Moves(Node, frozen=True, eq=False):
+    """`(moves (item place)...)`."""
+
+    moves: tuple[Moved, ...]
+    span: Span = NOWHERE
+
+
+class Loses(Node, frozen=True, eq=False):
+    """`(loses item...)`."""
+
+    items: tuple[Term, ...]
     span: Span = NOWHERE
 
 
@@ -893,7 +920,7 @@ class Expect(Node, frozen=True, eq=False):
 
 # --- the whole -----------------------------------------------------------------------
 
-Action = Asserts | Erases | Signals | GivenTask | Cancel | Expect
+Action = Asserts | Erases | Moves | Loses | Signals | GivenTask | Cancel | Expect
 
 
 class At(Node, frozen=True, eq=False):

@@ -257,6 +257,8 @@ WORDS: Mapping[str, Words] = {
     ),
     "asserts": Words("facts that come"),
     "erases": Words("facts that go"),
+    "moves": Words("items that are elsewhere now"),
+    "loses": Words("items that are not where they were"),
     "signals": Words("signals that come"),
     "cancel": Words("a task is given up", "one goal"),
     "expect": Words("what is to be found afterwards"),

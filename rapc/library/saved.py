@@ -34,7 +34,7 @@ from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
 
-FORMAT = 4
+FORMAT = 5
 """The version of the format; a change of the IR is one of the format."""
 
 _MOST_SAID = 200

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
-from rapc.base.values import Atom, Fact, match
+from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
 from rapc.errors import PortError, RefusedError
 from rapc.ir.nodes import Formula
@@ -32,7 +32,7 @@ from rapc.runtime.settings import Settings
 from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.strict import hold_handlers
 from rapc.runtime.task_request import TaskRequest, read_task_request
-from rapc.runtime.tasks.finish import remove
+from rapc.runtime.tasks.finish import cancel_matching, remove
 from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
 from rapc.runtime.tasks.start import create_top
@@ -179,6 +179,15 @@ class Interpreter:
         self._machine.access.erase_for("user", prefix)
         self._machine.access.recognise()
 
+    def move(self, item: str, place: Atom | None) -> None:
+        """Let an introduced item be at another place; None: it is lost.
+
+        Raises:
+            FactError: for a name that no handler introduced.
+        """
+        with (access := self._machine.access).batch():
+            access.lose(item) if place is None else access.move(item, place)
+
     def signal(self, *content: Atom) -> None:
         """Send a signal `(:name arg...)` now.
 
@@ -238,15 +247,7 @@ class Interpreter:
 
         Its variables (`?x`, `?`) match anything.
         """
-        goal = self._machine.memory.canonical(goal)
-        found = [
-            task
-            for task in (given.task for given in self._machine.state.top_level)
-            if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
-        ]
-        for task in found:
-            remove(self._machine, task, "cancelled")
-        return len(found)
+        return cancel_matching(self._machine, goal)
 
     def check(self, tasks: Sequence[TaskRequest]) -> None:
         """Look at tasks without running anything. Raises RefusedError as `submit`."""

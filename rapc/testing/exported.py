@@ -35,6 +35,12 @@ _SIDE = (
 """What is told among the changes of memory that belong together."""
 
 
+_DONE = ("erases", "asserts", "moves", "loses")
+"""What can happen to memory, in the order in which a script does it."""
+
+_OF_PLACES = ("moves", "loses")
+"""What can happen to items that have been introduced."""
+
 _OVER = "run-over"
 """Why a task is removed that the end of a run finds at work."""
 
@@ -43,10 +49,19 @@ _OF_ITEMS = ("class", "location")
 
 
 class Change(NamedTuple):
-    """A fact that is asserted or erased."""
+    """Something that happens to memory."""
 
-    erases: bool
+    #: `erases`, `asserts`, `moves` or `loses`.
+    does: str
+    #: What is erased or asserted, an item with its place, or an item alone.
     fact: Fact
+
+    def __str__(self) -> str:
+        return (
+            format_atom(self.fact[0])
+            if self.does == "loses"
+            else format_list(self.fact)
+        )
 
 
 class Part(msgspec.Struct):
@@ -62,18 +77,18 @@ class Part(msgspec.Struct):
     changes: tuple[Change, ...] = ()
 
     def __str__(self) -> str:
-        erased = " ".join(format_list(c.fact) for c in self.changes if c.erases)
-        asserted = " ".join(format_list(c.fact) for c in self.changes if not c.erases)
+        done = {word: self._done(word) for word in _DONE}
         if self.kind == "facts":
-            return f"(facts {asserted})" if asserted else ""
+            return f"(facts {done['asserts']})" if done["asserts"] else ""
+        told = [(word, what) for word, what in done.items() if what]
         if self.kind == "row":
-            erases = f" :erases ({erased})" if erased else ""
-            asserts = f" :asserts ({asserted})" if asserted else ""
-            return f"({self.head}{self.more}{asserts}{erases})"
-        erases = f" (erases {erased})" if erased else ""
-        asserts = f" (asserts {asserted})" if asserted else ""
-        said = f"{erases}{asserts}{self.more}"
+            options = "".join(f" :{word} ({what})" for word, what in told)
+            return f"({self.head}{self.more}{options})"
+        said = "".join(f" ({word} {what})" for word, what in told) + self.more
         return f"(at {self.head}{said})" if said else ""
+
+    def _done(self, word: str) -> str:
+        return " ".join(str(one) for one in self.changes if one.does == word)
 
 
 class Exported(msgspec.Struct):
@@ -162,6 +177,8 @@ class _Reading:
         self._changes: list[Change] = []
         #: The sensor names of the items that are known.
         self._sensors: dict[Atom, Atom] = {}
+        #: What the data of rows so far speak of: the items that a script introduces.
+        self._introduced: set[Atom] = set()
         self.parts = [Part("facts")]
         #: The requests and skills, as an expectation names them.
         self.asked: list[str] = []
@@ -171,9 +188,14 @@ class _Reading:
         match event:
             case events.FactAsserted() | events.FactErased():
                 if event.by != "notation":
-                    erases = isinstance(event, events.FactErased)
-                    self._changes.append(Change(erases, event.fact))
+                    does = _FACTS[type(event)]
+                    self._changes.append(Change(does, event.fact))
                 return
+            case events.ItemMoved():
+                item = self._as_asked(event)
+                self._changes.append(Change("moves", (item, event.location)))
+            case events.ItemLost():
+                self._changes.append(Change("loses", (self._as_asked(event),)))
             case events.PrimitiveEnded():
                 self._end(event)
                 return
@@ -197,6 +219,11 @@ class _Reading:
                 signal = f" (signals {format_list(event.what)})"
                 self.parts.append(Part("at", format_atom(event.time), signal))
 
+    def _as_asked(self, event: events.ItemEvent) -> Atom:
+        """Return the name by which a handler spoke of an item that has a new one."""
+        asked = [word for request, _ in self._under_way for word in request.request]
+        return event.with_ if event.with_ in asked else event.item
+
     def _flush(self, time: Time, cycle: int) -> None:
         """Let changes that belong to no request happen by themselves."""
         changes = self._taken()
@@ -208,18 +235,20 @@ class _Reading:
     def _taken(self) -> tuple[Change, ...]:
         """Take the changes so far; places of items are left to those who see them."""
         changes, self._changes = self._changes, []
-        return tuple(
-            change
-            for change in _net(changes)
-            if change.fact[0] not in _OF_ITEMS or change.fact[1] not in self._sensors
-        )
+        return tuple(change for change in _net(changes) if self._can_be_told(change))
+
+    def _can_be_told(self, change: Change) -> bool:
+        """Whether a script knows the item of a change by then, or may set the fact."""
+        if change.does in _OF_PLACES:
+            return change.fact[0] in self._introduced
+        return change.fact[0] not in _OF_ITEMS or change.fact[1] not in self._sensors
 
     def _introduce(self, part: Part, data: Iterable[Fact]) -> None:
         """Let a row introduce again the items that came with its result."""
+        data = [datum for datum in data if not self._sensors.keys().isdisjoint(datum)]
+        self._introduced.update(word for datum in data for word in datum)
         told = [
-            tuple(self._sensors.get(word, word) for word in datum)
-            for datum in data
-            if not self._sensors.keys().isdisjoint(datum)
+            tuple(self._sensors.get(word, word) for word in datum) for datum in data
         ]
         if told:
             part.more += f" :data {format_list(told)}"
@@ -230,8 +259,8 @@ class _Reading:
             if (request.task, request.request) == (ended.task, ended.request):
                 del self._under_way[at]
                 self._say(part, request, ended.result, ended.time)
-                self._introduce(part, ended.data)
                 part.changes = self._taken()
+                self._introduce(part, ended.data)
                 return
 
     def _say(
@@ -251,13 +280,18 @@ class _Reading:
             self._say(part, request, "okay", request.time + LATEST)
 
 
+_FACTS = {events.FactAsserted: "asserts", events.FactErased: "erases"}
+
+
 def _net(changes: Iterable[Change]) -> Iterator[Change]:
-    """Yield the last change of each fact: what is erased goes before what comes."""
-    last: dict[Fact, bool] = {}
+    """Yield the last change of each fact and of each item's place."""
+    last: dict[tuple[bool, Fact], Change] = {}
     for change in changes:
-        last.pop(change.fact, None)
-        last[change.fact] = change.erases
-    return (Change(erases, fact) for fact, erases in last.items())
+        of_item = change.does in _OF_PLACES
+        key = (of_item, change.fact[:1] if of_item else change.fact)
+        last.pop(key, None)
+        last[key] = change
+    return iter(last.values())
 
 
 def exported(

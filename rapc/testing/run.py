@@ -24,7 +24,7 @@ from rapc.testing.admission import Problem, options_of, problems
 from rapc.testing.answers import UnansweredQuestion, functions
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Evidence, judge
-from rapc.testing.patterns import flat
+from rapc.testing.patterns import atom, flat
 from rapc.testing.record import Record
 from rapc.world import Kit, World
 from rapc.worlds import registry
@@ -234,8 +234,11 @@ class _Run:
     def _action(self, number: int, at: nodes.At) -> Callable[[], None]:
         def act() -> None:
             del self._unreached[number]
-            for action in at.actions:
-                self._do(action)
+            try:
+                for action in at.actions:
+                    self._do(action)
+            except FactError as error:
+                raise FactError(f"at {format_atom(at.time)}: {error}") from error
 
         return act
 
@@ -247,6 +250,8 @@ class _Run:
             case nodes.Erases(prefixes):
                 for prefix in prefixes:
                     self.interpreter.erase(*flat(prefix))
+            case nodes.Moves() | nodes.Loses():
+                self._do_to_items(action)
             case nodes.Signals(signals):
                 for signal in signals:
                     self.interpreter.signal(*flat(signal))
@@ -256,6 +261,14 @@ class _Run:
                 self.interpreter.cancel(flat(goal))
             case nodes.Expect():
                 self._pending.append(action)
+
+    def _do_to_items(self, action: nodes.Moves | nodes.Loses) -> None:
+        if isinstance(action, nodes.Moves):
+            for one in action.moves:
+                self.interpreter.move(str(atom(one.item)), atom(one.place))
+        else:
+            for item in action.items:
+                self.interpreter.move(str(atom(item)), None)
 
     def _leaving(self) -> None:
         """The clock is about to move on: judge what this time was to have brought."""
@@ -336,6 +349,8 @@ def row_of(row: nodes.ScriptRow) -> Row:
         after=row.after,
         asserts=tuple(map(flat, row.asserts)),
         erases=tuple(map(flat, row.erases)),
+        moves=tuple((atom(one.item), atom(one.place)) for one in row.moves),
+        loses=tuple(map(atom, row.loses)),
         data=tuple(map(flat, row.data)),
         signals=tuple(map(flat, row.signals)),
         refused=row.refused,

@@ -12,10 +12,13 @@ from typing import Literal, Protocol
 
 import msgspec
 
-from rapc.base.values import Bindings, Fact, format_list, is_variable
+from rapc.base.values import Atom, Bindings, Fact, format_list, is_variable
+from rapc.errors import FactError
 from rapc.ir.nodes import DeclareDatum, DeclareEvent, DeclarePrimitive, DeclareSkill
 from rapc.library.signatures import Fault, Signatures, Use
-from rapc.world import OKAY, Offer, Time
+from rapc.world import OKAY, HandlerMemory, Offer, Time
+
+_AS_THEY_ARE: Mapping[Atom, Atom] = {}
 
 
 class Row(msgspec.Struct, frozen=True):
@@ -30,6 +33,8 @@ class Row(msgspec.Struct, frozen=True):
             it, is that many time units after `takes`.
         asserts: facts asserted with the result.
         erases: prefixes erased with the result, before that.
+        moves: items that then are at other places, each with its place.
+        loses: items that then are not where they were.
         data: sensor data sent with the result.
         signals: signals sent with the result.
         refused: whether instead the request is refused, as in conflict with all that
@@ -47,6 +52,8 @@ class Row(msgspec.Struct, frozen=True):
     after: Time | None = None
     asserts: tuple[Fact, ...] = ()
     erases: tuple[Fact, ...] = ()
+    moves: tuple[tuple[Atom, Atom], ...] = ()
+    loses: tuple[Atom, ...] = ()
     data: tuple[Fact, ...] = ()
     signals: tuple[Fact, ...] = ()
     refused: bool = False
@@ -68,6 +75,8 @@ class At(msgspec.Struct, frozen=True):
     time: Time
     asserts: tuple[Fact, ...] = ()
     erases: tuple[Fact, ...] = ()
+    moves: tuple[tuple[Atom, Atom], ...] = ()
+    loses: tuple[Atom, ...] = ()
     signals: tuple[Fact, ...] = ()
 
 
@@ -94,16 +103,55 @@ class Declarations(Protocol):
 def fill(row: Row, bound: Bindings) -> Row:
     """A row with its variables put into its effects."""
 
+    def one(part: Atom) -> Atom:
+        value: Atom = bound.get(str(part), part)
+        return value
+
     def put(facts: Iterable[Fact]) -> tuple[Fact, ...]:
-        return tuple(tuple(bound.get(str(p), p) for p in fact) for fact in facts)
+        return tuple(tuple(map(one, fact)) for fact in facts)
 
     return msgspec.structs.replace(
         row,
         asserts=put(row.asserts),
         erases=put(row.erases),
+        moves=tuple((one(item), one(place)) for item, place in row.moves),
+        loses=tuple(map(one, row.loses)),
         data=put(row.data),
         signals=put(row.signals),
     )
+
+
+def change(
+    memory: HandlerMemory, effects: Row | At, names: Mapping[Atom, Atom] = _AS_THEY_ARE
+) -> None:
+    """Do to memory what a row or an entry says: erase, assert, move and lose.
+
+    Args:
+        memory: where it is done.
+        effects: what says it, filled in.
+        names: memory's names of items, by the sensor names in `effects`.
+
+    Raises:
+        FactError: for an item that no handler has introduced, naming the row.
+    """
+    for name, *parts in effects.erases:
+        memory.erase(name, *(names.get(part, part) for part in parts))
+    for name, *parts in effects.asserts:
+        memory.assert_fact(name, *(names.get(part, part) for part in parts))
+    try:
+        for item, place in effects.moves:
+            memory.move(str(names.get(item, item)), names.get(place, place))
+        for item in effects.loses:
+            memory.lose(str(names.get(item, item)))
+    except FactError as error:
+        raise FactError(f"{_named(effects)}: {error}") from error
+
+
+def _named(effects: Row | At) -> str:
+    """Return a row or an entry as a message names it."""
+    if isinstance(effects, At):
+        return f"at {effects.time}"
+    return f"row {format_list(effects.pattern)}"
 
 
 def offer_of(declared: Declarations) -> Offer:
@@ -168,7 +216,8 @@ def check_script(
         for problem in _row_problems(row, signatures, handled, offer):
             raise ValueError(f"row {format_list(row.pattern)}: {problem}")
     for entry in at:
-        facts = (*entry.asserts, *entry.erases, *entry.signals)
+        facts = (*entry.asserts, *entry.erases, *entry.moves, entry.loses)
+        facts = (*facts, *entry.signals)
         unknown = _faults(signatures, "event", entry.signals)
         for problem in (*_unbound(facts, ()), *unknown):
             raise ValueError(f"at {entry.time}: {problem}")
@@ -189,9 +238,8 @@ def _row_problems(
             yield f"`{name}` {wrong}"
     else:
         yield from _faults(signatures, "skill", [row.pattern])
-    yield from _unbound(
-        (*row.asserts, *row.erases, *row.data, *row.signals), row.pattern
-    )
+    changes = (*row.asserts, *row.erases, *row.moves, row.loses)
+    yield from _unbound((*changes, *row.data, *row.signals), row.pattern)
     yield from _faults(signatures, "event", row.signals)
     yield from _faults(signatures, "datum", row.data)
     for datum in row.data:

@@ -6,11 +6,11 @@ with the result it belongs to. What a row may say is in `rapc.worlds.script`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import msgspec
 
-from rapc.base.values import Atom, Bindings, Fact, format_list, match, number
+from rapc.base.values import Bindings, Fact, format_list, match, number
 from rapc.errors import Error
 from rapc.world import (
     Datum,
@@ -29,6 +29,7 @@ from rapc.worlds.script import (
     At,
     Declarations,
     Row,
+    change,
     check_script,
     fill,
     mentioned,
@@ -40,8 +41,6 @@ AT = "at"
 
 
 _NO_KIT = Kit()
-
-_AS_THEY_ARE: Mapping[Atom, Atom] = {}
 
 
 class UnansweredRequest(Error):
@@ -271,8 +270,9 @@ class ScriptedWorld(World):
     def _change_memory(self, row: Row) -> None:
         """Have the handler of entries do what a row does to memory."""
         state = self._state
-        if row.asserts or row.erases:
-            state.entries.append(At(state.now, row.asserts, row.erases))
+        changes = (row.asserts, row.erases, row.moves, row.loses)
+        if any(changes):
+            state.entries.append(At(state.now, *changes))
             state.sent.append(_ENTRY)
 
     def _send(self, signals: Iterable[Fact], tickets: tuple[int, ...] = ()) -> None:
@@ -384,29 +384,20 @@ class ScriptedWorld(World):
         """
         state = self._state
         for entry in state.before:
-            _change(memory, entry)
+            change(memory, entry)
         state.before = []
         row, state.answered = state.answered, None
         if row is None and state.told:
             row = state.told.pop(0)
         if row is not None:
             if row.pattern == request:
-                _change(memory, row)
+                change(memory, row)
             else:
                 names = dict(zip(row.pattern[1:], request[1:], strict=True))
-                _change(memory, row, names)
+                change(memory, row, names)
 
     def _handle_at(self, memory: HandlerMemory, _: Fact) -> None:
-        _change(memory, self._state.entries.pop(0))
-
-
-def _change(
-    memory: HandlerMemory, effects: Row | At, names: Mapping[Atom, Atom] = _AS_THEY_ARE
-) -> None:
-    for name, *parts in effects.erases:
-        memory.erase(name, *(names.get(part, part) for part in parts))
-    for name, *parts in effects.asserts:
-        memory.assert_fact(name, *(names.get(part, part) for part in parts))
+        change(memory, self._state.entries.pop(0))
 
 
 def _time(due: _Due) -> Time:

@@ -12,7 +12,9 @@ from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
 from rapc.testing.discover import find
 from rapc.testing.run import Status, run_case
+from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
+from rapc.worlds.truck import TruckWorld
 from tests.debug.sessions import TRUCK, row, truck
 from tests.repl.shells import said
 
@@ -110,6 +112,84 @@ def test_a_run_of_the_truck_with_items_becomes_a_test(tmp_path: Path) -> None:
     assert ":data ((object-seen" in text
     assert "opposite" not in text
     assert statuses(path) == [Status.PASSED]
+
+
+STOWED = """
+(define-rap (stowed)
+  (monitor-state (location ?rock bay2))
+  (succeed (location ?rock bay2))
+  (method (task-net)))
+"""
+"""A task that is done at once when a rock is in the bay."""
+
+
+@pytest.mark.slow
+def test_a_run_of_the_truck_that_moves_an_item_becomes_a_test(tmp_path: Path) -> None:
+    path = tmp_path / "orders.rap"
+    text = Path(TRUCK).read_text(encoding="utf-8")
+    path.write_text(text + STOWED, encoding="utf-8")
+    orders = Session.open(
+        rapc.load(path), "truck", tasks=["(rock-order red 1)"], seed=7
+    )
+    shell, test = Shell(orders, commands(), [str(path)]), tmp_path / "stowed.test.rap"
+    said(shell, "(stowed) :priority 9", ":to 106")
+    assert "passes now" in said(shell, f":export-test {test} 2", width=400)
+    written = test.read_text(encoding="utf-8")
+    assert ":moves ((item-1 bay2))" in written
+    assert statuses(test) == [Status.PASSED]
+    test.write_text(written.replace(":moves ((item-1 bay2))", ""), encoding="utf-8")
+    assert statuses(test) == [Status.FAILED]
+
+
+HANDS = """
+(declare-primitive scan () (okay))
+(declare-primitive grasp (?arm ?thing) (okay))
+(declare-sensor-datum object-seen (?place ?thing ?kind))
+(declare-memory-property class (?thing ?kind ?value) unknown)
+(declare-memory-property location (?thing ?place) unknown)
+(declare-indistinct-class rock)
+(define-rap (take ?kind ?arm)
+  (succeed (and (class ?thing ?kind true) (location ?thing ?arm)
+                (class ?other jug true) (location ?other unknown)))
+  (method (context (not (class ? ?kind true))) (primitive (scan)))
+  (method (context (class ?thing ?kind true)) (primitive (grasp ?arm ?thing))))
+"""
+
+
+class _Hands(ScriptedWorld):
+    """A world whose handlers move and lose items; data are handled as the truck's."""
+
+    name = "truck"
+
+
+def test_items_that_handlers_move_and_lose_are_in_it(tmp_path: Path) -> None:
+    path, test = tmp_path / "hands.rap", tmp_path / "taken.test.rap"
+    path.write_text(HANDS, encoding="utf-8")
+    library = rapc.load(path)
+    seen = (
+        ("object-seen", "shelf", "r7", "rock"),
+        ("object-seen", "shelf", "jug", "jug"),
+    )
+    rows = [
+        Row(("scan",), data=seen),
+        Row(("grasp", "?arm", "?x"), moves=(("?x", "?arm"),), loses=("jug",)),
+    ]
+    declared = library.program.library
+    world = _Hands(rows, declared=declared, kit=TruckWorld.kit)
+    shell = Shell(
+        Session.open(library, world, tasks=["(take rock left)"]),
+        commands(),
+        [str(path)],
+    )
+    assert "passes now" in said(shell, ":run", f":export-test {test}", width=400)
+    written = test.read_text(encoding="utf-8")
+    assert (
+        "((grasp left r7) okay :times 1 :moves ((item-1 left)) :loses (jug))" in written
+    )
+    assert "(succeeds (take rock left))" in written
+    assert statuses(test) == [Status.PASSED]
+    path.write_text(HANDS.replace("(grasp ?arm", "(grasp right"), encoding="utf-8")
+    assert statuses(test) == [Status.FAILED]
 
 
 def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:

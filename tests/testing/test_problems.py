@@ -20,6 +20,8 @@ PROBLEMS = [
     ("(script ((grab box) :asserts ((have ?x))))", "`?x` is not bound here"),
     ("(script ((grab box) :asserts ((hold box))))", "`hold` is not declared"),
     ("(script ((grab box) :erases ((hold))))", "`hold` is not declared"),
+    ("(script ((grab box) :moves ((?x box))))", "`?x` is not bound here"),
+    ("(script ((grab box) :loses (?x)))", "`?x` is not bound here"),
     ("(script ((grab box) :signals ((:crash))))", "no event is called `:crash`"),
     ("(script ((grab box) :data ((noise))))", "no sensor datum is called `noise`"),
     (

@@ -372,6 +372,9 @@ def _test(walk: _Walk, test: nodes.DefineTest) -> None:
         bound = Bound(None, _names(row.request.args))
         for effect in (*row.asserts, *row.erases, *row.data, *row.signals):
             walk.walker.values(effect.args, bound)
+        for moved in row.moves:
+            walk.walker.values((moved.item, moved.place), bound)
+        walk.walker.values(row.loses, bound)
         walk.note("script")
     later = [action for at in test.ats for action in at.actions]
     inner = [one.expectations for one in later if isinstance(one, nodes.Expect)]

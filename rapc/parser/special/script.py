@@ -11,7 +11,7 @@ from rapc.language.heads import rules_by_head
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.fields import filled, slots
 from rapc.parser.syntax import Arrow, Datum, Keyword, List, Numeral, Symbol
-from rapc.parser.terms import colon, goal, pattern
+from rapc.parser.terms import colon, goal, pattern, term
 
 
 def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
@@ -100,6 +100,35 @@ def asked_goal(
 def told(ctx: Context, datum: Datum) -> nodes.Proposition | None:
     """A proposition of constants and variables."""
     return plain(ctx, pattern(ctx, datum, nodes.Proposition))
+
+
+def moved(ctx: Context, datum: Datum) -> nodes.Moved | None:
+    """`(item place)`, constants or variables."""
+    return _moved(ctx, datum, (nodes.Const, nodes.Var), "a value or a variable")
+
+
+def placed(ctx: Context, datum: Datum) -> nodes.Moved | None:
+    """`(item place)` without variables."""
+    return _moved(ctx, datum, (nodes.Const,), "a value")
+
+
+def _moved(
+    ctx: Context, datum: Datum, kinds: tuple[type[nodes.Term], ...], wanted: str
+) -> nodes.Moved | None:
+    if not isinstance(datum, List) or len(datum.items) != 2:
+        help = "write `(item place)`"
+        message = f"an item and its place are wanted here, not {kind_of(datum)}"
+        ctx.report("malformed-clause", message, datum, help=help)
+        return None
+    item, place = (term(ctx, part) for part in datum.items)
+    if item is None or place is None:
+        return None
+    for one in (item, place):
+        if not isinstance(one, kinds):
+            spot = Symbol("", one.span.start, one.span.end)
+            ctx.report("malformed-clause", f"{wanted} is wanted here", spot)
+            return None
+    return nodes.Moved(item, place, ctx.span(datum))
 
 
 def told_datum(ctx: Context, datum: Datum) -> nodes.Datum | None:

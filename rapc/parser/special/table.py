@@ -109,6 +109,8 @@ SPECIAL: Mapping[str, Read] = {
     "required": script.request,
     "enabled": script.enabled,
     "told": script.told,
+    "moved": script.moved,
+    "placed": script.placed,
     "told_datum": script.told_datum,
     "told_signal": script.told_signal,
     "fact": script.fact,

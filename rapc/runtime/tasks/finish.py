@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rapc.base.resources import Value
+from rapc.base.values import Fact, match
 from rapc.compiler.net_plan import OutputTarget, StepPlan
 from rapc.runtime.acts.activations import call_off, deactivate
 from rapc.runtime.events.events import (
@@ -452,3 +453,16 @@ def _leave(machine: Machine, task: Task) -> None:
             for signal in task.step.waits:
                 machine.state.listening.get(signal.signal, {}).pop(task.number, None)
         machine.monitors.forget(task)
+
+
+def cancel_matching(machine: Machine, goal: Fact) -> int:
+    """Remove every live top-level task that a goal matches; how many they were."""
+    goal = machine.memory.canonical(goal)
+    found = [
+        task
+        for task in (given.task for given in machine.state.top_level)
+        if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
+    ]
+    for task in found:
+        remove(machine, task, "cancelled")
+    return len(found)
