@@ -6,6 +6,7 @@ request. Not every run can be told so: whoever makes a test must run the test.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -244,9 +245,14 @@ class _Reading:
         return change.fact[0] not in _OF_ITEMS or change.fact[1] not in self._sensors
 
     def _introduce(self, part: Part, data: Iterable[Fact]) -> None:
-        """Let a row introduce again the items that came with its result."""
-        data = [datum for datum in data if not self._sensors.keys().isdisjoint(datum)]
-        self._introduced.update(word for datum in data for word in datum)
+        """Let a row bring the data that came with its result.
+
+        Their handlers introduce items again, and let names lapse where they did.
+        """
+        data = list(data)
+        self._introduced.update(
+            word for datum in data for word in datum if word in self._sensors
+        )
         told = [
             tuple(self._sensors.get(word, word) for word in datum) for datum in data
         ]
@@ -338,8 +344,20 @@ def _begun(event: events.RunStarted) -> str:
         pairs = [f"({name} {_option(value)})" for name, value in event.options.items()]
         clauses.append(f"(options {' '.join(pairs)})")
     clauses.append(f"(seed {event.seed})")
-    clauses += [f"(task {text})" for text in event.tasks]
+    clauses += map(_given, event.tasks)
     return " ".join(clauses)
+
+
+def _given(task: str) -> str:
+    """Return the clause that gives a task; one of a later time comes by an `at`."""
+    goal, end, options = task.rpartition(")")
+    later = _LATER.search(options)
+    if later is None:
+        return f"(task {task})"
+    return f"(at {later[1]} (task {goal}{end}{options.replace(later[0], '', 1)}))"
+
+
+_LATER = re.compile(r" :at ([0-9.]+)")
 
 
 def _option(value: object) -> str:

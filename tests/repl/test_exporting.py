@@ -12,6 +12,7 @@ from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
 from rapc.testing.discover import find
 from rapc.testing.run import Status, run_case
+from rapc.world import Kit
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 from rapc.worlds.truck import TruckWorld
@@ -192,12 +193,47 @@ def test_items_that_handlers_move_and_lose_are_in_it(tmp_path: Path) -> None:
     assert statuses(test) == [Status.FAILED]
 
 
-def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_a_whole_order_becomes_a_test(tmp_path: Path) -> None:
+    """Names lapse on roads and things are counted: what the data bring is told, too."""
     shell = Shell(truck(), commands(), [TRUCK])
     path = tmp_path / "all.test.rap"
     told = said(shell, ":run", f":export-test {path}", width=400)
+    assert "passes now" in told
+    assert "(new-location " in path.read_text(encoding="utf-8")
+    assert statuses(path) == [Status.PASSED]
+
+
+LUCKY = """
+(declare-primitive draw () (okay))
+(declare-memory-function lucky ())
+(declare-memory-proposition drawn (?lot))
+(define-rap (try-luck) (succeed (lucky)) (method (primitive (draw))))
+"""
+
+
+def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:
+    """What a function of the host answers stands in no event."""
+    path, test = tmp_path / "lucky.rap", tmp_path / "drawn.test.rap"
+    path.write_text(LUCKY, encoding="utf-8")
+    library = rapc.load(path)
+    kit = Kit(functions={"lucky": lambda memory: memory.now() >= 3})
+    rows = [Row(("draw",), takes=1)]
+    world = ScriptedWorld(rows, declared=library.program.library, kit=kit)
+    session = Session.open(library, world, tasks=["(try-luck)"])
+    shell = Shell(session, commands(), [str(path)])
+    told = said(shell, ":run", f":export-test {test}", width=400)
     assert "a script cannot tell this run" in told
-    assert not path.exists()
+    assert not test.exists()
+
+
+def test_a_task_that_comes_later_is_given_then(tmp_path: Path) -> None:
+    shell = arms(tmp_path, *DROPS, *CATCHES, task="(pick-up box) :priority 2 :at 7")
+    path = tmp_path / "later.test.rap"
+    assert "passes now" in said(shell, ":run", f":export-test {path}", width=400)
+    written = path.read_text(encoding="utf-8")
+    assert "(at 7 (task (pick-up box) :priority 2))" in written
+    assert statuses(path) == [Status.PASSED]
 
 
 @pytest.mark.parametrize(
