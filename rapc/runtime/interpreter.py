@@ -96,6 +96,7 @@ class Interpreter:
                 self._code["the function"],
                 self._code["the solver of"],
                 self._code["the comparator"],
+                fast,
             )
             self._machine.recognizer.renamed = partial(rename, self._machine)
             self._machine.access.answers = HandlerQuestions(self._machine).ask

@@ -94,6 +94,14 @@ def _quiet(case: Case, fast: bool) -> object:
     return run.agenda(), run.results(), run.now, run.reason, run.succeeded, asked
 
 
+@pytest.mark.parametrize("fast", [True, False])
+def test_a_run_and_its_fork_use_fast_twins_or_do_without(fast: bool) -> None:
+    """Else the comparison below would compare a way with itself."""
+    run = interpreter_of(generate(0, UNBROKEN), fast)
+    assert run.machine.fast is fast
+    assert run.fork().machine.fast is fast
+
+
 @pytest.mark.parametrize("chunk", first(1, range(CHUNKS)))
 def test_fast_twins_do_what_the_full_rules_do(chunk: int) -> None:
     """With listeners and without: in a quiet run other shortcuts are taken."""
