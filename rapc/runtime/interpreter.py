@@ -1,39 +1,37 @@
 """The interpreter: a library, a world and tasks put together and run.
 
-Wiring only: what a host may do to a run, before it and while it goes on. How it goes
-on is in `rapc.runtime.loop`.
+What a host may do to a run, before it and while it goes on. How the parts of a run are
+made is in `rapc.runtime.put_together`, how it goes on in `rapc.runtime.loop`.
 """
 
 from __future__ import annotations
 
 import copy
 import heapq
-import random
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any, NoReturn
 
 from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
-from rapc.errors import PortError, RefusedError
+from rapc.errors import PortError
 from rapc.ir.nodes import Formula
 from rapc.parser.parse import parse_formula
 from rapc.runtime import snapshot
-from rapc.runtime.admission import misfitting, refusals, refuse_extension, refuse_tasks
-from rapc.runtime.authors import blame, is_time, wrong
-from rapc.runtime.events.events import Event, Goal, RunEnded, TaskResult
+from rapc.runtime.admission import refuse_extension, refuse_tasks
+from rapc.runtime.authors import blame
+from rapc.runtime.begin_and_end import end_run, tell_start
+from rapc.runtime.events.events import Event, Goal, TaskResult
 from rapc.runtime.events.recorder import Listener, Recording
-from rapc.runtime.host_query import HandlerQuestions, HostQuery
+from rapc.runtime.host_query import HostQuery
 from rapc.runtime.loop import Loop
 from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.view import MemoryView
+from rapc.runtime.put_together import code_of_authors, put_together
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings
 from rapc.runtime.snapshot import AgendaEntry
-from rapc.runtime.strict import hold_handlers
 from rapc.runtime.task_request import TaskRequest, read_task_request
-from rapc.runtime.tasks.finish import cancel_matching, remove
-from rapc.runtime.tasks.rename_items import rename
+from rapc.runtime.tasks.remove import cancel_matching
 from rapc.runtime.tasks.signals import signal
 from rapc.runtime.tasks.start import create_top
 from rapc.world import Time, World
@@ -74,41 +72,10 @@ class Interpreter:
         self.seed = seed
         self._registered = (functions, solvers, comparators)
         self._world = world
-        kit = world.kit
-        self._code: dict[str, Mapping[str, Callable[..., Any]]] = {
-            "the handler of": kit.handlers.results,
-            "the handler of the datum": kit.handlers.data,
-            "the function": {**kit.functions, **(functions or {})},
-            "the solver of": {**kit.solvers, **(solvers or {})},
-            "the comparator": {**kit.comparators, **(comparators or {})},
-        }
-        found = misfitting(library, world, self._code)
-        if found:
-            raise RefusedError(found)
-        try:
-            if not is_time(now := world.now()):
-                raise wrong(world, "now", "the time", now)
-            self._machine = Machine(
-                library,
-                world,
-                random.Random(f"{seed}:interpreter"),
-                settings or Settings(),
-                self._code["the function"],
-                self._code["the solver of"],
-                self._code["the comparator"],
-                fast,
-            )
-            self._machine.recognizer.renamed = partial(rename, self._machine)
-            self._machine.access.answers = HandlerQuestions(self._machine).ask
-            if self.settings.strict:
-                hold_handlers(self._machine)
-            found = refusals(
-                library, world, self._code["the function"], self._code["the comparator"]
-            )
-        except BaseException as error:
-            blame(error, world, self._code)
-        if found:
-            raise RefusedError(found)
+        self._code = code_of_authors(world.kit, functions, solvers, comparators)
+        self._machine = put_together(
+            library, world, seed, settings or Settings(), self._code, fast
+        )
         self._loop = Loop(self._machine)
 
     # --- before and while it runs -------------------------------------------------
@@ -358,9 +325,9 @@ class Interpreter:
         """
         if self._machine.state.started:
             return
-        self._machine.state.started = True
         machine = self._machine
-        snapshot.tell_start(machine, self.seed, options or {}, tasks, faults, facts)
+        machine.state.started = True
+        tell_start(machine, self.seed, options or {}, tasks, faults, facts)
         try:
             for fact in machine.world.facts():
                 self.assert_fact(*fact)
@@ -444,32 +411,8 @@ class Interpreter:
             reason: why it is over, in a word.
             because: more of it, where somebody knows more.
         """
-        if self._machine.state.reason is not None:
-            return
-        self._machine.state.reason = reason
-        machine = self._machine
-        machine.state.over = True
-        for action in machine.at_end:
-            action()
-        results = self.results()
-        if reason == "world":
-            because = machine.world.ended()
-        if reason == "runaway" and machine.recorder.on:
-            because = snapshot.looping(machine) or None
-        waiting = () if reason == "done" else self.waiting()
-        waiting += snapshot.waiting_circles(machine)
-        for given in machine.state.top_level:
-            if given.task.live:
-                remove(machine, given.task, "run-over")
-        assert not machine.state.activations.on, "skills are on that nobody has"
-        if machine.recorder.on:
-            machine.recorder.emit(
-                RunEnded,
-                reason=reason,
-                because=because,
-                results=results,
-                waiting=waiting,
-            )
+        if self._machine.state.reason is None:
+            end_run(self._machine, reason, because)
 
     def results(self) -> tuple[TaskResult, ...]:
         """Return what has become of each task given so far, in order of arrival."""

@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable
 
 import msgspec
 
 from rapc.base.values import format_list, number
 from rapc.ir.printer import format_formula
-from rapc.runtime.events.events import Goal, RunStarted, TaskResult
+from rapc.runtime.events.events import Goal, TaskResult
 from rapc.runtime.machine import Machine
-from rapc.runtime.saving.format import digest
 from rapc.runtime.state.circles import circles
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import MethodRun, Task, TopLevelTask
 from rapc.runtime.state.things import Hold, ThingWait, words
 from rapc.world import OKAY, Time
-
-FORMAT = 1
-"""The version of the trace format."""
 
 
 class AgendaEntry(msgspec.Struct, frozen=True):
@@ -85,36 +80,6 @@ def _obstacle(machine: Machine, task: Task) -> str:
     if task.state is BLOCKED:
         return machine.monitors.reason(task)
     return "" if task.state in (ELIGIBLE, UNTESTED) else "its time"
-
-
-def tell_start(
-    machine: Machine,
-    seed: int,
-    options: Mapping[str, Any],
-    tasks: Sequence[str],
-    faults: Sequence[str],
-    facts: Sequence[str],
-) -> None:
-    """The first event of a run: what is run, and with which settings."""
-    if not machine.recorder.on:
-        return
-    settings = machine.settings
-    machine.recorder.emit(
-        RunStarted,
-        format=FORMAT,
-        library=machine.library.name,
-        digest=digest(machine.library.library),
-        world=machine.world.name,
-        options=dict(options),
-        settings={
-            name.replace("_", "-"): getattr(settings, name)
-            for name in settings.__struct_fields__
-        },
-        seed=seed,
-        tasks=tuple(tasks),
-        faults=tuple(faults),
-        facts=tuple(facts),
-    )
 
 
 def results(given: Iterable[TopLevelTask]) -> tuple[TaskResult, ...]:

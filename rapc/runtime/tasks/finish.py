@@ -1,8 +1,8 @@
 """What follows when a step, a method or a task ends [L 3, 4, 6].
 
 A step that ends by itself sets off its outputs, effects and `until`s, then lets the
-steps behind it go on, or ends its method; a failed one takes its method with it.
-Removal of whole subtrees is iterative: tasks may nest without limit.
+steps behind it go on, or ends its method; a failed one takes its method with it. How
+tasks are removed that have not ended by themselves is in `rapc.runtime.tasks.remove`.
 """
 
 from __future__ import annotations
@@ -10,14 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rapc.base.resources import Value
-from rapc.base.values import Fact, match
 from rapc.compiler.net_plan import OutputTarget, StepPlan
-from rapc.runtime.acts.activations import call_off, deactivate
+from rapc.runtime.acts.activations import deactivate
 from rapc.runtime.events.events import (
     Cause,
     MethodEnded,
     TaskFailed,
-    TaskRemoved,
     TaskSucceeded,
 )
 from rapc.runtime.machine import Machine
@@ -32,6 +30,7 @@ from rapc.runtime.state.states import (
 from rapc.runtime.state.task import Env, MethodRun, Task, as_told
 from rapc.runtime.tasks import causes, method_causes
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
+from rapc.runtime.tasks.remove import discount, drop, free, leave, remove, stop
 from rapc.runtime.tasks.rules import run_finish_rules
 from rapc.runtime.tasks.start import (
     read_inputs,
@@ -65,7 +64,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     if task.wait is None:
         task.state = ENDED
     else:
-        _leave(machine, task)
+        leave(machine, task)
     machine.state.succeeded += 1
     if machine.recorder.on:
         _tell_success(machine, task, {})
@@ -94,7 +93,7 @@ def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
     if step is None:
         given = machine.state.live_top[task.number]
         given.outcome, given.outputs = OKAY, outputs
-    _leave(machine, task)
+    leave(machine, task)
     machine.state.succeeded += 1
     if machine.recorder.on:
         _tell_success(machine, task, outputs)
@@ -291,7 +290,7 @@ def fail(
     if task.step is None:
         given = machine.state.live_top[task.number]
         given.outcome, given.because = result, because
-    _leave(machine, task)
+    leave(machine, task)
     if machine.recorder.on:
         machine.recorder.emit(
             TaskFailed,
@@ -359,10 +358,10 @@ def _give_back(machine: Machine, run: MethodRun) -> None:
     """Give back what a method has had: its identity, skills, things, notations."""
     task = run.task
     if task.plan.recursive or machine.all_may_recur:
-        _discount(machine, task)
+        discount(machine, task)
     if run.plan.activation is not None:
         _switch_off(machine, run)
-    _free(machine, run)
+    free(machine, run)
 
 
 def _switch_off(machine: Machine, run: MethodRun) -> None:
@@ -373,26 +372,6 @@ def _switch_off(machine: Machine, run: MethodRun) -> None:
         machine.things.stop_waiting(run.task)
 
 
-def remove(machine: Machine, task: Task, cause: str) -> None:
-    """A task leaves without ending by itself, after all that it has spawned."""
-    stack = [task]
-    leaving = []
-    while stack:
-        top = stack.pop()
-        leaving.append(top)
-        if top.run is not None:
-            stack.extend(step for step in top.run.steps if step.live)
-    for gone in reversed(leaving):
-        run = stop(machine, gone)
-        machine.agenda.discard(gone)
-        _leave(machine, gone)
-        if run is not None:
-            _drop(machine, run)
-        if machine.recorder.on:
-            why = cause if gone is task else "parent-removed"
-            machine.recorder.emit(TaskRemoved, task=gone.number, cause=why)
-
-
 def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
     """A signal ends a step, waiting or running; what it spawned leaves."""
     run = stop(machine, task)
@@ -400,69 +379,9 @@ def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
         for step in run.steps:
             if step.live:
                 remove(machine, step, SIGNAL)
-        _drop(machine, run)
+        drop(machine, run)
     machine.agenda.discard(task)
     if mode == "succeed":
         succeed(machine, task, {})
     else:
         fail(machine, task, SIGNAL, causes.of_signal(machine, task))
-
-
-def stop(machine: Machine, task: Task) -> MethodRun | None:
-    """Let a task be at work no longer; return the method it was at."""
-    run, task.run = task.run, None
-    if run is not None and (task.plan.recursive or machine.all_may_recur):
-        _discount(machine, task)
-    return run
-
-
-def _discount(machine: Machine, task: Task) -> None:
-    others = machine.state.active_identities[task.identity] - 1
-    if others:
-        machine.state.active_identities[task.identity] = others
-    else:
-        del machine.state.active_identities[task.identity]
-
-
-def _drop(machine: Machine, run: MethodRun) -> None:
-    """Let a method leave without ending: its request, things and notations go."""
-    run.steps = ()
-    if run.ticket is not None:
-        call_off(machine, run)
-    _free(machine, run)
-
-
-def _free(machine: Machine, run: MethodRun) -> None:
-    """Free the things that a method holds, and release what it has noted."""
-    machine.things.release(run.task)
-    for notation in run.notations:
-        machine.memory.release_notation(notation)
-
-
-def _leave(machine: Machine, task: Task) -> None:
-    task.state = ENDED
-    if machine.waits:
-        machine.things.stop_waiting(task)
-    if task.step is None:
-        given = machine.state.live_top.pop(task.number)
-        machine.state.foreground -= not given.background
-        if not machine.state.over:
-            given.ended = machine.recorder.time
-    if task.wait is not None:
-        if task.step is not None:
-            for signal in task.step.waits:
-                machine.state.listening.get(signal.signal, {}).pop(task.number, None)
-        machine.monitors.forget(task)
-
-
-def cancel_matching(machine: Machine, goal: Fact) -> int:
-    """Remove every live top-level task that a goal matches; how many they were."""
-    goal = machine.memory.canonical(goal)
-    found = [
-        task
-        for task in (given.task for given in machine.state.top_level)
-        if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
-    ]
-    for task in found:
-        remove(machine, task, "cancelled")
-    return len(found)

@@ -1,0 +1,78 @@
+"""How a run begins and how it ends, each told by an event with all that it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rapc.runtime import snapshot
+from rapc.runtime.events.events import RunEnded, RunStarted
+from rapc.runtime.machine import Machine
+from rapc.runtime.saving.format import digest
+from rapc.runtime.tasks.remove import remove
+
+FORMAT = 1
+"""The version of the trace format."""
+
+
+def tell_start(
+    machine: Machine,
+    seed: int,
+    options: Mapping[str, Any],
+    tasks: Sequence[str],
+    faults: Sequence[str],
+    facts: Sequence[str],
+) -> None:
+    """Tell the first event of a run: what is run, and with which settings."""
+    if not machine.recorder.on:
+        return
+    settings = machine.settings
+    machine.recorder.emit(
+        RunStarted,
+        format=FORMAT,
+        library=machine.library.name,
+        digest=digest(machine.library.library),
+        world=machine.world.name,
+        options=dict(options),
+        settings={
+            name.replace("_", "-"): getattr(settings, name)
+            for name in settings.__struct_fields__
+        },
+        seed=seed,
+        tasks=tuple(tasks),
+        faults=tuple(faults),
+        facts=tuple(facts),
+    )
+
+
+def end_run(machine: Machine, reason: str, because: str | None = None) -> None:
+    """End a run that is not over: every live task is removed, the results are told.
+
+    Args:
+        machine: that of the run.
+        reason: why it is over, in a word.
+        because: more of it, where somebody knows more.
+    """
+    machine.state.reason = reason
+    machine.state.over = True
+    for action in machine.at_end:
+        action()
+    results = snapshot.results(machine.state.top_level)
+    if reason == "world":
+        because = machine.world.ended()
+    if reason == "runaway" and machine.recorder.on:
+        because = snapshot.looping(machine) or None
+    waiting = () if reason == "done" else snapshot.waiting(machine)
+    waiting += snapshot.waiting_circles(machine)
+    for given in machine.state.top_level:
+        if given.task.live:
+            remove(machine, given.task, "run-over")
+    assert not machine.state.activations.on, "skills are on that nobody has"
+    if machine.recorder.on:
+        machine.recorder.emit(
+            RunEnded,
+            reason=reason,
+            because=because,
+            results=results,
+            waiting=waiting,
+        )

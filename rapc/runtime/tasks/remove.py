@@ -1,0 +1,101 @@
+"""How tasks leave: removed with all that they have spawned, or simply over [L 3, 6].
+
+Whatever a task or its method has had goes back: its identity, its request or skills,
+the things it holds, its notations, its place among those that listen. Whether a task
+has succeeded, and what that sets off, is in `rapc.runtime.tasks.finish`. Removal of
+whole subtrees is iterative: tasks may nest without limit.
+"""
+
+from __future__ import annotations
+
+from rapc.base.values import Fact, match
+from rapc.runtime.acts.activations import call_off
+from rapc.runtime.events.events import TaskRemoved
+from rapc.runtime.machine import Machine
+from rapc.runtime.state.states import ENDED
+from rapc.runtime.state.task import MethodRun, Task
+
+
+def remove(machine: Machine, task: Task, cause: str) -> None:
+    """Let a task leave without ending by itself, after all that it has spawned."""
+    stack = [task]
+    leaving = []
+    while stack:
+        top = stack.pop()
+        leaving.append(top)
+        if top.run is not None:
+            stack.extend(step for step in top.run.steps if step.live)
+    for gone in reversed(leaving):
+        run = stop(machine, gone)
+        machine.agenda.discard(gone)
+        leave(machine, gone)
+        if run is not None:
+            drop(machine, run)
+        if machine.recorder.on:
+            why = cause if gone is task else "parent-removed"
+            machine.recorder.emit(TaskRemoved, task=gone.number, cause=why)
+
+
+def cancel_matching(machine: Machine, goal: Fact) -> int:
+    """Remove every live top-level task that a goal matches; return their number."""
+    goal = machine.memory.canonical(goal)
+    found = [
+        task
+        for task in (given.task for given in machine.state.top_level)
+        if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
+    ]
+    for task in found:
+        remove(machine, task, "cancelled")
+    return len(found)
+
+
+def stop(machine: Machine, task: Task) -> MethodRun | None:
+    """Let a task be at work no longer; return the method it was at."""
+    run, task.run = task.run, None
+    if run is not None and (task.plan.recursive or machine.all_may_recur):
+        discount(machine, task)
+    return run
+
+
+def discount(machine: Machine, task: Task) -> None:
+    """Count a task's identity out of those that are at work."""
+    others = machine.state.active_identities[task.identity] - 1
+    if others:
+        machine.state.active_identities[task.identity] = others
+    else:
+        del machine.state.active_identities[task.identity]
+
+
+def drop(machine: Machine, run: MethodRun) -> None:
+    """Let a method leave without ending: its request, things and notations go."""
+    run.steps = ()
+    if run.ticket is not None:
+        call_off(machine, run)
+    free(machine, run)
+
+
+def free(machine: Machine, run: MethodRun) -> None:
+    """Free the things that a method holds, and release what it has noted."""
+    machine.things.release(run.task)
+    for notation in run.notations:
+        machine.memory.release_notation(notation)
+
+
+def leave(machine: Machine, task: Task) -> None:
+    """End a task, which from now on waits for nothing and hears of nothing.
+
+    What it is at work on is not looked at, nor is it told.
+    """
+    task.state = ENDED
+    if machine.waits:
+        machine.things.stop_waiting(task)
+    if task.step is None:
+        given = machine.state.live_top.pop(task.number)
+        machine.state.foreground -= not given.background
+        if not machine.state.over:
+            given.ended = machine.recorder.time
+    if task.wait is not None:
+        if task.step is not None:
+            for signal in task.step.waits:
+                machine.state.listening.get(signal.signal, {}).pop(task.number, None)
+        machine.monitors.forget(task)
