@@ -3,7 +3,7 @@
 The text reads back as what was printed; it is one line, which `rapc.ir.layout` breaks.
 A node is written by the rule that it is read by: each operand of the rule takes the
 next field of the node, each clause or option the field of its name. What would be so
-without being said is left out. `_OPERANDS` has the nodes whose fields are not the
+without being said is left out. `OPERANDS_OF` has the nodes whose fields are not the
 operands of their rules, `_BY_HAND` those that no shape tells how to write.
 """
 
@@ -15,11 +15,12 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
-from rapc.base.values import Number, Text, format_atom
+from rapc.base.values import Text, format_atom
 from rapc.ir import nodes
+from rapc.ir.held import HELD_BY, OPERANDS_OF
 from rapc.ir.productions import Part, fields, parts, rule_of, rule_of_kind, unsaid
 from rapc.language.grammar import RULES, TERMINALS
-from rapc.language.heads import ARROW, heads
+from rapc.language.heads import heads
 from rapc.language.shapes import Shape, is_rule, is_word
 
 Bindings = Mapping[str, object]
@@ -86,7 +87,7 @@ def _writer(kind: type[nodes.Node]) -> Write:
 def _by_rule(rule: str, kind: type[nodes.Node]) -> Write:
     """Return what writes nodes of a kind as their rule has them."""
     known = parts(rule, kind)
-    operands = _OPERANDS.get(kind) or _in_order(fields(kind, known))
+    operands = OPERANDS_OF.get(kind) or _in_order(fields(kind, known))
     writes = [_part(part, kind, known) for part in known]
     return _row(rule, writes, operands)
 
@@ -134,7 +135,7 @@ def _clause(
     Of clauses that share a field that one stands which its node is.
     """
     left_out, words, whole = unsaid(rule, kind, field), heads(rule), _whole(rule)
-    take = _TAKEN.get(rule) or attrgetter(field)
+    take = HELD_BY.get(rule) or attrgetter(field)
     shared = sum(part.field == field for part in known) > 1
 
     def itself(value: Any) -> bool:
@@ -274,60 +275,6 @@ def _name_or_text(value: Any, bindings: Bindings | None) -> Row:
 
 
 # --- nodes that need a hand --------------------------------------------------------
-
-
-def _index(node: nodes.DefineRap) -> Iterable[Any]:
-    kinds = {one.variable: one for one in node.kinds}
-    inputs, outputs = (
-        [kinds.get(one.name, one) for one in row] for row in (node.inputs, node.outputs)
-    )
-    arrow = [ARROW] if outputs else []
-    return ((node.name, *inputs, *arrow, *outputs),)
-
-
-def _row_request(node: nodes.ScriptRow) -> Iterable[Any]:
-    asked = node.request if node.kind == "request" else (node.kind, node.request)
-    return (asked, node.result)
-
-
-def _asked(one: nodes.Request | nodes.Skill) -> Any:
-    """A request as it is, a skill as what is asked: that it be enabled."""
-    return ("enable", one) if isinstance(one, nodes.Skill) else one
-
-
-_OPERANDS: Mapping[type, Callable[[Any], Iterable[Any]]] = {
-    nodes.SetTest: lambda node: node.args,
-    nodes.HistoryTest: lambda node: node.args,
-    nodes.For: lambda node: [one for one in (node.formula, node.tag) if one],
-    nodes.ResourceChange: lambda node: (node.resource, node.amount),
-    nodes.WaitFor: lambda node: (nodes.Signal(node.signal, node.args), node.mode),
-    nodes.Step: lambda node: (
-        *(node.tag, node.priority or None, node.goal),
-        node.annotations,
-    ),
-    nodes.DefineRap: _index,
-    nodes.DefineQuery: lambda node: ((node.name, *node.args), node.formula, node.doc),
-    nodes.ResultEffects: lambda node: ((node.result, *node.effects),),
-    nodes.EventRule: lambda node: (nodes.Signal(node.signal, node.args), node.rules),
-    nodes.ScriptRow: _row_request,
-    **dict.fromkeys(
-        (nodes.Primitives, nodes.PrimitivesInclude),
-        lambda node: ([_asked(one) for one in node.requests],),
-    ),
-    nodes.Never: lambda node: (_asked(node.request),),
-}
-"""The operands of nodes whose fields are not those of their rules."""
-
-
-def _row_signals(row: nodes.ScriptRow) -> tuple[nodes.Signal | Number, ...]:
-    """The signals of a row, each behind the wait for it if there is one."""
-    waits = row.pauses or [0] * len(row.signals)
-    told = zip(waits, row.signals, strict=True)
-    return tuple([part for wait, one in told for part in (wait, one) if part])
-
-
-_TAKEN: Mapping[str, Callable[[Any], Any]] = {"row_signals": _row_signals}
-"""What options hold that is more than their field."""
 
 
 def _term(term: nodes.Term, bindings: Bindings | None) -> Tree:

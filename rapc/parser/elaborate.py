@@ -23,7 +23,8 @@ from rapc.ir import nodes
 from rapc.language.grammar import RULES
 from rapc.language.heads import heads, rules_by_head, words
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
-from rapc.language.words import WORDS, spelling
+from rapc.language.spelling import spelling
+from rapc.language.words import WORDS
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, List, Symbol
 from rapc.parser.terminals import WANTED, Part, is_string, one_word, terminal

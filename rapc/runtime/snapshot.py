@@ -14,8 +14,9 @@ from rapc.runtime.events.events import Goal, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.circles import circles
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
-from rapc.runtime.state.task import MethodRun, Task, TopLevelTask
+from rapc.runtime.state.task import MethodRun, Task
 from rapc.runtime.state.things import Hold, ThingWait, words
+from rapc.runtime.state.top_level import TopLevelTask
 from rapc.world import OKAY, Time
 
 

@@ -13,7 +13,6 @@ import msgspec
 from rapc.base.values import Bindings, Fact, format_list, match, number
 from rapc.errors import Error
 from rapc.world import (
-    Datum,
     Finished,
     HandlerMemory,
     Handlers,
@@ -35,10 +34,7 @@ from rapc.worlds.script import (
     mentioned,
     offer_of,
 )
-
-AT = "at"
-"""The datum by which an `At` reaches its handler; no library declares it."""
-
+from rapc.worlds.script_state import AT, ENTRY, Due, ScriptState, SentMessage, SkillOn
 
 _NO_KIT = Kit()
 
@@ -49,68 +45,6 @@ class UnansweredRequest(Error):
     def __init__(self, request: Fact) -> None:
         super().__init__(f"no row of the script answers {format_list(request)}")
         self.request = request
-
-
-class _Due(msgspec.Struct, frozen=True):
-    """Something to come: an entry of `at`, the end of a primitive, or of a skill."""
-
-    time: Time
-    entry: At | None = None
-    #: The row of a primitive that ends, or of a skill that is on.
-    row: Row | None = None
-    ticket: int = 0
-    #: The skill that has something to tell, and which of its signals it is.
-    skill: Fact | None = None
-    signal: int = 0
-
-
-class _On(msgspec.Struct):
-    """A skill that is on, and the activations that have it, the oldest first."""
-
-    skill: Fact
-    tickets: list[int]
-
-
-class _Sent(msgspec.Struct, frozen=True):
-    """A message not yet fetched, as it is saved: one of the three."""
-
-    datum: Datum | None = None
-    signal: Signal | None = None
-    finished: Finished | None = None
-
-    def message(self) -> Message:
-        """Return the message itself."""
-        found = self.datum or self.signal or self.finished
-        if found is None:
-            raise ValueError("a message is empty")
-        return found
-
-
-_ENTRY = _Sent(datum=Datum((AT,)))
-
-
-class _State(msgspec.Struct):
-    """All that changes in a scripted world."""
-
-    #: How often each row has been used.
-    used: list[int]
-    now: Time = 0
-    #: What is to come, soonest first.
-    coming: list[_Due] = []
-    #: The messages not yet fetched.
-    sent: list[_Sent] = []
-    #: The entries of `at` whose handler has not run.
-    entries: list[At] = []
-    #: Rows whose end is among `sent`.
-    ends: list[Row] = []
-    #: Rows whose end was fetched and whose handler has not run.
-    told: list[Row] = []
-    #: The entries of `at` that fell into the primitive that `answered` answers.
-    before: list[At] = []
-    #: The row that has just answered, its handler not yet run.
-    answered: Row | None = None
-    #: The skills that are on, in the order in which they came on.
-    on: list[_On] = []
 
 
 class ScriptedWorld(World):
@@ -150,8 +84,8 @@ class ScriptedWorld(World):
         offer = msgspec.structs.replace(offer, data={**offer.data, AT: 0})
         handlers = Handlers(results, {**handled, AT: self._handle_at})
         self.kit = msgspec.structs.replace(kit, offer=offer, handlers=handlers)
-        coming = sorted((_Due(entry.time, entry) for entry in at), key=_time)
-        self._state = _State([0] * len(self._rows), coming=coming)
+        coming = sorted((Due(entry.time, entry) for entry in at), key=_time)
+        self._state = ScriptState([0] * len(self._rows), coming=coming)
 
     def now(self) -> Time:
         """Return the time of the clock."""
@@ -168,14 +102,14 @@ class ScriptedWorld(World):
             return Refused(self._under_way())
         end = number(state.now + row.takes)
         if row.after is not None:
-            due = _Due(number(end + row.after), row=row, ticket=ticket)
+            due = Due(number(end + row.after), row=row, ticket=ticket)
             state.coming.append(due)
             state.coming.sort(key=_time)
             self.advance(end)
             return None
         self.advance(end)
         state.before, state.entries = state.entries, []
-        state.sent = [m for m in state.sent if m != _ENTRY]
+        state.sent = [m for m in state.sent if m != ENTRY]
         self._send(row.signals)
         state.answered = row
         return Reply(row.result, row.data)
@@ -208,7 +142,7 @@ class ScriptedWorld(World):
         for skill in dict.fromkeys(skills):
             on = self._found(skill)
             if on is None:
-                on = _On(skill, [])
+                on = SkillOn(skill, [])
                 state.on.append(on)
                 self._start(skill, found[skill])
             on.tickets.append(ticket)
@@ -220,7 +154,7 @@ class ScriptedWorld(World):
         requests = [due.ticket for due in state.coming if due.row and not due.skill]
         return (*requests, *sorted({t for on in state.on for t in on.tickets}))
 
-    def _found(self, skill: Fact) -> _On | None:
+    def _found(self, skill: Fact) -> SkillOn | None:
         return next((on for on in self._state.on if on.skill == skill), None)
 
     def _start(self, skill: Fact, found: tuple[int, Bindings] | None) -> None:
@@ -228,9 +162,9 @@ class ScriptedWorld(World):
         if found is None:
             return
         row = self._use(found)
-        self._tell_later(_Due(0, row=row, skill=skill), row.after or 0)
+        self._tell_later(Due(0, row=row, skill=skill), row.after or 0)
 
-    def _tell_later(self, due: _Due, wait: Time) -> None:
+    def _tell_later(self, due: Due, wait: Time) -> None:
         """Let a skill tell a signal of its row after a wait, and its pause."""
         state, row = self._state, due.row
         assert row is not None
@@ -254,7 +188,7 @@ class ScriptedWorld(World):
                 self._change_memory(row)
                 self._send(row.signals, (ticket,))
 
-    def _tell(self, due: _Due) -> None:
+    def _tell(self, due: Due) -> None:
         """A skill tells the signal that is due, and will tell the next one."""
         row, on = due.row, self._found(due.skill or ())
         if row is None or on is None:
@@ -273,11 +207,11 @@ class ScriptedWorld(World):
         changes = (row.asserts, row.erases, row.moves, row.loses)
         if any(changes):
             state.entries.append(At(state.now, *changes))
-            state.sent.append(_ENTRY)
+            state.sent.append(ENTRY)
 
     def _send(self, signals: Iterable[Fact], tickets: tuple[int, ...] = ()) -> None:
         sent = self._state.sent
-        sent += (_Sent(signal=Signal(content, tickets)) for content in signals)
+        sent += (SentMessage(signal=Signal(content, tickets)) for content in signals)
 
     # --- time ---------------------------------------------------------------------
 
@@ -315,12 +249,12 @@ class ScriptedWorld(World):
             if due.entry is not None:
                 signals = due.entry.signals
                 state.entries.append(due.entry)
-                state.sent.append(_ENTRY)
+                state.sent.append(ENTRY)
             if due.row is not None:
                 signals = due.row.signals
                 state.ends.append(due.row)
                 reply = Reply(due.row.result, due.row.data)
-                state.sent.append(_Sent(finished=Finished(due.ticket, reply)))
+                state.sent.append(SentMessage(finished=Finished(due.ticket, reply)))
             self._send(signals, (due.ticket,) if due.row is not None else ())
         state.now = max(state.now, to)
 
@@ -345,7 +279,7 @@ class ScriptedWorld(World):
             ValueError: if `state` is none.
         """
         try:
-            saved = msgspec.json.decode(state, type=_State)
+            saved = msgspec.json.decode(state, type=ScriptState)
         except ValueError as error:
             raise ValueError(f"no state of a scripted world: {error}") from error
         if len(saved.used) != len(self._rows):
@@ -400,5 +334,5 @@ class ScriptedWorld(World):
         change(memory, self._state.entries.pop(0))
 
 
-def _time(due: _Due) -> Time:
+def _time(due: Due) -> Time:
     return due.time

@@ -12,7 +12,8 @@ import pytest
 
 from rapc.language.grammar import RULES
 from rapc.language.heads import rules_by_head
-from rapc.language.words import OPERANDS, WORDS, table
+from rapc.language.spelling import OPERANDS, table
+from rapc.language.words import WORDS
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {

@@ -8,7 +8,7 @@ from rapc.base.values import Atom, Fact, format_list
 from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.world import OKAY, Datum, Finished, Refused, Reply
-from rapc.worlds.scripted import AT
+from rapc.worlds.script_state import AT
 from tests.reference.endings import method_badly, method_well
 from tests.reference.kinds import (
     Broken,

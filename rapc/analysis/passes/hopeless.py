@@ -14,7 +14,8 @@ from rapc.analysis.asked import asked_by, asked_through, is_computed, is_known
 from rapc.analysis.certain import done_by_method
 from rapc.analysis.effects import EFFECTS, Effect, callees_first, calls_of
 from rapc.analysis.endless import is_never
-from rapc.analysis.literals import Literal, apart, follows, literals, names
+from rapc.analysis.following import follows
+from rapc.analysis.literals import Literal, apart, literals, names
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.passes.settled import ANALYZER as SETTLED
 from rapc.analysis.passes.standing import ANALYZER as STANDING

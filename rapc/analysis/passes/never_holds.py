@@ -13,13 +13,8 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.literals import (
-    Literal,
-    apart,
-    follows,
-    literals,
-    names,
-)
+from rapc.analysis.following import follows
+from rapc.analysis.literals import Literal, apart, literals, names
 from rapc.analysis.passes.contradictions import ANALYZER as CONTRADICTIONS
 from rapc.analysis.passes.contradictions import Reports, first_clash, said
 from rapc.analysis.passes.settled import ANALYZER as SETTLED

@@ -8,7 +8,8 @@ from itertools import combinations
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_through, through
 from rapc.analysis.certain import done_by_method
-from rapc.analysis.literals import Literal, apart, follows, literals, names
+from rapc.analysis.following import follows
+from rapc.analysis.literals import Literal, apart, literals, names
 from rapc.analysis.passes.crossed_claims import things
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes

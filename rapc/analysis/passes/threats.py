@@ -12,7 +12,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.certain import done, fact_name
-from rapc.analysis.literals import Conjunction, Literal, literals, names
+from rapc.analysis.conjunction import Conjunction
+from rapc.analysis.literals import Literal, literals, names
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes

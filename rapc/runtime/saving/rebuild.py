@@ -43,9 +43,9 @@ from rapc.runtime.state.task import (
     Env,
     MethodRun,
     Task,
-    TopLevelTask,
 )
 from rapc.runtime.state.things import Ask, ThingWait
+from rapc.runtime.state.top_level import TopLevelTask
 from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 

@@ -18,7 +18,7 @@ from rapc.base.values import Fact
 from rapc.compiler.net_plan import StepPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.ir import nodes
-from rapc.runtime.events.events import Cause, Goal
+from rapc.runtime.events.events import Goal
 from rapc.runtime.memory.notations import Notation
 from rapc.runtime.state.history import History
 from rapc.runtime.state.states import ENDED, WAITING
@@ -46,34 +46,6 @@ def _bare_goal(name: str) -> Goal:
 
 
 _RESOURCES = (Counter, SetResource)
-
-
-class TopLevelTask:
-    """What a top-level task has besides."""
-
-    __slots__ = (
-        "background",
-        "because",
-        "came",
-        "ended",
-        "outcome",
-        "outputs",
-        "task",
-    )
-
-    def __init__(self, task: Task, background: bool, came: Time = 0) -> None:
-        self.task = task
-        #: When it joined the run, and when it left; None while it has not.
-        self.came = came
-        self.ended: Time | None = None
-        #: Whether it does not keep the run going.
-        self.background = background
-        #: `okay` or the failure it handed up; None unless it has ended by itself.
-        self.outcome: str | None = None
-        #: Why it failed, if anybody is told.
-        self.because: Cause | None = None
-        #: What it handed out.
-        self.outputs: Env = {}
 
 
 class Task:

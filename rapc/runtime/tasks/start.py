@@ -15,7 +15,8 @@ from rapc.runtime.events.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.states import ELIGIBLE
-from rapc.runtime.state.task import Env, MethodRun, Task, TopLevelTask
+from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.runtime.state.top_level import TopLevelTask
 from rapc.runtime.state.wait_state import WaitState
 from rapc.runtime.task_request import TaskRequest
 

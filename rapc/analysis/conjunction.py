@@ -1,0 +1,207 @@
+"""Which literals cannot hold together.
+
+Two literals contradict each other if one fact is asked and denied, if a property has
+two values, or if no value passes both of two tests. Only what is certain is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping
+
+import msgspec
+
+from rapc.analysis.following import follows, has_a_chance, may_be
+from rapc.analysis.literals import Literal, holds_between, literals, names, number
+from rapc.base.values import Atom
+from rapc.ir import nodes
+from rapc.library.signature import Signature
+
+Relations = Mapping[str, Signature]
+"""The propositions and properties of a library."""
+
+
+class Clash(msgspec.Struct, frozen=True):
+    """Two literals that never hold together, the later one in the text second."""
+
+    first: Literal
+    second: Literal
+
+
+MOST = 24
+"""A conjunction with more literals than this is not looked at."""
+
+
+class Conjunction:
+    """Literals that hold together, put in one after another.
+
+    Args:
+        relations: the propositions and properties.
+        given: the variables that have values before the first literal is asked.
+    """
+
+    def __init__(self, relations: Relations, given: Container[str]) -> None:
+        self.held: list[Literal] = []
+        self._relations = relations
+        self._given = given
+        self._denials = 0
+        self._names: dict[int, set[str]] = {}
+        self._values: dict[tuple[object, ...], Literal] = {}
+        self._numbers: dict[nodes.Term, list[tuple[nodes.Compare, Literal]]] = {}
+
+    def add(self, literal: Literal) -> Clash | None:
+        """Put in a literal; return what it contradicts, if it does."""
+        if len(self.held) >= MOST:
+            return None
+        found = self._against(literal)
+        self.held.append(literal)
+        self._denials += not literal.holds
+        return Clash(found, literal) if found is not None else None
+
+    def _against(self, literal: Literal) -> Literal | None:
+        formula = literal.formula
+        if not literal.holds:
+            return self._ruled_out(literal)
+        if isinstance(formula, nodes.Believe):
+            formula = formula.pattern
+        if isinstance(formula, nodes.Proposition):
+            found = self._other_value(formula, literal)
+            if found is not None:
+                return found
+        if isinstance(formula, nodes.Compare):
+            found = self._other_bound(formula, literal)
+            if found is not None:
+                return found
+        return self._denied(literal) if self._denials else None
+
+    def _ruled_out(self, literal: Literal) -> Literal | None:
+        """A literal from which a formula that has no solution would follow."""
+        wanted = list(literals(literal.formula))
+        if not all(has_a_chance(goal, self.held) for goal in wanted):
+            return None
+        used = follows(wanted, self.held, self._own(literal, self.held))
+        return used[-1] if used else None
+
+    def _denied(self, literal: Literal) -> Literal | None:
+        """A formula without a solution that a new literal makes follow."""
+        everything = [*self.held, literal]
+        for other in self.held:
+            if not other.holds:
+                wanted = list(literals(other.formula))
+                if not any(may_be(goal, literal) for goal in wanted):
+                    continue
+                own = self._own(other, everything)
+                used = follows(wanted, everything, own)
+                if used and literal in used:
+                    return other
+        return None
+
+    def _own(self, literal: Literal, others: Iterable[Literal]) -> set[str]:
+        """The variables that occur nowhere else: whatever they stand for will do."""
+        own = {name for name in self._known(literal) if name not in self._given}
+        for other in others if own else ():
+            if other is not literal:
+                own -= self._known(other)
+        return own
+
+    def _known(self, literal: Literal) -> set[str]:
+        """The names of the variables of a literal, gathered once."""
+        found = self._names.get(id(literal))
+        if found is None:
+            found = self._names[id(literal)] = names(literal.formula)
+        return found
+
+    def _other_value(self, fact: nodes.Proposition, literal: Literal) -> Literal | None:
+        declared = self._relations.get(fact.name)
+        if declared is None or not declared.is_property or declared.most is None:
+            return None
+        args = declared.full(fact.args)
+        if len(args) != declared.most or any(_is_open(term) for term in args):
+            return None
+        index = (fact.name, *args[:-1])
+        first = self._values.setdefault(index, literal)
+        return (
+            first
+            if first is not literal and _apart(first, args[-1], declared)
+            else None
+        )
+
+    def _other_bound(self, test: nodes.Compare, literal: Literal) -> Literal | None:
+        turned = _turned(test)
+        earlier = self._numbers.setdefault(turned.left, [])
+        for other, where in earlier:
+            if _exclude(other, turned):
+                return where
+        earlier.append((turned, literal))
+        return None
+
+
+def _apart(first: Literal, value: nodes.Term, declared: Signature) -> bool:
+    """Whether an earlier fact of the same property has another constant."""
+    fact = first.formula
+    if isinstance(fact, nodes.Believe):
+        fact = fact.pattern
+    assert isinstance(fact, nodes.Proposition)
+    other = declared.full(fact.args)[-1]
+    if not isinstance(other, nodes.Const) or not isinstance(value, nodes.Const):
+        return False
+    return other != value and not _stands_for_another(fact, (other, value))
+
+
+def _stands_for_another(fact: nodes.Proposition, values: Iterable[nodes.Const]) -> bool:
+    """Whether an item can have two values: `external` is where the robot is [L 7]."""
+    return fact.name == "location" and any(v.value == "external" for v in values)
+
+
+def _is_open(term: nodes.Term) -> bool:
+    return isinstance(term, nodes.Var) and term.anonymous
+
+
+_TURNED: Mapping[str, str] = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
+
+
+def _turned(test: nodes.Compare) -> nodes.Compare:
+    """Return a test with its constant, if it has one, to the right."""
+    if isinstance(test.left, nodes.Const) and not isinstance(test.right, nodes.Const):
+        op = _TURNED.get(test.op, test.op)
+        return nodes.Compare(op, test.right, test.left, test.span)  # type: ignore[arg-type]  # a turned test has one of the six words
+    return test
+
+
+def _exclude(one: nodes.Compare, other: nodes.Compare) -> bool:
+    """Whether no value passes two tests of one term."""
+    if one.right == other.right:
+        return (one.op, other.op) in _OPPOSITE or (other.op, one.op) in _OPPOSITE
+    if not isinstance(one.right, nodes.Const) or not isinstance(
+        other.right, nodes.Const
+    ):
+        return False
+    if one.op == "=":
+        return _misses(one.right.value, other)
+    if other.op == "=":
+        return _misses(other.right.value, one)
+    low, high = (one, other) if one.op in (">", ">=") else (other, one)
+    if low.op not in (">", ">=") or high.op not in ("<", "<="):
+        return False
+    floor, ceiling = number(low.right), number(high.right)
+    return floor is not None and ceiling is not None and floor > ceiling
+
+
+_OPPOSITE = {
+    ("=", "n="),
+    ("=", "<"),
+    ("=", ">"),
+    ("<", ">"),
+    ("<", ">="),
+    ("<=", ">"),
+}
+"""Tests of the same two terms of which at most one holds."""
+
+
+def _misses(value: Atom, test: nodes.Compare) -> bool:
+    """Whether a constant does not pass a test against another constant."""
+    assert isinstance(test.right, nodes.Const)
+    bound = test.right.value
+    if test.op in ("=", "n="):
+        return (value == bound) is (test.op == "n=")
+    left, right = number(nodes.Const(value)), number(test.right)
+    return left is None or right is None or not holds_between(test.op, left, right)
