@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 from rapc.worlds.hallway.picture import floor_plan
-from rapc.worlds.hallway.simulation import HallwaySettings
+from rapc.worlds.hallway.state import HallwaySettings
 from tests.hallway.driver import Driver
 from tests.hallway.journey import Traveller
 

@@ -10,13 +10,24 @@ some worlds can do stands in protocols of its own: `Drawable`, `Savable`, `Skill
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Final, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import msgspec
 
+from rapc.base.handlers import DatumHandler, HandlerMemory, Handlers, ResultHandler
+from rapc.base.messages import (
+    NOT_KNOWN,
+    OKAY,
+    Datum,
+    Finished,
+    Message,
+    Refused,
+    Reply,
+    Signal,
+    Time,
+)
 from rapc.base.offers import Offer
 from rapc.base.pictures import (
     Area,
@@ -67,164 +78,9 @@ __all__ = (
     "Thing",
     "Time",
     "Timed",
+    "Truthful",
     "World",
 )
-
-Time = Number
-"""Simulated time units since the start of the run; never negative."""
-
-OKAY = "okay"
-"""The result symbol of a primitive that succeeded."""
-
-NOT_KNOWN: Final[Time] = math.inf
-"""What `World.next_time` returns where the world cannot say when it will send next."""
-
-
-class Datum(msgspec.Struct, frozen=True):
-    """One notification of the sensors: `(name arg...)`, items by sensor name."""
-
-    content: Fact
-
-
-class Signal(msgspec.Struct, frozen=True):
-    """A signal `(:name arg...)`, items by sensor name [S 4]."""
-
-    content: Fact
-    #: The tickets of the activations, or of the request, under which it arose; none
-    #: for a signal of the world by itself.
-    tickets: tuple[int, ...] = ()
-
-
-class Reply(msgspec.Struct, frozen=True):
-    """The result of a primitive and the data that came with it, in order."""
-
-    result: str
-    data: tuple[Fact, ...] = ()
-
-
-class Refused(msgspec.Struct, frozen=True):
-    """The answer to a request, or an activation, that cannot be carried out now.
-
-    `conflicts` are the tickets of those under way that it is in conflict with.
-    The interpreter waits until they have ended, or has them cancelled, and asks again;
-    where it can do neither the request has failed.
-    """
-
-    conflicts: tuple[int, ...] = ()
-    #: Why, for people.
-    reason: str = ""
-
-
-class Finished(msgspec.Struct, frozen=True):
-    """The end of a primitive that was not atomic, by the ticket of its request."""
-
-    ticket: int
-    reply: Reply
-
-
-Message = Datum | Signal | Finished
-
-
-class HandlerMemory(Protocol):
-    """What a handler may do to memory (T A.3 to A.5).
-
-    Facts are tuples of a declared name and atoms; symbols are `str`, strings of the
-    language `rapc.base.values.Text`. All methods take memory names of items.
-    """
-
-    @property
-    def now(self) -> Time:
-        """The time of the clock."""
-
-    @property
-    def place(self) -> Atom | None:
-        """The robot's own place: the one last given to `arrive`."""
-
-    def assert_fact(self, *fact: Atom) -> None:
-        """Assert a fact now; a property replaces its old value.
-
-        Raises:
-            ValueError: for an undeclared name, a wrong number of arguments, a
-                built-in name, or an item's location and introducing class.
-        """
-
-    def erase(self, *prefix: Atom) -> None:
-        """Erase every fact that starts so. Raises ValueError as `assert_fact`."""
-
-    def query(self, *pattern: Atom | None) -> list[Fact]:
-        """The facts that match, oldest first; None matches anything.
-
-        Defaults are not consulted.
-        """
-
-    def value(self, *index: Atom) -> Atom | None:
-        """The asserted value of a property for an index, or None."""
-
-    def ask(
-        self, formula: str, given: Mapping[str, Atom] | None = None
-    ) -> list[dict[str, Any]]:
-        """All answers to a formula of the language, in the order in which it has them.
-
-        An answer holds the values of the variables by their names with question marks,
-        those in `given` left out; a formula without variables that holds has one
-        answer, an empty one. The formula is asked as a clause asks it, with defaults
-        and named queries; a fault in it, an unbound variable say, is traced, and
-        there is no answer. It is made ready once, when it is asked for the first time:
-        what differs from one time to another belongs in `given`.
-
-        Raises:
-            ValueError: for a text that is no formula, or names what the library does
-                not declare.
-        """
-
-    def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
-        """An item is seen: returns its memory name; it is accessible from now.
-
-        Asserts `(class item kind true)` and `(location item place)`. Seen again
-        while accessible it is the same item; another place is a move. The name may
-        become an alias of an older one when the batch ends.
-        """
-
-    def move(self, item: str, place: Atom) -> None:
-        """An accessible item now is at `place`; it stays accessible."""
-
-    def lose(self, item: str) -> None:
-        """An item is not where it was: its place is `unknown`, it is out of reach."""
-
-    def fix_cardinality(self, place: Atom) -> None:
-        """All items accessible at `place` have been introduced: no others are there.
-
-        This takes effect when the batch ends, so a result's handler may say it before
-        the data are handled. Items believed there and not accessible get place
-        `unknown`; of indistinct classes as many as are too many.
-        """
-
-    def expire(self) -> None:
-        """All sensor names go: the robot has moved."""
-
-    def arrive(self, place: Atom) -> None:
-        """The robot now is at `place`, of which `external` speaks from now on."""
-
-
-ResultHandler = Callable[[HandlerMemory, Fact, str], str | None]
-"""Called with memory, the request (memory names) and the result symbol.
-
-What it returns, unless None, is the result that the interpreter sees: another one of
-those that are declared [T 3.3.2]."""
-
-DatumHandler = Callable[[HandlerMemory, Fact], None]
-"""Called with memory and the datum, known sensor names already replaced."""
-
-
-class Handlers(msgspec.Struct, frozen=True):
-    """The handlers of a world package, by primitive and by datum name.
-
-    A primitive without a handler changes nothing; a datum without one is an error
-    of the world package.
-    """
-
-    results: Mapping[str, ResultHandler] = {}
-    data: Mapping[str, DatumHandler] = {}
 
 
 KINDS = ("number", "integer", "flag", "symbol", "text")

@@ -11,8 +11,9 @@ import msgspec
 from rapc.base.values import Atom
 from rapc.worlds.hallway.map import Map, Sign
 from rapc.worlds.hallway.map_text import named_map
-from rapc.worlds.hallway.simulation import STANDOFF, HallwaySettings, Simulation
+from rapc.worlds.hallway.simulation import STANDOFF, Simulation
 from rapc.worlds.hallway.skills.all import catalogue
+from rapc.worlds.hallway.state import HallwaySettings
 from rapc.worlds.skills.catalogue import Request
 from rapc.worlds.skills.runtime import Told
 

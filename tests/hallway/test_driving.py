@@ -12,7 +12,7 @@ import pytest
 
 from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.random_map import random_map
-from rapc.worlds.hallway.simulation import HallwaySettings
+from rapc.worlds.hallway.state import HallwaySettings
 from rapc.worlds.skills.catalogue import Request
 from tests.effort import first
 from tests.hallway.driver import FOLLOW_HALL, STILL, Driver

@@ -13,7 +13,7 @@ import pytest
 from rapc.worlds.hallway.channels import BEARINGS, RADIUS, SONAR_RANGE
 from rapc.worlds.hallway.people import GIRTH
 from rapc.worlds.hallway.robot import laser, sonar
-from rapc.worlds.hallway.simulation import HallwaySettings
+from rapc.worlds.hallway.state import HallwaySettings
 from rapc.worlds.skills.catalogue import Request
 from tests.effort import first
 from tests.hallway.driver import FOLLOW_HALL, STILL, Driver, to_landmark

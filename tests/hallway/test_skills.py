@@ -11,8 +11,8 @@ from rapc.world import Refused
 from rapc.worlds.hallway.channels import DRIVE, TRAJECTORY
 from rapc.worlds.hallway.map import signs
 from rapc.worlds.hallway.map_text import named_map, read_map
-from rapc.worlds.hallway.simulation import HallwaySettings
 from rapc.worlds.hallway.skills.all import catalogue
+from rapc.worlds.hallway.state import HallwaySettings
 from rapc.worlds.skills.catalogue import Request
 from rapc.worlds.skills.drawing import draw
 from rapc.worlds.skills.runtime import Told

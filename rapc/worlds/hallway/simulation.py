@@ -31,11 +31,12 @@ from rapc.worlds.hallway.channels import (
     Pose,
     Tag,
 )
-from rapc.worlds.hallway.doors import Door, Lift
+from rapc.worlds.hallway.doors import Lift
 from rapc.worlds.hallway.map import Map, Opening, Sign, openings, signs
-from rapc.worlds.hallway.people import Surroundings, Walker
+from rapc.worlds.hallway.people import Surroundings
 from rapc.worlds.hallway.plan import door_box, floor_plans
-from rapc.worlds.hallway.robot import TICK, Robot, Wear
+from rapc.worlds.hallway.robot import TICK, Robot
+from rapc.worlds.hallway.state import Collision, HallwaySettings, HallwayState, Push
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.runtime import SkillRuntime, Told
 from rapc.worlds.streams import Stream, stream_in, stream_state
@@ -49,65 +50,10 @@ DOCKED = 0.35
 """How far from its place at the charger the robot can still charge, in metres."""
 
 
-class HallwaySettings(msgspec.Struct, frozen=True):
-    """What can be chosen about a run; times in seconds."""
-
-    #: How long a door stays open on average; 0: for ever.
-    doors: float = 120.0
-    #: How many of the map's people there are.
-    people: int = 99
-    #: How often somebody else calls the lift; 0: never.
-    lift: float = 90.0
-    #: How much dead reckoning drifts; 1 is usual.
-    drift: float = 1.0
-    #: How fast the battery is used up; 1 is usual, 0 never.
-    usage: float = 1.0
-
-
-class Collision(msgspec.Struct, frozen=True):
-    """The robot touched something."""
-
-    time: float
-    #: How fast they came together, in metres a second.
-    speed: float
-    #: Where the robot was.
-    x: float
-    y: float
-    #: A `wall`, a `person`, or a `push` for what the robot could not help.
-    what: str
-
-
-class Push(msgspec.Struct):
-    """Somebody is pushing the robot, in metres a second."""
-
-    x: float
-    y: float
-    until: float
-
-
-class State(msgspec.Struct):
-    """All that changes, apart from skills and streams of chance."""
-
-    robot: Robot
-    wear: Wear
-    walkers: list[Walker]
-    doors: list[Door]
-    lift: Lift | None
-    #: The space whose floor is under the robot's middle.
-    space: str
-    ticks: int = 0
-    push: Push | None = None
-    #: The floor to which the robot called the lift in the last tick.
-    called: int | None = None
-    collisions: list[Collision] = []
-    #: When something was said, and what.
-    said: list[tuple[float, str]] = []
-
-
 class _Saved(msgspec.Struct):
     map: str
     settings: HallwaySettings
-    state: State
+    state: HallwayState
     skills: msgspec.Raw
     streams: dict[str, Stream]
 
@@ -215,7 +161,7 @@ class Simulation:
     def _digest(self) -> str:
         return hashlib.sha256(msgspec.json.encode(self.map)).hexdigest()
 
-    def _first_state(self) -> State:
+    def _first_state(self) -> HallwayState:
         start = next(mark for mark in self.map.landmark if mark.name == self.map.start)
         sign = self.sign_of(start.name, start.space)
         x, y = sign.front(STANDOFF)
@@ -231,7 +177,7 @@ class Simulation:
         )
         chance, settings = self._chance, self.settings
         gaps = self.openings.values()
-        return State(
+        return HallwayState(
             body,
             robot.worn(chance["wear"], settings.drift),
             people.everybody(self.map)[: settings.people],
@@ -430,8 +376,3 @@ class Simulation:
                 and body.floor in space.floors
             ):
                 self.state.space = space.name
-
-
-def _stream_state(rng: Random) -> Stream:
-    version, internal, gauss = rng.getstate()
-    return version, tuple(internal), gauss

@@ -28,8 +28,9 @@ from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.picture import picture
 from rapc.worlds.hallway.random_map import random_map
 from rapc.worlds.hallway.robot import TICK
-from rapc.worlds.hallway.simulation import HallwaySettings, Simulation
+from rapc.worlds.hallway.simulation import Simulation
 from rapc.worlds.hallway.skills.all import catalogue
+from rapc.worlds.hallway.state import HallwaySettings
 from rapc.worlds.skills.runtime import Told
 from rapc.worlds.skills.world import SkillWorld, offer
 

@@ -1,0 +1,67 @@
+"""What a world tells the interpreter: results, data, signals, times [T 3.3].
+
+Authors of worlds have them from `rapc.world`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import msgspec
+
+from rapc.base.values import Fact, Number
+
+Time = Number
+"""Simulated time units since the start of the run; never negative."""
+
+OKAY = "okay"
+"""The result symbol of a primitive that succeeded."""
+
+NOT_KNOWN: Final[Time] = math.inf
+"""What `World.next_time` returns where the world cannot say when it will send next."""
+
+
+class Datum(msgspec.Struct, frozen=True):
+    """One notification of the sensors: `(name arg...)`, items by sensor name."""
+
+    content: Fact
+
+
+class Signal(msgspec.Struct, frozen=True):
+    """A signal `(:name arg...)`, items by sensor name [S 4]."""
+
+    content: Fact
+    #: The tickets of the activations, or of the request, under which it arose; none
+    #: for a signal of the world by itself.
+    tickets: tuple[int, ...] = ()
+
+
+class Reply(msgspec.Struct, frozen=True):
+    """The result of a primitive and the data that came with it, in order."""
+
+    result: str
+    data: tuple[Fact, ...] = ()
+
+
+class Refused(msgspec.Struct, frozen=True):
+    """The answer to a request, or an activation, that cannot be carried out now.
+
+    `conflicts` are the tickets of those under way that it is in conflict with.
+    The interpreter waits until they have ended, or has them cancelled, and asks again;
+    where it can do neither the request has failed.
+    """
+
+    conflicts: tuple[int, ...] = ()
+    #: Why, for people.
+    reason: str = ""
+
+
+class Finished(msgspec.Struct, frozen=True):
+    """The end of a primitive that was not atomic, by the ticket of its request."""
+
+    ticket: int
+    reply: Reply
+
+
+Message = Datum | Signal | Finished
