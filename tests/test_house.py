@@ -19,11 +19,15 @@ CHECKOUT = Path(__file__).parents[1]
 TESTS = CHECKOUT / "tests"
 LANGUAGE = CHECKOUT / "docs" / "language"
 
-LONGEST_MODULE = 500
-"""Lines: data, or one algorithm, may take so many."""
+LONGEST_MODULE = 400
+"""Lines of a module that holds one idea."""
 
-DATA = ("rapc/ir/nodes.py", "rapc/language/grammar.py")
-"""Modules that hold data alone, one row after the other, may be longer."""
+LONGER = {
+    "rapc/ir/nodes.py": "data: a record for each thing that a text can say",
+    "rapc/runtime/interpreter.py": "one class: all that a host may ask of a run",
+    "rapc/runtime/memory/recognition/recognizer.py": "one algorithm, told at its head",
+}
+"""Modules that would be harder to read in two, with the reason."""
 
 LONGEST_FUNCTION = 60
 
@@ -77,7 +81,7 @@ def test_modules_and_functions_are_short(modules: Sequence[Module]) -> None:
     long = [
         module.name
         for module in modules
-        if module.text.count("\n") > LONGEST_MODULE and module.name not in DATA
+        if (module.text.count("\n") > LONGEST_MODULE) is not (module.name in LONGER)
     ]
     long += [
         f"{module.name}: {node.name}"

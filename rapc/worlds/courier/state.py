@@ -60,7 +60,7 @@ class Delivery(msgspec.Struct, frozen=True):
     ward: str
 
 
-class State(msgspec.Struct):
+class HospitalState(msgspec.Struct):
     """The whole state."""
 
     #: The room that the robot is in, or `corridor`.

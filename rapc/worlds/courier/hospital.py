@@ -1,0 +1,322 @@
+"""What happens in the courier's hospital: one robot, one corridor, people.
+
+Whatever takes time ends by a message, so the robot could do several things at once, and
+drive off in the middle of any. What happens by itself happens in `advance`, which goes
+from one event to the next; `_due` says what is next.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
+
+import msgspec
+
+from rapc.base.values import Fact
+from rapc.world import OKAY, Refused, Reply, Time
+from rapc.worlds.courier.building import BASE, CORRIDOR, DEPTH, ROOMS, SOLD, WARDS
+from rapc.worlds.courier.state import (
+    Delivery,
+    Drive,
+    HospitalState,
+    Nurse,
+    Sent,
+    Work,
+)
+from rapc.worlds.streams import Stream, stream_in, stream_state
+
+FULL = 100
+"""What a full battery holds: so long a way."""
+
+STEP = 10
+"""The battery is told of whenever it has changed by so much."""
+
+CHARGE = 2
+"""What the dock gives in a time unit."""
+
+PATIENCE = 20
+"""How long a nurse stands at the door."""
+
+RING_TIME, DOCK_TIME, HAND_TIME = 1, 2, 3
+"""How long the robot is held by what it does alone."""
+
+
+class Saved(msgspec.Struct, frozen=True):
+    """What `save` writes: the options are kept to refuse a state of other ones."""
+
+    options: dict[str, int]
+    state: HospitalState
+    rng: Stream
+
+
+class Hospital:
+    """The hospital with its robot.
+
+    Args:
+        rng: what all chance is made of.
+        options: the world's options by name, all of them.
+    """
+
+    def __init__(self, rng: random.Random, options: Mapping[str, int]) -> None:
+        self._options = dict(options)
+        self._rng = rng
+        #: All that changes.
+        self.state = HospitalState(battery=options["battery"])
+        self._tell(self._position(), self._level())
+        self._plan_call()
+
+    def leave_off(self, ticket: int) -> None:
+        """Stop the drive, or leave off the work, that is under way for a ticket."""
+        state = self.state
+        if state.drive is not None and state.drive.ticket == ticket:
+            self._stop()
+            self._tell(self._position(), self._level())
+        state.work = [work for work in state.work if work.ticket != ticket]
+
+    def next_time(self) -> Time | None:
+        """Return when something is sent next; None if nothing is to come."""
+        state = self.state
+        if state.sent:
+            return state.now
+        nurses = [nurse for nurse in state.nurses if nurse.ward == state.room]
+        return min((time for time, _ in self._due(nurses)), default=None)
+
+    def advance(self, to: Time) -> None:
+        """Move the clock on; what is due until then happens, one after the other."""
+        state = self.state
+        while due := sorted(self._due(state.nurses), key=lambda event: event[0]):
+            time, happens = due[0]
+            if time > to:
+                break
+            state.now = time
+            happens()
+        state.now = max(state.now, int(to))
+
+    def save(self) -> bytes:
+        """Return the state of hospital and random stream, as JSON."""
+        saved = Saved(self._options, self.state, stream_state(self._rng))
+        return msgspec.json.encode(saved)
+
+    def restore(self, saved: bytes) -> None:
+        """Take up a saved state.
+
+        Raises:
+            ValueError: if it is none, or one of a hospital with other options.
+        """
+        try:
+            read = msgspec.json.decode(saved, type=Saved)
+        except msgspec.DecodeError as error:
+            raise ValueError(f"no state of a courier's world: {error}") from error
+        if read.options != self._options:
+            raise ValueError("the state is that of a courier's world otherwise made")
+        self._rng, self.state = stream_in(read.rng), read.state
+
+    # --- what the robot is asked for ------------------------------------------------
+
+    def drive(self, ticket: int, room: str) -> Reply | Refused | None:
+        """Set off for a room; the end comes by a message."""
+        state = self.state
+        if state.drive is not None:
+            return Refused((state.drive.ticket,))
+        if room not in ROOMS:
+            return Reply("blocked", (self._position(),))
+        if state.room == room:
+            return Reply(OKAY, (self._position(),))
+        self._leave_behind()
+        self._meter()
+        state.docked = False
+        depth = 0 if state.room == CORRIDOR else DEPTH
+        state.drive = Drive(ticket, room, state.now, state.along, depth)
+        state.room = CORRIDOR
+        self._tell(self._position())
+        return None
+
+    def take_on(self, ticket: int, goods: str, ward: str) -> Reply | None:
+        """Begin to take goods on that are labelled with a ward."""
+        state = self.state
+        if goods not in SOLD.get(state.room, ()):
+            return Reply("not-here")
+        if len(state.tray) >= self._options["tray"]:
+            return Reply("tray-full")
+        result = "sold-out" if self._happens("sold-out") else OKAY
+        until = state.now + self._rng.randint(5, 20)
+        state.work.append(Work(ticket, ("take-on", goods, ward), until, result))
+        return None
+
+    def ring(self, ticket: int) -> Reply:
+        """Ring for the nurse of the ward in which the robot is."""
+        self.advance(self.state.now + RING_TIME)
+        state = self.state
+        if state.room not in WARDS:
+            return Reply("not-here")
+        if not self._happens("absent"):
+            comes = state.now + self._rng.randint(5, 40)
+            state.nurses.append(Nurse(state.room, comes))
+        return Reply(OKAY)
+
+    def hand_over(self, ticket: int, goods: str, ward: str) -> Reply:
+        """Hand goods over to the nurse who stands before the robot."""
+        self.advance(self.state.now + HAND_TIME)
+        state = self.state
+        if (goods, ward) not in state.tray:
+            return Reply("not-aboard")
+        if state.nurse is None or state.now > state.nurse.time:
+            return Reply("nobody-there")
+        state.nurse = None
+        state.tray.remove((goods, ward))
+        state.deliveries.append(Delivery(state.now, goods, ward, state.room))
+        return Reply(OKAY)
+
+    def dock(self, ticket: int) -> Reply:
+        """Dock at the base, where the battery is charged."""
+        self.advance(self.state.now + DOCK_TIME)
+        if self.state.room != BASE:
+            return Reply("not-here")
+        self._meter()
+        self.state.docked = True
+        return Reply(OKAY, (self._level(),))
+
+    def help(self, ticket: int, ward: str) -> Reply | None:
+        """Begin to help in a ward that has called."""
+        state = self.state
+        if state.room != ward:
+            return Reply("not-here")
+        if ward not in state.calls:
+            return Reply("not-called")
+        until = state.now + self._rng.randint(10, 30)
+        state.work.append(Work(ticket, ("help", ward), until, OKAY))
+        return None
+
+    # --- what happens by itself -----------------------------------------------------
+
+    def _due(self, nurses: Iterable[Nurse]) -> Iterator[tuple[int, Callable[[], None]]]:
+        """Yield what will happen, with its time, in the order in which it is done.
+
+        Args:
+            nurses: those on their way whose coming counts.
+        """
+        state = self.state
+        if state.ended is not None:
+            return
+        if state.drive is not None:
+            yield state.metered + state.battery, self._run_down
+            yield state.drive.arrives, self._arrive
+        for work in state.work:
+            yield work.until, partial(self._finish, work)
+        for nurse in nurses:
+            yield nurse.time, partial(self._come, nurse)
+        if state.next_call is not None:
+            yield state.next_call, self._call
+        if state.drive is not None and state.battery > STEP:
+            yield state.metered + STEP, self._tell_level
+        if state.docked and state.battery < FULL:
+            yield state.metered + -(-STEP // CHARGE), self._tell_level
+
+    def _run_down(self) -> None:
+        """The battery is empty, on the way."""
+        self._end_drive("battery-empty")
+        self.state.ended = "the battery is empty"
+
+    def _arrive(self) -> None:
+        room = self.state.drive.room if self.state.drive else CORRIDOR
+        if self._happens("blocked"):
+            self._end_drive("blocked")
+        else:
+            self._end_drive(OKAY, room)
+
+    def _finish(self, work: Work) -> None:
+        state = self.state
+        state.work.remove(work)
+        name, what, *rest = (str(part) for part in work.request)
+        if work.result == OKAY and name == "take-on":
+            state.tray.append((what, rest[0]))
+        if work.result == OKAY and name == "help":
+            state.calls.remove(what)
+        self._answer(work.ticket, work.result)
+
+    def _come(self, nurse: Nurse) -> None:
+        """A nurse comes to the door, and sees whether the robot is there."""
+        state = self.state
+        state.nurses.remove(nurse)
+        if state.room == nurse.ward:
+            state.nurse = Nurse(nurse.ward, nurse.time + PATIENCE)
+            self._tell((":nurse", nurse.ward))
+        else:
+            state.in_vain += 1
+
+    def _call(self) -> None:
+        state = self.state
+        ward = self._rng.choice(WARDS)
+        if ward not in state.calls:
+            state.calls.append(ward)
+        self._tell(("call", ward))
+        self._plan_call()
+
+    def _tell_level(self) -> None:
+        self._meter()
+        if self.state.drive is not None:
+            self._tell(self._position())
+        self._tell(self._level())
+
+    # --- parts of these -------------------------------------------------------------
+
+    def _leave_behind(self) -> None:
+        """The robot sets off: who does something with it is left standing."""
+        state = self.state
+        for work in state.work:
+            self._answer(work.ticket, "robot-left")
+        state.in_vain += len(state.work) + (state.nurse is not None)
+        state.work, state.nurse = [], None
+
+    def _meter(self) -> None:
+        """Bring the battery up to date."""
+        self.state.battery = self.charge()
+        self.state.metered = self.state.now
+
+    def _stop(self) -> Drive | None:
+        """The robot stops in the corridor, beside where it has got to."""
+        self._meter()
+        state = self.state
+        drive, state.drive = state.drive, None
+        if drive is not None:
+            state.along, _ = drive.place(state.now)
+        return drive
+
+    def _end_drive(self, result: str, room: str = CORRIDOR) -> None:
+        drive = self._stop()
+        self.state.room = room
+        if drive is not None:
+            self._answer(drive.ticket, result, self._position(), self._level())
+
+    def _plan_call(self) -> None:
+        """Settle when the next ward will call."""
+        often = self._options["calls"]
+        pause = self._rng.randint(often // 2, often + often // 2) if often else 0
+        self.state.next_call = self.state.now + pause if pause else None
+
+    def _happens(self, option: str) -> bool:
+        """Whether something happens that does so in so many of a hundred cases."""
+        return self._rng.randrange(FULL) < self._options[option]
+
+    def _position(self) -> Fact:
+        state = self.state
+        along = state.drive.place(state.now)[0] if state.drive else state.along
+        return ("position", state.room, along)
+
+    def _level(self) -> Fact:
+        return ("battery", self.charge())
+
+    def charge(self) -> int:
+        """Return what the battery holds now."""
+        state = self.state
+        passed = state.now - state.metered
+        driven = passed if state.drive is not None else 0
+        gained = CHARGE * passed if state.docked else 0
+        return max(0, min(FULL, state.battery - driven + gained))
+
+    def _tell(self, *contents: Fact) -> None:
+        self.state.sent.extend(Sent(content) for content in contents)
+
+    def _answer(self, ticket: int, result: str, *data: Fact) -> None:
+        self.state.sent.append(Sent((result,), ticket, data))
