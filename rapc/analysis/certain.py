@@ -10,10 +10,12 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.literals import Literal, literals
+from rapc.analysis.conjunction import Conjunction
+from rapc.analysis.literals import Literal, literals, names
 from rapc.ir import nodes
 from rapc.ir.walk import steps
 from rapc.library.library import Library
+from rapc.library.signatures import Signatures
 
 
 def fact_name(literal: Literal) -> str:
@@ -34,6 +36,14 @@ def done(library: Library, goal: nodes.Goal) -> list[Literal]:
     return _put_in(
         found, {v.name: t for v, t in zip(rap.inputs, goal.args, strict=False)}
     )
+
+
+def contradict(signatures: Signatures, one: Literal, other: Literal) -> bool:
+    """Whether two literals never hold together, whatever their variables are."""
+    given = names(one.formula) | names(other.formula)
+    both = Conjunction(signatures.relations, given)
+    both.add(one)
+    return both.add(other) is not None
 
 
 def _of_methods(library: Library, rap: nodes.DefineRap) -> list[Literal]:

@@ -22,6 +22,7 @@ from rapc.analysis.passes.standing import ANALYZER as STANDING
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.walk import subformulas
 from rapc.library.library import Library
 
 _WORLD = """\
@@ -178,9 +179,9 @@ def _endless(
     if monitor is None or rap.monitor_time is not None:
         return
     asked = asked_through(run.library, monitor)
-    if asked is None or id(monitor) in run.result(STANDING):
+    if not asked or id(monitor) in run.result(STANDING):
         return
-    if asked.isdisjoint(effect.name for effect in done):
+    if not any(_touches(run.library, monitor, asked, effect) for effect in done):
         yield Diagnostic(
             rule=ENDLESS.name,
             message=f"nothing that `{rap.name}` does ends the state that wakes it",
@@ -194,6 +195,36 @@ def _endless(
             span=monitor.span,
             help="ask for the contrary in the monitor, or do something else",
         )
+
+
+def _touches(
+    library: Library, monitor: nodes.Formula, asked: Container[str], effect: Effect
+) -> bool:
+    """Whether an effect may have to do with a fact that a monitor asks for.
+
+    Constants tell facts apart where the monitor itself names them, not where a query
+    or a function asks for them; another value of a property is the same fact.
+    """
+    if effect.name not in asked:
+        return False
+    facts = [
+        part for part in subformulas(monitor) if isinstance(part, nodes.Proposition)
+    ]
+    if any(is_computed(library, fact.name) for fact in facts):
+        return True
+    named = [fact for fact in facts if fact.name == effect.name]
+    return not named or any(_may_be_one(library, effect, fact.args) for fact in named)
+
+
+def _may_be_one(library: Library, effect: Effect, args: Sequence[nodes.Term]) -> bool:
+    """Whether no constants tell what an effect changes from a fact with `args`."""
+    pairs = list(zip(effect.values, args, strict=False))
+    if effect.name in library.properties and len(pairs) == len(args):
+        pairs.pop()
+    return all(
+        value is None or not isinstance(term, nodes.Const) or value == term.value
+        for value, term in pairs
+    )
 
 
 def _brings_it_about(

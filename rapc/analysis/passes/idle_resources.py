@@ -77,7 +77,8 @@ def _run(run: Pass) -> None:
     index = run.result(INDEX)
     if not index.of(nodes.Resource):
         return
-    wrong = run.result(RESOURCES)
+    mistaken = run.result(RESOURCES)
+    wrong = mistaken.wrong | mistaken.meant
     every = flows(index)
     for rap in run.library.raps.values():
         for resource in rap.resources:

@@ -95,7 +95,7 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
     given = {v.name for v in rap.inputs} | {r.variable.name for r in rap.resources}
     reports = Reports(run, given)
     never = run.result(CONTRADICTIONS)
-    held = list(_held(rap, given))
+    held = list(_held(rap, given, never))
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
     if id(rap) in run.result(SETTLED):
         goals = []
@@ -147,15 +147,20 @@ def _succeeds_first(
     return False
 
 
-def _held(rap: nodes.DefineRap, given: set[str]) -> Iterator[_Asked]:
-    """Yield what holds where a method is chosen, in variables of its own."""
+def _held(
+    rap: nodes.DefineRap, given: set[str], never: Container[int]
+) -> Iterator[_Asked]:
+    """Yield what holds where a method is chosen, in variables of its own.
+
+    Clauses whose ids are among `never` hold nowhere, as is said of them already.
+    """
     clauses: Mapping[str, nodes.Formula | None] = {
         "monitor-state": rap.monitor_state,
         "preconditions": rap.preconditions,
         "constraints": rap.constraints,
     }
     for clause, formula in clauses.items():
-        if formula is not None:
+        if formula is not None and id(formula) not in never:
             for one in literals(apart(formula, given, f"@{clause}")):
                 yield _Asked(one, clause)
     goal = rap.succeed

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Mapping
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, Index
+from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.passes.resources import ANALYZER as RESOURCES
 from rapc.base.diagnostics import (
     Applicability,
@@ -46,7 +46,7 @@ It equals no number, stands in no fact, and a request that holds one fails. Step
 
 def _run(run: Pass) -> None:
     index = run.result(INDEX)
-    wrong = run.result(RESOURCES)
+    wrong = run.result(RESOURCES).wrong
     resources: dict[tuple[int, str], tuple[str, nodes.Var]] = {
         (id(use.owner), use.node.variable.name): (use.node.kind, use.node.variable)
         for use in index.of(nodes.Resource)
@@ -62,6 +62,36 @@ def _run(run: Pass) -> None:
             continue
         if _needs_value(use.node, use.parent, run.library.functions):
             run.report(_finding(use.node, kind, declared))
+    for term, kind, declared in _handed_on(run, index, resources):
+        run.report(_finding(term, kind, declared))
+
+
+_Known = Mapping[tuple[int, str], tuple[str, nodes.Var]]
+"""Resources by their form and name: the kind, and where they are declared."""
+
+
+def _handed_on(
+    run: Pass, index: Index, resources: _Known
+) -> Iterator[tuple[nodes.Var, str, nodes.Var]]:
+    """Yield resources that steps hand to inputs which are used as plain values only."""
+    handed: dict[tuple[int, str], list[nodes.Var]] = {}
+    owner_of: dict[int, Form] = {}
+    for step in index.of(nodes.Goal) if resources else ():
+        callee = run.library.raps.get(step.node.name)
+        taken = callee.inputs if callee is not None else ()
+        for term, variable in zip(step.node.args, taken, strict=False):
+            if isinstance(term, nodes.Var) and (id(step.owner), term.name) in resources:
+                handed.setdefault((id(callee), variable.name), []).append(term)
+                owner_of[id(term)] = step.owner
+    uses: dict[tuple[int, str], set[bool]] = {}
+    for use in index.of(nodes.Var) if handed else ():
+        key = (id(use.owner), use.node.name)
+        if key in handed and not isinstance(use.parent, nodes.DefineRap):
+            plain = _needs_value(use.node, use.parent, run.library.functions)
+            uses.setdefault(key, set()).add(plain)
+    for key, terms in handed.items():
+        for term in terms if uses.get(key) == {True} else ():
+            yield term, *resources[id(owner_of[id(term)]), term.name]
 
 
 def _inputs(index: Index) -> Iterator[tuple[tuple[int, str], tuple[str, nodes.Var]]]:

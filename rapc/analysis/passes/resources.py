@@ -80,13 +80,23 @@ class Demand(msgspec.Struct, frozen=True):
     rap: nodes.DefineRap
 
 
-def _run(run: Pass) -> set[tuple[int, str]]:
-    """Report, and return the resources that are taken for something else."""
+class Mistaken(msgspec.Struct, frozen=True):
+    """The resources that are mixed up, each by the id of its RAP and its name."""
+
+    #: Those that are taken for something else.
+    wrong: set[tuple[int, str]]
+    #: Those that may be meant where something else stands.
+    meant: set[tuple[int, str]]
+
+
+def _run(run: Pass) -> Mistaken:
+    """Report, and return the resources that are mixed up."""
     index = run.result(INDEX)
     missing = run.result(BINDINGS).missing
     unbound = {(rap, m.variable.name) for rap, all_ in missing.items() for m in all_}
     by_input: dict[tuple[str, str], list[Demand]] = {}
     wrong: set[tuple[int, str]] = set()
+    meant: set[tuple[int, str]] = set()
     for demand in _demands(index):
         rap, term = demand.rap, demand.term
         if isinstance(term, nodes.Var) and (
@@ -102,6 +112,7 @@ def _run(run: Pass) -> set[tuple[int, str]]:
             by_input.setdefault((rap.name, term.name), []).append(demand)
         else:
             run.report(_no_resource(run, demand))
+            meant |= _meant(rap, demand)
     steps = [
         (goal.owner, goal.node)
         for goal in index.of(nodes.Goal)
@@ -109,8 +120,9 @@ def _run(run: Pass) -> set[tuple[int, str]]:
     ]
     wanted = _settled(run, by_input, steps) if by_input else {}
     for owner, goal in steps if wanted else ():
-        _check_step(run, owner, goal, wanted)
-    return wrong | _in_place_of(index)
+        for taken_for in _check_step(run, owner, goal, wanted):
+            meant |= _meant(owner, taken_for)
+    return Mistaken(wrong | _in_place_of(index), meant)
 
 
 ANALYZER = Analyzer(
@@ -121,6 +133,12 @@ ANALYZER = Analyzer(
     rules=(WRONG_KIND, NOT_A_RESOURCE),
     needs_whole="method",
 )
+
+
+def _meant(rap: nodes.DefineRap, demand: Demand) -> set[tuple[int, str]]:
+    """Return the resources of a RAP that may be meant where none of the kind stands."""
+    own = [one for one in rap.resources if one.kind == demand.kind]
+    return {(id(rap), one.variable.name) for one in own}
 
 
 def _demands(index: Index) -> Iterator[Demand]:
@@ -245,8 +263,11 @@ def _check_step(
     rap: nodes.DefineRap,
     goal: nodes.Goal,
     by_input: Mapping[tuple[str, str], Demand],
-) -> None:
-    """Hold what a step is given against how the RAP that it asks for uses it."""
+) -> Iterator[Demand]:
+    """Hold what a step is given against how the RAP that it asks for uses it.
+
+    Yields the demands that something else was given for.
+    """
     callee = run.library.raps.get(goal.name)
     for term, taken in zip(goal.args, callee.inputs if callee else (), strict=False):
         demand = by_input.get((goal.name, taken.name))
@@ -255,8 +276,10 @@ def _check_step(
         declared = _resource(rap, term)
         if declared is not None and declared.kind != demand.kind:
             run.report(_wrong_kind(term, declared, demand))
+            yield demand
         elif isinstance(term, nodes.Const):
             run.report(_no_resource(run, demand, term))
+            yield demand
 
 
 def _wrong_kind(

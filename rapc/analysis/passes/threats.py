@@ -11,9 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.certain import done, fact_name
-from rapc.analysis.conjunction import Conjunction
-from rapc.analysis.literals import Literal, literals, names
+from rapc.analysis.certain import contradict, done, fact_name
+from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -128,7 +127,7 @@ def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagn
         if not changing.get(fact_name(wanted), 0) & ~apart:
             continue
         for by, effect in changes.get(fact_name(wanted), ()):
-            if not apart >> by & 1 and _contradict(run, wanted, effect):
+            if not apart >> by & 1 and contradict(run.signatures, wanted, effect):
                 yield _finding(note, wanted, steps[by])
 
 
@@ -145,8 +144,8 @@ def _broken(
             continue
         for effect in done(run.library, step.goal):
             for wanted in asked:
-                if fact_name(wanted) == fact_name(effect) and _contradict(
-                    run, wanted, effect
+                if fact_name(wanted) == fact_name(effect) and contradict(
+                    run.signatures, wanted, effect
                 ):
                     yield Diagnostic(
                         rule=BROKEN.name,
@@ -190,13 +189,6 @@ def _reach(net: Net, order: Sequence[int]) -> tuple[list[int], list[int]]:
         for edge in net.edges[at]:
             after[edge.before] |= after[at] | 1 << at
     return before, after
-
-
-def _contradict(run: Pass, wanted: Literal, effect: Literal) -> bool:
-    given = names(wanted.formula) | names(effect.formula)
-    both = Conjunction(run.signatures.relations, given)
-    both.add(wanted)
-    return both.add(effect) is not None
 
 
 def _finding(note: nodes.For, undone: Literal, step: nodes.Step) -> Diagnostic:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import is_computed
-from rapc.analysis.certain import fact_name
+from rapc.analysis.certain import contradict, done, fact_name
 from rapc.analysis.effects import EFFECTS, Effect, Effects
 from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.hopeless import can_come
@@ -135,6 +135,8 @@ def _of_net(
                 continue
             for one in literals(note.formula):
                 fact = fact_name(one)
+                if fact and not one.holds and _undoes(run, step, one):
+                    yield _finding(one, step)
                 if not fact or fact in asked or not one.holds:
                     continue
                 if is_computed(run.library, fact):
@@ -147,6 +149,15 @@ def _of_net(
 
 _MOST = 20
 """Where more steps than this change a fact, one of them may well bring it about."""
+
+
+def _undoes(run: Pass, step: nodes.Step, denied: Literal) -> bool:
+    """Whether a step surely brings about what is to be protected from being so."""
+    return any(
+        fact_name(effect) == fact_name(denied)
+        and contradict(run.signatures, denied, effect)
+        for effect in done(run.library, step.goal)
+    )
 
 
 def _comes(
@@ -167,10 +178,18 @@ def _comes(
 
 
 def _finding(one: Literal, step: nodes.Step) -> Diagnostic:
+    written = format_formula(one.formula)
     return Diagnostic(
         rule=VAIN.name,
-        message=f"nothing up to here brings `{format_formula(one.formula)}` about",
+        message=f"nothing up to here brings `{written}` about"
+        if one.holds
+        else f"this step brings `{written}` about, and not the contrary",
         span=one.span,
-        labels=(Label(step.goal.span, f"`{format_goal(step.goal)}` does not"),),
+        labels=(
+            Label(
+                step.goal.span,
+                f"`{format_goal(step.goal)}` does{' not' * one.holds}",
+            ),
+        ),
         help="protect what the step brings about, or declare that it does",
     )
