@@ -144,7 +144,8 @@ class CheckedLibrary:
             PortError: if the world breaks.
         """
         first = () if agenda is None else of_agenda(self.program.library, agenda)
-        requests = [*first, *map(_request, _listed(tasks, "tasks"))]
+        later = _listed(tasks, "tasks")
+        requests = [*first, *map(_request, later)]
         known = [_fact(fact) for fact in _listed(facts, "facts")]
         made, given = _world(world, seed, options)
         run = Interpreter(
@@ -155,7 +156,7 @@ class CheckedLibrary:
             run.check_fact(*fact)
         for listener in listeners:
             run.listen(listener)
-        texts = [task for task in _listed(tasks, "tasks") if isinstance(task, str)]
+        texts = [task if isinstance(task, str) else as_text(task) for task in later]
         told = [format_list(fact) for fact in known]
         run.start(given, [*map(as_text, first), *texts], facts=told)
         for fact in known:

@@ -1,4 +1,4 @@
-"""What has been: of facts and items, of retries and deadlines, of the time used.
+"""What has been: of facts and items, of retries and deadlines.
 
 Gathered from the events of the run up to now.
 """
@@ -6,7 +6,7 @@ Gathered from the events of the run up to now.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import msgspec
@@ -24,11 +24,6 @@ _ITEMS = (
     events.ItemMerged,
     events.ItemMoved,
     events.ItemLost,
-)
-_ENDS = (
-    events.PrimitiveEnded,
-    events.PrimitiveCancelled,
-    events.RequestRefused,
 )
 _CAUSES = (events.PrimitiveEnded, events.DataReceived, events.TaskSelected)
 
@@ -247,60 +242,3 @@ def deadlines(session: Stepped) -> list[Deadline]:
                 Deadline(entry.task, str(entry.goal), entry.deadline, False, None, left)
             )
     return found
-
-
-# --- time ---------------------------------------------------------------------------
-
-
-class Spell(msgspec.Struct, frozen=True):
-    """A stretch of time that a request took, or that was waited."""
-
-    start: Time
-    stop: Time
-    family: int | None
-    task: int | None
-    #: The request; empty where nothing was asked of the world.
-    request: str
-
-
-def timeline(
-    session: Stepped, start: Time = 0, stop: Time | None = None
-) -> list[Spell]:
-    """Return what the time went by with, in order, between two times."""
-    families: dict[int, int] = {}
-    found: list[Spell] = []
-    under_way: dict[Fact, int] = {}
-    last: Time = 0
-    for told in session.scan():
-        keys = told.keys
-        if told.kind is events.TaskCreated:
-            families[keys["task"]] = keys["family"]
-        if told.time > last:
-            request, task = next(reversed(under_way.items()), (None, None))
-            family = None if task is None else families.get(task)
-            said = "" if request is None else format_list(request)
-            spell = Spell(last, told.time, family, task, said)
-            if found and _goes_on(found[-1], spell):
-                spell = msgspec.structs.replace(spell, start=found.pop().start)
-            found.append(spell)
-            last = told.time
-        if told.kind is events.PrimitiveRequested:
-            under_way[keys["request"]] = keys["task"]
-        elif told.kind in _ENDS:
-            under_way.pop(keys["request"], None)
-    return [
-        one for one in found if one.stop > start and (stop is None or one.start < stop)
-    ]
-
-
-def _goes_on(one: Spell, other: Spell) -> bool:
-    """Whether a spell is the same doing, or waiting, as the one before it."""
-    return (one.task, one.request) == (other.task, other.request)
-
-
-def time_by_family(spells: Iterable[Spell]) -> dict[int | None, Time]:
-    """Return how much time went by with each family; None where all waited."""
-    found: Counter[int | None] = Counter()
-    for one in spells:
-        found[one.family] += one.stop - one.start  # type: ignore[assignment]  # times
-    return dict(found.most_common())

@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.base.values import format_atom
+from rapc.base.values import format_atom, number
 
 Cell = str | int | float | None
 """What a cell of a table holds; None is shown as nothing."""
@@ -63,11 +63,18 @@ def table(
     none: str = "nothing",
     notes: Sequence[str] = (),
 ) -> Answer:
-    """Return an answer with a table, or the words for `none` where it has no rows."""
-    made = tuple([tuple(row) for row in rows])
+    """Return an answer with a table, or the words for `none` where it has no rows.
+
+    Numbers are rounded to the ninth place: 0.1 + 0.2 is 0.3 to whoever reads a table.
+    """
+    made = tuple([tuple(map(_rounded, row)) for row in rows])
     if not made:
         return Answer((*lines, none), notes=tuple(notes))
     return Answer(lines, Table(tuple(columns), made), tuple(notes))
+
+
+def _rounded(cell: Cell) -> Cell:
+    return number(round(cell, 9)) if isinstance(cell, float) else cell
 
 
 def shown(cell: Cell) -> str:

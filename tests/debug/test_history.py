@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import pytest
 
 from rapc.debug import history
@@ -69,21 +67,6 @@ def test_deadlines_are_told_with_how_late() -> None:
     ahead = history.deadlines(session)
     assert [(one.task, one.missed) for one in ahead] == [(1, False)]
     assert ahead[0].by == pytest.approx(100 - session.now)
-
-
-def test_the_timeline_accounts_for_all_time() -> None:
-    session = truck("(rock-order red 1)", "(rock-order blue 1)")
-    session.go()
-    spells = history.timeline(session)
-    assert spells[0].start == 0
-    assert spells[-1].stop == session.now
-    assert all(one.stop == two.start for one, two in pairwise(spells))
-    used = history.time_by_family(spells)
-    assert sum(used.values()) == pytest.approx(session.now)
-    assert set(used) >= {1, 2}
-    part = history.timeline(session, 50, 100)
-    assert part[0].start <= 50 < part[0].stop
-    assert part[-1].start < 100
 
 
 def test_who_has_to_do_with_a_fact() -> None:

@@ -10,6 +10,7 @@ import rapc
 from rapc.debug.session import Session
 from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
+from rapc.runtime.task_request import TaskRequest
 from rapc.testing.discover import find
 from rapc.testing.run import Status, run_case
 from rapc.world import Kit
@@ -39,7 +40,9 @@ DROPS = (
 CATCHES = (row("(grasp box)", "okay", 1, asserts=(("held", "box"),)),)
 
 
-def arms(folder: Path, *rows: object, task: str = "(pick-up box)") -> Shell:
+def arms(
+    folder: Path, *rows: object, task: str | TaskRequest = "(pick-up box)"
+) -> Shell:
     """Return a shell with a library in a folder and a world that answers by rows."""
     path = folder / "arms.rap"
     path.write_text(ARMS, encoding="utf-8")
@@ -225,6 +228,14 @@ def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:
     told = said(shell, ":run", f":export-test {test}", width=400)
     assert "a script cannot tell this run" in told
     assert not test.exists()
+
+
+def test_tasks_that_a_program_gave_as_requests_are_in_it(tmp_path: Path) -> None:
+    shell = arms(tmp_path, *DROPS, *CATCHES, task=TaskRequest(("pick-up", "box"), 3))
+    path = tmp_path / "given.test.rap"
+    said(shell, ":run", f":export-test {path}")
+    assert "(task (pick-up box) :priority 3)" in path.read_text(encoding="utf-8")
+    assert statuses(path) == [Status.PASSED]
 
 
 def test_a_task_that_comes_later_is_given_then(tmp_path: Path) -> None:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import pytest
 
+import rapc
+from rapc.debug.session import Session
 from rapc.repl.commands.table import commands
 from rapc.repl.draw import draw
 from rapc.repl.shell import Shell
@@ -149,6 +151,26 @@ def test_8_what_the_time_went_by_with() -> None:
     assert "(drive shelf)" in text
     assert "family [1]: " in text
     assert "100 %" in text
+
+
+def test_8_what_skills_were_on_and_what_was_heard_of_them() -> None:
+    library = rapc.load("stdlib/hallway")
+    session = Session.open(library, "hallway", agenda="errand")
+    shell = Shell(session, commands())
+    shell.answer(":to at 12")
+    found = rows(shell, ":timeline")
+    assert str(found[0][4]).startswith("(:report-position)")
+    assert found[0][5] == ":position 12 times"
+    assert "(:door-closed)" in [row[5] for row in found]
+    assert found[-1][4] == "(:move-thru-doorway -1.565 0.3)"
+
+
+def test_8_times_are_told_without_the_dust_of_subtraction() -> None:
+    shell = truck_shell("(rock-order red 1) :deadline 100")
+    shell.answer(":run")
+    [found] = rows(shell, ":deadlines")
+    assert found[2:] == (100, "missed", 274.77, 174.77)
+    assert 274.77 - 100 != 174.77
 
 
 def test_9_retries() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from rapc.base.values import format_atom, format_list
-from rapc.debug import history
+from collections.abc import Sequence
+
+from rapc.base.values import Atom, Fact, format_atom, format_list, number
+from rapc.debug import history, timeline
 from rapc.debug.who import who
 from rapc.repl.answer import Answer, table
 from rapc.repl.arguments import Arguments
@@ -82,27 +84,39 @@ def _deadlines(shell: Shell, args: Arguments) -> Answer:
 def _timeline(shell: Shell, args: Arguments) -> Answer:
     start = args.time("a time") if args else 0
     stop = args.time("a time") if args else None
-    spells = history.timeline(shell.subject, start, stop)
+    spells = timeline.timeline(shell.subject, start, stop)
     rows = [
         (
             one.start,
             one.stop,
             None if one.family is None else f"[{one.family}]",
             None if one.task is None else f"[{one.task}]",
-            one.request or "waiting",
+            one.doing or "waiting",
+            _heard(one.heard),
         )
         for one in spells
     ]
-    total = sum(one.stop - one.start for one in spells)
+    used = timeline.time_by_family(spells, start, stop)
+    total = sum(used.values())
     notes = [
         f"{'waiting' if family is None else f'family [{family}]'}: "
-        f"{format_atom(round(used, 2))} of {format_atom(round(total, 2))}, "
-        f"{100 * used / total:.0f} %"
-        for family, used in history.time_by_family(spells).items()
-        if total
+        f"{format_atom(number(round(time, 2)))} of "
+        f"{format_atom(number(round(total, 2)))}, {100 * time / total:.0f} %"
+        for family, time in used.items()
     ]
-    columns = ("from", "to", "family", "task", "what")
+    columns = ("from", "to", "family", "task", "what", "heard")
     return table(columns, rows, none="no time has passed", notes=notes)
+
+
+def _heard(signals: Sequence[Fact]) -> str:
+    """Return signals in words: one that came once whole, others by name and number."""
+    by_name: dict[Atom, list[Fact]] = {}
+    for one in signals:
+        by_name.setdefault(one[0], []).append(one)
+    return ", ".join(
+        format_list(same[0]) if len(same) == 1 else f"{name} {len(same)} times"
+        for name, same in by_name.items()
+    )
 
 
 REMEMBERING = (
@@ -141,5 +155,8 @@ REMEMBERING = (
         "Tell what the time went by with, and how much of it each family used.",
         _timeline,
         (":timeline", ":timeline 200 240"),
+        "Requests and skills stand by the time at which they began, with the events "
+        "heard of the skills. Of several at a time the last to begin is reckoned to "
+        "have used it.",
     ),
 )
