@@ -81,6 +81,8 @@ class Summary(msgspec.Struct, frozen=True):
     unit: str
     #: What is counted besides, and the world's figures, by name.
     told: tuple[str, ...]
+    #: Those of `told` that are counted.
+    counted: tuple[str, ...]
     rows: tuple[Row, ...]
 
     @property
@@ -112,9 +114,10 @@ def summarize(
         found: the measures by seed that there are of a configuration, by its hash.
         wanted: how many runs a point is to have.
     """
-    told = (*points[0].config.count, *points[0].config.figures)
+    counted = tuple(points[0].config.count)
+    told = (*counted, *points[0].config.figures)
     rows = tuple([_row(p.value, found(p.digest), wanted) for p in points])
-    return Summary(part, unit, told, rows)
+    return Summary(part, unit, told, counted, rows)
 
 
 def _row(value: Value | None, found: Mapping[int, Measures], wanted: int) -> Row:

@@ -216,6 +216,30 @@ def test_a_plot_of_nothing_with_an_odd_title(tmp_path: Path) -> None:
     assert png.read_bytes().startswith(b"\x89PNG")
 
 
+def _of_skills(name: str, folder: Path) -> str:
+    """Draw runs without primitives, with what is counted or without; return the SVG."""
+    made = msgspec.structs.replace
+    runs = [made(one, effector=0, sensor=0, failed=0) for one in STILL]
+    drawn = summary(runs, runs)
+    if name == "nothing":
+        drawn = made(drawn, counted=())
+    svg, _ = plots.draw([drawn], folder / name)
+    return svg.read_text()
+
+
+def test_where_all_is_done_by_skills_what_is_counted_is_drawn(tmp_path: Path) -> None:
+    text = _of_skills("counted", tmp_path)
+    assert "<!-- times that it happened -->" in text
+    assert "<!-- drops: moves -->" in text
+    assert "<!-- actions -->" not in text
+
+
+def test_a_panel_that_would_be_empty_is_left_out(tmp_path: Path) -> None:
+    text = _of_skills("nothing", tmp_path)
+    assert "axes_2" in text
+    assert "axes_3" not in text
+
+
 def test_values_that_are_no_numbers_stand_side_by_side(tmp_path: Path) -> None:
     part = Part("way", vary="truck.lasting-names", values=(False, True))
     points = session().points[:2]

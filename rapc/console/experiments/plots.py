@@ -36,8 +36,10 @@ _COLORS = ("#1b5e8c", "#c0561a", "#3b7d3b", "#7a4f9a")
 _THEIRS = "#555555"
 _WIDTH = 80
 _MARKERS = "osD^"
-_ACTIONS = {"effector": "-", "sensor": "--", "failed": ":"}
-"""The measures of the lowest panel, and how their lines look."""
+_ACTIONS = ("effector", "sensor", "failed")
+"""The measures of the lowest panel."""
+_LINES: tuple[Any, ...] = ("-", "--", ":", "-.", (0, (1, 5)), (0, (5, 5)))
+"""How the lines of the lowest panel look."""
 _CROSSES = {"effector": "x", "sensor": "+", "failed": "*"}
 """The marks of others' figures in that panel."""
 
@@ -46,29 +48,46 @@ def draw(drawn: Sequence[Summary], file: Path) -> tuple[Path, Path]:
     """Draw parts that vary the same into one plot, the first one's name for title.
 
     Above is the time for each task completed, then how many were completed, below the
-    actions. Bars go from the tenth to the ninetieth of a hundred runs; points are
-    means, of the time that over all runs. Figures from elsewhere are crosses, what is
-    said of them in words thick bars. Returns the files, `.svg` and `.png`.
+    actions; where all is done by skills, what is counted, if anything is. Bars go from
+    the tenth to the ninetieth of a hundred runs; points are means, of the time that
+    over all runs. Figures from elsewhere are crosses, what is said of them in words
+    thick bars. Returns the files, `.svg` and `.png`.
     """
     with rc_context(_STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # no font has all characters
-        figure = Figure(figsize=(6.4, 8.2), layout="constrained")
-        panels = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 3))
+        below = _lowest(drawn)
+        size, heights = (8.2, (3, 2, 3)) if below else (5.2, (3, 2))
+        figure = Figure(figsize=(6.4, size), layout="constrained")
+        panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
         figure.suptitle("\n".join(wrapped(heading(drawn[0].part), _WIDTH)))
         for number, summary in enumerate(drawn):
             _series(panels[0], summary, number, "time-each")
             _series(panels[1], summary, number, "completed")
-            for measure, line in _ACTIONS.items():
+            for at, measure in enumerate(below):
+                line = _LINES[at % len(_LINES)]
                 _series(panels[2], summary, number, measure, line)
-        _frame(panels, drawn[0])
+        called = "actions" if below == _ACTIONS else "times that it happened"
+        _frame(panels, drawn[0], called)
         files = file.with_suffix(".svg"), file.with_suffix(".png")
         figure.savefig(files[0], metadata={"Date": None, "Creator": None})
         figure.savefig(files[1], dpi=150, metadata={"Software": None})
     return files
 
 
+def _lowest(drawn: Sequence[Summary]) -> Sequence[str]:
+    """Return the measures of the lowest panel; none if it would have no line."""
+    rows = [row for summary in drawn for row in summary.rows]
+    if any(
+        name in row.figures and row.figures[name].high
+        for row in rows
+        for name in _ACTIONS
+    ):
+        return _ACTIONS
+    return tuple(dict.fromkeys(name for summary in drawn for name in summary.counted))
+
+
 def _series(
-    axes: Axes, summary: Summary, number: int, measure: str, line: str = "-"
+    axes: Axes, summary: Summary, number: int, measure: str, line: Any = "-"
 ) -> None:
     """One part's figures with their ranges, and the figures from elsewhere.
 
@@ -102,9 +121,9 @@ def _series(
 
 def _label(summary: Summary, measure: str) -> str:
     name = summary.part.name
-    if measure in _ACTIONS:
-        return f"{name}: {measure}"
-    return f"{name}: 10 to 90 % of runs"
+    if measure in ("time-each", "completed"):
+        return f"{name}: 10 to 90 % of runs"
+    return f"{name}: {measure}"
 
 
 def _theirs(axes: Axes, summary: Summary, number: int, measure: str) -> None:
@@ -179,14 +198,15 @@ _LONG_LABEL = 33
 """Labels of so many characters stand two in a row; three would leave the picture."""
 
 
-def _frame(panels: Sequence[Axes], summary: Summary) -> None:
-    """Axes, their names, the mark, and the legend."""
-    above, middle, below = panels
+def _frame(panels: Sequence[Axes], summary: Summary, called: str) -> None:
+    """Axes, their names (`called` for the lowest), the mark, and the legend."""
+    above, middle, below = panels[0], panels[1], panels[-1]
     _, _, name = (summary.part.vary or "").partition(".")
     below.set_xlabel(f"{name} ({summary.unit})" if summary.unit else name)
     above.set_ylabel("time for each task completed")
     middle.set_ylabel("tasks completed")
-    below.set_ylabel("actions")
+    if below is not middle:
+        below.set_ylabel(called)
     values = [row.value for row in summary.rows]
     if not all(_numeric(value) for value in values):
         below.set_xticks(_places(summary), [show(value) for value in values])
