@@ -231,3 +231,35 @@ def test_a_seed_gives_the_same_history_in_another_process() -> None:
 
 def test_the_still_world_is_still() -> None:
     assert STILL.people == 0
+
+
+def _clears(doorway: str) -> float:
+    """Return how long somebody is in a doorway, of a minute, behind which the robot is.
+
+    They are on their way through when they meet it.
+    """
+    settings = HallwaySettings(doors=0, people=1, lift=0, drift=0, usage=0)
+    driver = Driver(0, settings)
+    gap, (walker,) = driver.sim.openings[doorway], driver.sim.state.walkers
+    left, bottom, right, top = gap.box
+    x, y = (left + right) / 2, (bottom + top) / 2
+    dx, dy = (0.7, 0.0) if gap.side in ("east", "west") else (0.0, 0.7)
+    walker.x, walker.y, walker.floor, walker.pause = x - dx, y - dy, gap.floor, 0.0
+    driver.place(x - dx, y - dy, 0.0)
+    walker.space = driver.sim.state.space
+    first, second = gap.doorway.joins
+    walker.towards = second if walker.space == first else first
+    walker.way = [(x - dx, y - dy), (x + dx, y + dy)]
+    driver.place(x + 1.3 * dx, y + 1.3 * dy, math.atan2(-dy, -dx))
+    inside = 0
+    for _ in range(600):
+        driver.tick()
+        inside += math.hypot(walker.x - x, walker.y - y) < 0.5
+    return inside / 10
+
+
+@pytest.mark.parametrize(
+    "doorway", first(2, ["library-door", "kitchen-door", "lab-door", "workshop-door"])
+)
+def test_who_meets_the_robot_in_a_doorway_turns_back(doorway: str) -> None:
+    assert 0 < _clears(doorway) < 8

@@ -44,6 +44,9 @@ class Walker(msgspec.Struct):
     pause: float = 0.0
     #: Seconds for which they have been held up.
     held: float = 0.0
+    #: The doorway out of which they turned back; it is not tried again before they have
+    #: been elsewhere.
+    barred: str = ""
 
 
 class Surroundings(msgspec.Struct, frozen=True):
@@ -88,7 +91,7 @@ def walk(
     if not walker.way:
         _choose(walker, around, rng)
         return
-    x, y = walker.way[0]
+    at = x, y = walker.way[0]
     away = math.hypot(x - walker.x, y - walker.y)
     step = min(away, walker.speed * seconds)
     if away > 0:
@@ -99,14 +102,16 @@ def walk(
     if _held_up(walker, around, robot, x, y):
         walker.held += seconds
         if walker.held >= PATIENCE:
-            walker.way, walker.held = [], 0.0
+            _turn_elsewhere(walker, around)
         return
     walker.x, walker.y, walker.held = x, y, 0.0
     if step == away:
         walker.way.pop(0)
         if not walker.way:
             walker.space = walker.towards
-            walker.pause = rng.choice((0.0, 0.0, 1.0, 4.0, 15.0))
+            if not any(_near(gap, *at) for gap in _doors(walker, around)):
+                walker.barred = ""
+                walker.pause = rng.choice((0.0, 0.0, 1.0, 4.0, 15.0))
 
 
 def _held_up(
@@ -127,16 +132,37 @@ def _held_up(
     return around.plans[walker.floor].nearest(x, y, 0.1)[0] < 0.1
 
 
+def _turn_elsewhere(walker: Walker, around: Surroundings) -> None:
+    """Let somebody who is held up go where nobody is in the way.
+
+    Who is on the way through a doorway first goes back out of it, for whoever stands in
+    there has no other way than the one that is taken.
+    """
+    through, walker.way, walker.held = walker.towards != walker.space, [], 0.0
+    walker.towards = walker.space
+    for gap in _doors(walker, around) if through else ():
+        if _near(gap, walker.x, walker.y):
+            space = around.map.named_space(walker.space)
+            walker.way = _through(gap, around.map, space)[0][:1]
+            walker.barred = gap.doorway.name
+
+
+def _doors(walker: Walker, around: Surroundings) -> list[Opening]:
+    """Return the doorways of the space that somebody is in."""
+    return [
+        gap
+        for gap in around.openings
+        if walker.space in gap.doorway.joins and gap.floor == walker.floor
+    ]
+
+
 def _choose(walker: Walker, around: Surroundings, rng: Random) -> None:
     """Give somebody something to walk to, or a little rest."""
     space = around.map.named_space(walker.space)
-    doors = [
-        gap
-        for gap in around.openings
-        if space.name in gap.doorway.joins and gap.floor == walker.floor
-    ]
-    if doors and rng.random() < 0.3:
-        way, towards = _through(rng.choice(doors), around.map, space)
+    doors = _doors(walker, around)
+    tried = [gap for gap in doors if gap.doorway.name != walker.barred]
+    if tried and rng.random() < 0.3:
+        way, towards = _through(rng.choice(tried), around.map, space)
     else:
         left, bottom, right, top = space.box
         x = rng.uniform(left + 0.5, max(left + 0.5, right - 0.5))
