@@ -177,7 +177,7 @@ def test_the_manual_shows_what_is_printed() -> None:
     library = str(ROOT / "stdlib" / "truck")
     done = rapc("graph", library, "--rap", "fill-order", "--format", "mermaid")
     courier = str(ROOT / "examples" / "courier")
-    told = ("graph", courier, "--effects", "keep-charged", "--format")
+    told = ("graph", courier, "--effects", "stay-charged", "--format")
     assert shown == [done.stdout, rapc(*told, "mermaid").stdout]
     assert f"```text\n{rapc(*told, 'text').stdout}```" in page
 

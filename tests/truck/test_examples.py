@@ -59,7 +59,7 @@ DOOR = (
 
 
 def test_stuck_door_is_unlocked_pushed_and_passed() -> None:
-    run = Scripted("stuck-door", DOOR, (), task("go-through", "gate"))
+    run = Scripted("stuck-door", DOOR, (), task("pass-through", "gate"))
     assert run.outcomes == ["succeeded"]
     assert run.requests == [
         "(look-at gate)",
@@ -86,7 +86,7 @@ def test_stuck_door_that_never_gives_way_is_given_up() -> None:
 
 def test_stuck_door_with_something_in_the_way_is_not_rammed_twice() -> None:
     blocked = Row(("drive-through", "?door"), "door-in-the-way")
-    run = Scripted("stuck-door", [blocked], (), task("pass", "gate"))
+    run = Scripted("stuck-door", [blocked], (), task("get-past", "gate"))
     assert run.outcomes == ["failed"]
     assert run.requests == ["(drive-through gate)"]
 
