@@ -18,20 +18,24 @@ from pathlib import Path
 
 import msgspec
 
-from bench import mutation_sense, mutation_taken, mutation_words
+from bench import mutation_sense, mutation_taken, mutation_whole, mutation_words
 from bench.mutation_base import Base, Edit, Kind
 from bench.mutation_runs import Runs
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile
+from rapc.ir import nodes
 from rapc.library import library
 from rapc.library.loader import Loaded, load
+from rapc.library.units import Units
 from rapc.parser.parse import parse
+from rapc.parser.unit import SourceUnit
 
 KINDS: Mapping[str, tuple[str, Kind]] = {
     **mutation_words.KINDS,
     **mutation_sense.KINDS,
     **mutation_taken.KINDS,
+    **mutation_whole.KINDS,
 }
 """Every kind of slip, with the group that it is of."""
 
@@ -41,6 +45,7 @@ NOT_SURE: Mapping[str, str] = {
     "arguments of a request swapped": "where kinds are declared, or other uses tell",
     "another constant of the library": "where it is of another kind",
     "another input as argument": "where it is of another kind",
+    "`require` dropped": "where nothing else that is required brings that file in",
     "conjunct dropped": "where it bound a variable; else it is a wider context",
     "conjunct negated": "where it bound a variable or contradicts something",
     "conjunct made a choice": "where it bound a variable; else it is a wider context",
@@ -120,7 +125,9 @@ class Bench:
     """
 
     def __init__(self, paths: Sequence[str]) -> None:
-        self.loaded = load(ROOT / path for path in paths)
+        self._paths = [ROOT / path for path in paths]
+        self._units = Units()
+        self.loaded = load(self._paths, parser=self._units)
         report = check_library(self.loaded)
         if report.findings:
             raise ValueError([f.diagnostic.message for f in report.findings])
@@ -137,13 +144,25 @@ class Bench:
         old = self.units[name]
         if unit.forms == old.forms and not unit.diagnostics:
             return None
-        units = [unit if u is old else u for u in self.loaded.units]
-        linked, names = library.link(units)
-        slips = [found for one in units for found in one.diagnostics]
-        report = check_library(Loaded(linked, tuple(units), (*slips, *names)))
+        report = check_library(self._with(file, unit))
         rows = range(file.row(start), file.row(start + len(edit.content)) + 1)
         judged = _judged(report, edit, rows)
         return msgspec.structs.replace(judged, file=file)
+
+    def _with(self, file: SourceFile, unit: SourceUnit) -> Loaded:
+        """Return the library with another text of a file, of which a unit is made."""
+        old = self.units[file.name]
+        if _requires(unit) != _requires(old):
+            return load(self._paths, texts={file.name: file.text}, parser=self._units)
+        units = [unit if one is old else one for one in self.loaded.units]
+        linked, names = library.link(units)
+        slips = [found for one in units for found in one.diagnostics]
+        found = (*slips, *names)
+        return Loaded(linked, tuple(units), found, self.loaded.required)
+
+
+def _requires(unit: SourceUnit) -> list[nodes.Require]:
+    return [form for form in unit.forms if isinstance(form, nodes.Require)]
 
 
 def _judged(report: CheckReport, edit: Edit, rows: range) -> Outcome:

@@ -8,6 +8,7 @@ each one runs and what becomes of its findings is decided in `rapc.analysis.driv
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, Generic, Literal, TypeVar, cast
 
 import msgspec
@@ -60,6 +61,7 @@ class Pass:
         results: what the analyzers that ran before returned, by name.
         complete: whether every file that the library requires was found.
         unsure: whether a slip of the pen may have to do with what is at a place.
+        required: the files that files require themselves, by their names.
     """
 
     def __init__(
@@ -70,8 +72,10 @@ class Pass:
         results: Mapping[str, object],
         complete: bool,
         unsure: Callable[[Span], bool] = never,
+        required: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
     ) -> None:
         self.library = library
+        self.required = required
         self.signatures = signatures
         self.complete = complete
         self.unsure = unsure

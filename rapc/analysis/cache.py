@@ -226,7 +226,7 @@ def _key(sketched: Loaded) -> str | None:
         return None
     units = [(unit.file.name, _digest(unit.file)) for unit in sketched.units]
     tests = [(test.span.file, test.name) for test in sketched.library.tests]
-    told = msgspec.json.encode((units, tests))
+    told = msgspec.json.encode((units, tests, sketched.required))
     return hashlib.blake2b(told, digest_size=_DIGEST).hexdigest()
 
 

@@ -90,7 +90,7 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     alone = msgspec.structs.replace(library, forms=(), tests=tuple(tests))
     rules = suite.rules()
     wanted = needed_for(errors().enabled)
-    every = _findings(alone, True, never, wanted)
+    every = _findings(alone, True, never, wanted, {})
     found = [Finding(rules[d.rule], d) for _, d in every]
     return [finding for finding in found if finding.severity is Severity.ERROR]
 
@@ -165,7 +165,7 @@ def _analyze(
     """
     complete = all(d.rule != loader.UNRESOLVED.name for d in loaded.diagnostics)
     wanted = needed_for(enabled)
-    found = _findings(loaded.library, complete, damage.reaches, wanted)
+    found = _findings(loaded.library, complete, damage.reaches, wanted, loaded.required)
     for analyzer, diagnostic in found:
         if not damage.silences(diagnostic, analyzer.needs_whole):
             yield diagnostic
@@ -176,6 +176,7 @@ def _findings(
     complete: bool,
     unsure: Callable[[Span], bool],
     wanted: Iterable[Analyzer[Any]],
+    required: Mapping[str, tuple[str, ...]],
 ) -> Iterator[tuple[Analyzer[Any], Diagnostic]]:
     """Yield what the passes `wanted` find in forms and tests, with the pass.
 
@@ -185,7 +186,7 @@ def _findings(
     seen: set[tuple[str, Span, str]] = set()
     signatures = Signatures.of(library)
     for analyzer in wanted:
-        run = Pass(analyzer, library, signatures, results, complete, unsure)
+        run = Pass(analyzer, library, signatures, results, complete, unsure, required)
         results[analyzer.name] = analyzer.run(run)
         for found in run.found:
             key = (found.rule, found.span, found.message)

@@ -39,6 +39,7 @@ from rapc.analysis.passes import (
     kinds,
     leftovers,
     marked_constant,
+    missing_require,
     misspelt_variable,
     needs_itself,
     never_holds,
@@ -144,6 +145,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     crossed_claims.ANALYZER,
     leftovers.ANALYZER,
     marked_constant.ANALYZER,
+    missing_require.ANALYZER,
 )
 """Every pass."""
 

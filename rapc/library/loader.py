@@ -73,6 +73,8 @@ class Loaded(msgspec.Struct, frozen=True):
     units: tuple[SourceUnit, ...]
     #: What the reader, the forms, `require` and linking found.
     diagnostics: tuple[Diagnostic, ...]
+    #: The files that files require themselves, by their names.
+    required: Mapping[str, tuple[str, ...]] = {}
 
     @property
     def files(self) -> Mapping[str, SourceFile]:
@@ -226,7 +228,10 @@ class _Reading:
         self.texts = texts or {}
         self.units: list[SourceUnit] = []
         self.missing: list[Diagnostic] = []
-        self.seen: set[Identity] = set()
+        #: The files that were read or are being read, with their names.
+        self.seen: dict[Identity, str] = {}
+        #: The files that each file requires, by its name.
+        self.required: dict[str, list[Identity]] = {}
 
     def read_all(self, paths: Iterable[Path]) -> None:
         """Read files that were not read before, under whatever name."""
@@ -245,7 +250,7 @@ class _Reading:
     def add_first(self, source: SourceFile) -> None:
         """Parse a file that was read before this began, or a text; see `add`."""
         if os.path.lexists(source.name):
-            self._is_new(Path(source.name))
+            self.seen.setdefault(identity_of(Path(source.name)), source.name)
         self.add(source)
 
     def add(self, source: SourceFile) -> None:
@@ -261,13 +266,18 @@ class _Reading:
     def finish(self) -> Loaded:
         """Link what was read."""
         linked, names = library.link(self.units)
+        required = {
+            name: tuple([self.seen[one] for one in there])
+            for name, there in self.required.items()
+        }
         own = [found for unit in self.units for found in unit.diagnostics]
-        return Loaded(linked, tuple(self.units), (*own, *self.missing, *names))
+        found = (*own, *self.missing, *names)
+        return Loaded(linked, tuple(self.units), found, required)
 
     def _is_new(self, path: Path) -> bool:
         identity = identity_of(path)
         is_new = identity not in self.seen
-        self.seen.add(identity)
+        self.seen.setdefault(identity, str(path))
         return is_new
 
     def _open(self, source: SourceFile) -> _Opened:
@@ -281,7 +291,10 @@ class _Reading:
             found = [] if target is None else list(files_at(target, self.tests))
             if not found:
                 self.missing.append(_unresolved(form, path))
-            yield from found
+            for file in found:
+                there = self.required.setdefault(unit.file.name, [])
+                there.append(identity_of(file))
+                yield file
 
     def _requires(self, unit: SourceUnit) -> Iterator[nodes.Require]:
         for form in unit.forms:

@@ -1,7 +1,8 @@
 """Programs that say in comments what is to be found in them.
 
 `; expect: rule, rule` at the end of a line names the findings on that line. Missing and
-surplus ones both fail. A new pass brings `tests/analysis/<fault>.rap`, no new test.
+surplus ones both fail. A new pass brings `tests/analysis/<fault>.rap`, no new test. The
+folders in `tests/analysis/several` are libraries of several files each.
 """
 
 from __future__ import annotations
@@ -17,7 +18,18 @@ from rapc.analysis.selection import Selection, by_default, rule_names
 from rapc.library.loader import load
 from tests.expected import expected, opted_in
 
-PROGRAMS = sorted(Path(__file__).parent.glob("*.rap"))
+PROGRAMS = sorted(
+    [
+        *Path(__file__).parent.glob("*.rap"),
+        *Path(__file__).parent.joinpath("several").iterdir(),
+    ]
+)
+
+
+def _texts(program: Path) -> dict[str, str]:
+    """Return the texts of a program by the names of their files."""
+    files = sorted(program.glob("*.rap")) if program.is_dir() else [program]
+    return {file.name: file.read_text(encoding="utf-8") for file in files}
 
 
 def _stem(path: Path) -> str:
@@ -30,20 +42,22 @@ def test_there_are_programs() -> None:
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=_stem)
 def test_program_has_the_findings_it_names(program: Path) -> None:
-    text = program.read_text(encoding="utf-8")
-    selection = Selection(by_default() | rule_names(opted_in(text)))
+    texts = _texts(program)
+    asked = frozenset(name for text in texts.values() for name in opted_in(text))
+    selection = Selection(by_default() | rule_names(asked))
     report = check_library(load([program]), selection)
-    found_there = [
-        (report.files[f.diagnostic.span.file], f.diagnostic.span.start, f.rule.name)
+    actual = sorted(
+        (Path(span.file).name, report.files[span.file].row(span.start), f.rule.name)
         for f in report.findings
-    ]
-    actual = [(file.position(at).row, name) for file, at, name in found_there]
-    assert sorted(actual) == expected(text)
+        for span in [f.diagnostic.span]
+    )
+    assert actual == sorted(
+        (name, *found) for name, text in texts.items() for found in expected(text)
+    )
 
 
 def test_each_rule_of_a_pass_has_three_triggers() -> None:
-    """Rules that look at several files at once have tests of their own."""
-    texts = [program.read_text(encoding="utf-8") for program in PROGRAMS]
+    texts = [text for program in PROGRAMS for text in _texts(program).values()]
     often = Counter(name for text in texts for _, name in expected(text))
     rules = [rule.name for analyzer in suite.ANALYZERS for rule in analyzer.rules]
     few = {name: often[name] for name in rules if often[name] < _LEAST}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -10,7 +11,7 @@ from rapc.analysis.driver import check_library
 from rapc.analysis.selection import Selection, by_default
 from rapc.analysis.suite import rules
 from rapc.base.diagnostics import Rule
-from rapc.library.loader import load_text
+from rapc.library.loader import load, load_text
 
 RULES = tuple(rules().values())
 
@@ -22,18 +23,28 @@ def rule(request: pytest.FixtureRequest) -> Rule:
     return request.param
 
 
-def _found(text: str, rule: Rule) -> list[str]:
-    """The rules that a program breaks, of those that report by default and one more."""
+def _found(text: str, rule: Rule, folder: Path) -> list[str]:
+    """The rules that a program breaks, of those that report by default and one more.
+
+    Args:
+        text: the program; a line `;;; name.rap` begins a file, if it has several.
+        rule: the rule that reports besides.
+        folder: where the files of a program of several are put.
+    """
     selection = Selection(by_default() | {rule.name})
-    return [f.rule.name for f in check_library(load_text(text), selection).findings]
+    _, *files = re.split(r"^;;; ([a-z-]+\.rap)\n", text, flags=re.MULTILINE)
+    for name, inside in zip(files[::2], files[1::2], strict=True):
+        (folder / name).write_text(inside, encoding="utf-8")
+    loaded = load([folder]) if files else load_text(text)
+    return [f.rule.name for f in check_library(loaded, selection).findings]
 
 
-def test_example_breaks_the_rule_and_no_other(rule: Rule) -> None:
-    assert _found(rule.example, rule) == [rule.name]
+def test_example_breaks_the_rule_and_no_other(rule: Rule, tmp_path: Path) -> None:
+    assert _found(rule.example, rule, tmp_path) == [rule.name]
 
 
-def test_better_program_is_clean(rule: Rule) -> None:
-    assert _found(rule.better, rule) == []
+def test_better_program_is_clean(rule: Rule, tmp_path: Path) -> None:
+    assert _found(rule.better, rule, tmp_path) == []
 
 
 def test_page_is_written_in_house_style(rule: Rule) -> None:

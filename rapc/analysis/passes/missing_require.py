@@ -1,0 +1,201 @@
+"""RAP088: names of files that a file does not require, directly or not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from os.path import basename, dirname
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX, NameUse
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+)
+from rapc.base.files import SUFFIX
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.library.library import Library, name_span
+
+_FILES = """\
+;;; house.rap
+(require "doors")
+(require "visits")
+;;; doors.rap
+(declare-primitive push (?door) (okay))
+(define-rap (open ?door) (method (primitive (push ?door))))
+;;; visits.rap
+{}(declare-primitive ring (?bell) (okay))
+(define-rap (call-at ?bell) (method (primitive (ring ?bell))))
+(define-rap (visit ?door)
+  (method (task-net (t1 (open ?door) (for t2)) (t2 (call-at ?door)))))
+"""
+
+MISSING = Rule(
+    code="RAP088",
+    name="missing-require",
+    severity=Severity.WARNING,
+    summary="a file uses a name of another file that it does not require",
+    why="""A file that is required stands for itself: whoever requires it may count on
+all that it needs being there. One that uses a name of a file that neither it nor a file
+that it requires brings in works only as long as somebody else happens to require both;
+checked alone, or required from elsewhere, it has a name that nobody knows. Files that
+neither require anything nor are required are parts of one folder, and not looked
+at.""",
+    example=_FILES.format(""),
+    better=_FILES.format('(require "doors")\n'),
+)
+
+
+def _run(run: Pass) -> None:
+    library = run.library
+    if not run.required or not run.complete:
+        return
+    homes = _homes(library)
+    brought = _Brought(run.required)
+    first: dict[tuple[str, str], tuple[NameUse, nodes.TopForm]] = {}
+    for use in run.result(INDEX).uses():
+        here = use.span.file
+        form = homes.get((_SPACES[use.use], use.name))
+        if form is None or form.span.file == here or not brought.stands_alone(here):
+            continue
+        if form.span.file in brought.by(here):
+            continue
+        known = first.setdefault((here, form.span.file), (use, form))
+        if use.span.start < known[0].span.start:
+            first[here, form.span.file] = use, form
+    for use, form in first.values():
+        run.report(_finding(library, use, form))
+
+
+ANALYZER = Analyzer(
+    name="missing-require",
+    doc="Finds names of files that a file does not require.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(MISSING,),
+)
+
+
+_SPACES: Mapping[str, str] = {
+    "goal": "RAP",
+    "test": "predicate",
+    "believed": "predicate",
+    "asserted": "predicate",
+    "erased": "predicate",
+    "computed": "predicate",
+    "primitive": "primitive",
+    "datum": "datum",
+    "skill": "skill",
+    "event": "event",
+}
+"""For each way to use a name: the space in which it is looked up."""
+
+
+def _homes(library: Library) -> dict[tuple[str, str], nodes.TopForm]:
+    """Return the definition of each name of which there is one alone."""
+    tables: Mapping[str, tuple[Mapping[str, nodes.TopForm], ...]] = {
+        "RAP": (library.raps,),
+        "predicate": (
+            library.propositions,
+            library.properties,
+            library.functions,
+            library.queries,
+        ),
+        "primitive": (library.primitives,),
+        "datum": (library.data,),
+        "skill": (library.skills,),
+        "event": (library.events,),
+    }
+    linked = {id(form) for rows in tables.values() for t in rows for form in t.values()}
+    others = {
+        form.name
+        for form in library.forms
+        if isinstance(form, _NAMED) and id(form) not in linked
+    }
+    return {
+        (space, name): form
+        for space, rows in tables.items()
+        for table in rows
+        for name, form in table.items()
+        if name not in others
+    }
+
+
+_NAMED = (
+    nodes.DefineRap
+    | nodes.DeclareProposition
+    | nodes.DeclareProperty
+    | nodes.DeclareFunction
+    | nodes.DefineQuery
+    | nodes.DeclarePrimitive
+    | nodes.DeclareDatum
+    | nodes.DeclareSkill
+    | nodes.DeclareEvent
+)
+"""The forms whose names are used elsewhere."""
+
+
+class _Brought:
+    """Which files a file brings in.
+
+    Args:
+        required: the files that each file requires itself.
+    """
+
+    def __init__(self, required: Mapping[str, tuple[str, ...]]) -> None:
+        self._required = required
+        self._known: dict[str, set[str]] = {}
+        self._by_others = {file for there in required.values() for file in there}
+
+    def stands_alone(self, file: str) -> bool:
+        """Whether a file is required, or requires something: no mere part."""
+        return file in self._required or file in self._by_others
+
+    def by(self, file: str) -> set[str]:
+        """Return a file and all that it requires, directly or not."""
+        found = self._known.get(file)
+        if found is None:
+            found = self._known[file] = {file}
+            waiting = [file]
+            while waiting:
+                for other in self._required.get(waiting.pop(), ()):
+                    if other not in found:
+                        found.add(other)
+                        waiting.append(other)
+        return found
+
+
+def _finding(library: Library, use: NameUse, form: nodes.TopForm) -> Diagnostic:
+    here, there = use.span.file, form.span.file
+    fix = None
+    help_ = "require that file"
+    if dirname(here) == dirname(there) and there.endswith(SUFFIX):
+        word = f'(require "{basename(there).removesuffix(SUFFIX)}")'
+        help_ = f"write `{word}`"
+        fix = Fix(Applicability.UNSAFE, help_, tuple(_edits(library, here, word)))
+    return Diagnostic(
+        rule=MISSING.name,
+        message=f"`{use.name}` is defined in `{basename(there)}`, which "
+        f"`{basename(here)}` does not require",
+        span=use.place(library.files),
+        labels=(Label(name_span(library.files, form), "defined here"),),
+        help=help_,
+        fix=fix,
+    )
+
+
+def _edits(library: Library, here: str, word: str) -> Iterator[Edit]:
+    """Yield what puts a `require` behind the others, or before the first form."""
+    own = [form for form in library.forms if form.span.file == here]
+    last = [form for form in own if isinstance(form, nodes.Require)][-1:]
+    if last:
+        end = last[0].span.end
+        yield Edit(Span(here, end, end), f"\n{word}")
+    else:
+        start = own[0].span.start if own else 0
+        yield Edit(Span(here, start, start), f"{word}\n\n")
