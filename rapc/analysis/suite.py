@@ -31,8 +31,10 @@ from rapc.analysis.passes import (
     declared_effects,
     explained,
     fact_arity,
+    facts,
     functions,
     hopeless,
+    idle_loops,
     idle_resources,
     impossible_row,
     joined,
@@ -145,6 +147,8 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     crossed_claims.ANALYZER,
     leftovers.ANALYZER,
     marked_constant.ANALYZER,
+    idle_loops.ANALYZER,
+    facts.ANALYZER,
     missing_require.ANALYZER,
 )
 """Every pass."""

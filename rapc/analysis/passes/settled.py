@@ -128,16 +128,20 @@ for a number that counting would have to bring, never lets anything begin: mostl
 test is the wrong way round.""",
     example="""\
 (declare-memory-proposition room (?room))
+(declare-memory-proposition seen (?thing))
 (define-rap (look-in ?room))
 (define-rap (look-everywhere)
+  (succeed (seen keys))
   (resources (set ?seen))
   (repeat-while (and (room ?room) (member ?seen ?room)))
   (method (task-net (t1 (look-in ?room) (set-add ?seen ?room)))))
 """,
     better="""\
 (declare-memory-proposition room (?room))
+(declare-memory-proposition seen (?thing))
 (define-rap (look-in ?room))
 (define-rap (look-everywhere)
+  (succeed (seen keys))
   (resources (set ?seen))
   (repeat-while (and (room ?room) (not (member ?seen ?room))))
   (method (task-net (t1 (look-in ?room) (set-add ?seen ?room)))))
