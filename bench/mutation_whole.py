@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping
 from os.path import basename
 
 from bench.mutation_base import Base, Edit, Kind
+from rapc.analysis.endless import is_never
+from rapc.base.source import Span
 from rapc.ir import nodes
 
 
@@ -34,9 +36,61 @@ def _round_remembers_nothing(base: Base) -> Iterator[Edit]:
                     yield Edit(part.span, "")
 
 
+def _look_seldom(base: Base) -> Iterator[Edit]:
+    """A task that looks again and again does so a hundred times more seldom."""
+    for one in base.index.of(nodes.MonitorTime):
+        for term in (one.node.start, one.node.stop):
+            if not isinstance(term, nodes.Const):
+                break
+        else:
+            said = [base.text(term.span) for term in (one.node.start, one.node.stop)]
+            if all(word.isdigit() for word in said):
+                whole = one.node.start.span.to(one.node.stop.span)
+                yield Edit(whole, f"{said[0]}00 {said[1]}00")
+
+
+def _condition_for_monitor(base: Base) -> Iterator[Edit]:
+    """A fact of the monitor of a standing task is made a condition of it."""
+    for rap in base.raps:
+        monitor = rap.monitor_state
+        if isinstance(monitor, nodes.And) and _stands(rap):
+            for part in monitor.parts:
+                if isinstance(part, nodes.Proposition):
+                    text = base.text(monitor.span).replace(base.text(part.span), "", 1)
+                    end = base.around(monitor.span).end
+                    more = f")\n  (preconditions {base.text(part.span)})"
+                    yield Edit(
+                        Span(rap.span.file, monitor.span.start, end), text + more
+                    )
+
+
+def _standing_with_a_goal(base: Base) -> Iterator[Edit]:
+    """What a standing task brings about is made its goal."""
+    for rap in base.raps:
+        if _stands(rap) and rap.succeed is not None and rap.monitor_state is not None:
+            yield Edit(rap.succeed.span, f"(not {base.text(rap.monitor_state.span)})")
+
+
+def _stands(rap: nodes.DefineRap) -> bool:
+    """Whether a RAP is never done."""
+    return rap.succeed is not None and is_never(rap.succeed)
+
+
+def _promise_turned_round(base: Base) -> Iterator[Edit]:
+    """An effect that a RAP declares is the contrary of what it brings about."""
+    for rap in base.raps:
+        for effect in rap.effects:
+            text = base.text(effect.pattern.span)
+            yield Edit(effect.span, text if effect.negated else f"(not {text})")
+
+
 KINDS: Mapping[str, tuple[str, Kind]] = {
     "`require` dropped": ("names", _require_dropped),
     "`succeed` of a loop dropped": ("loops", _goal_of_loop_dropped),
     "loop remembers nothing": ("loops", _round_remembers_nothing),
+    "looks a hundred times more seldom": ("sensing", _look_seldom),
+    "fact of a monitor made a condition": ("monitors", _condition_for_monitor),
+    "standing task with a goal": ("monitors", _standing_with_a_goal),
+    "promise turned round": ("effects", _promise_turned_round),
 }
 """Every kind of slip here, with the group that it is of."""

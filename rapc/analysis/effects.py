@@ -74,7 +74,11 @@ class Effects:
 
     def known(self, name: str) -> Sequence[Effect]:
         """Return what is known that a RAP may bring about, whether it is all or not."""
-        bits, found = self._sums[name], list[Effect]()
+        return self._listed(self._sums[name])
+
+    def _listed(self, bits: int) -> Sequence[Effect]:
+        """Return the effects of a set of bits, by their numbers."""
+        found = list[Effect]()
         while bits:
             low = bits & -bits
             found.append(self._effects[low.bit_length() - 1])
@@ -84,29 +88,41 @@ class Effects:
     def _number(self, effect: Effect) -> int:
         return 1 << self._numbers.setdefault(effect, len(self._numbers))
 
+    def of_method(self, method: nodes.Method) -> tuple[Sequence[Effect], bool]:
+        """Return what is known that a method may bring about, and whether it is all."""
+        bits, is_open = self._of_method(method)
+        for step in steps(method):
+            bits |= self._sums.get(step.goal.name, 0)
+            is_open |= bool(self._unsure.get(step.goal.name, 1))
+        return self._listed(bits), not is_open and not self._library.event_rules
+
     def _gather(self, rap: nodes.DefineRap) -> None:
-        bits, calls = 0, []
+        bits, is_open = 0, not rap.methods or rap.name in self._unread
         for method in rap.methods:
-            for fact in method.notations:
-                bits |= self._number(Effect(fact.name, _values(fact, {}), False))
-                bits |= self._number(Effect(fact.name, _values(fact, {}), True))
-            if isinstance(method.body, nodes.Primitive):
-                told = self._of_request(method.body.request)
-                if told is None:
-                    self._open.add(rap.name)
-                bits |= told or 0
-            elif isinstance(method.body, nodes.Skills) or method.skills:
-                self._open.add(rap.name)
-            for step in steps(method):
-                calls.append(step.goal.name)
-                if step.goal.name not in self._library.raps or _awaits(step):
-                    self._open.add(rap.name)
-        if not rap.methods or any(map(does_nothing, rap.methods)):
-            self._open.add(rap.name)
-        if rap.name in self._unread:
+            own, unknown = self._of_method(method)
+            bits |= own
+            is_open |= unknown
+        if is_open:
             self._open.add(rap.name)
         self._own[rap.name] = bits
-        self._calls[rap.name] = tuple(dict.fromkeys(calls))
+        self._calls[rap.name] = calls_of(rap)
+
+    def _of_method(self, method: nodes.Method) -> tuple[int, bool]:
+        """Return what a method does, its steps aside, and whether it may do more."""
+        bits, is_open = 0, does_nothing(method)
+        for fact in method.notations:
+            bits |= self._number(Effect(fact.name, _values(fact, {}), False))
+            bits |= self._number(Effect(fact.name, _values(fact, {}), True))
+        if isinstance(method.body, nodes.Primitive):
+            told = self._of_request(method.body.request)
+            is_open |= told is None
+            bits |= told or 0
+        elif isinstance(method.body, nodes.Skills) or method.skills:
+            is_open = True
+        for step in steps(method):
+            if step.goal.name not in self._library.raps or _awaits(step):
+                is_open = True
+        return bits, is_open
 
     def _of_primitive(self, form: nodes.DeclarePrimitive) -> _Told | None:
         """All that a primitive may do with any result; None if `okay` says nothing."""

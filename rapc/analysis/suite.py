@@ -32,6 +32,8 @@ from rapc.analysis.passes import (
     explained,
     fact_arity,
     facts,
+    failures,
+    freshness,
     functions,
     hopeless,
     idle_loops,
@@ -149,6 +151,8 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     marked_constant.ANALYZER,
     idle_loops.ANALYZER,
     facts.ANALYZER,
+    failures.ANALYZER,
+    freshness.ANALYZER,
     missing_require.ANALYZER,
 )
 """Every pass."""

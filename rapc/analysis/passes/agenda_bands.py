@@ -10,7 +10,7 @@ from bisect import bisect_right
 from collections.abc import Container, Iterator, Mapping
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.endless import endless
+from rapc.analysis.endless import endless, is_never
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -74,10 +74,12 @@ ENDS = Rule(
     code="RAP132",
     name="standing-task-ends",
     severity=Severity.WARNING,
-    summary="a task that stands by in the background is done after its first method",
+    summary="a task that stands by in the background is done once it has reacted",
     why="""A task with a monitor and without `succeed` ends when a method has ended
-well (T figure 4.3): it reacts once. One that is to stand by for good says so with
-`(succeed nil)`.""",
+well (T figure 4.3), one with another `succeed` when that holds: it reacts once, or for
+a while, and is gone for good. One that is to stand by says so with `(succeed nil)`, and
+asks in its monitor and in `repeat-while` for what it is to go on for. Ignore the rule
+where the task is to end.""",
     example="""\
 (declare-memory-property battery (?level) unknown)
 (declare-primitive plug-in () (okay))
@@ -242,12 +244,15 @@ def _ended(run: Pass, task: nodes.GivenTask) -> Diagnostic | None:
         return None
     monitors = [rap.monitor_state, rap.monitor_time]
     monitor = next((one for one in monitors if one is not None), None)
-    if monitor is None or rap.succeed is not None:
+    if monitor is None or (rap.succeed is not None and is_never(rap.succeed)):
         return None
+    message = f"`{rap.name}` is done when a method has ended well once"
+    if rap.succeed is not None:
+        message = f"`{rap.name}` is done for good when this holds once"
     return Diagnostic(
         rule=ENDS.name,
-        message=f"`{rap.name}` is done when a method has ended well once",
-        span=rap.name_span,
+        message=message,
+        span=rap.name_span if rap.succeed is None else rap.succeed.span,
         labels=(
             Label(monitor.span, "its monitor"),
             Label(task.span, "given as a task that stands by"),

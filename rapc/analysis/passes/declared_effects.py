@@ -1,4 +1,4 @@
-"""RAP144: effects that a RAP surely has and lacks among those that it declares."""
+"""RAP144 and RAP145: effects that a RAP has and does not declare, or the reverse."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.certain import done_by_method, fact_name
+from rapc.analysis.effects import EFFECTS
+from rapc.analysis.literals import Literal, literals
+from rapc.analysis.passes.hopeless import can_come
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
@@ -33,19 +36,47 @@ that a RAP changes need matter to a planner; the rule is opt-in for that reason.
     better=_WORLD.format(" (not (dark ?lamp))"),
 )
 
+_BOX = """\
+(declare-memory-proposition lid-open (?box))
+(declare-primitive lift (?box) (okay) :on (okay (lid-open ?box)))
+(declare-primitive shake (?box) (okay){})
+(define-rap (open ?box)
+  (effects (lid-open ?box))
+  (method (primitive (lift ?box)))
+  (method (primitive (shake ?box))))
+"""
+
+UNCONFIRMED = Rule(
+    code="RAP145",
+    name="unconfirmed-effect",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a RAP declares an effect that one of its methods is not known to have",
+    why="""A planner counts on `effects` whichever method was chosen (T 7.4.1). Here a
+method ends well, and nothing that is declared of what it asks for brings the effect
+about, nor does `succeed` ask for it: the method leaves it out, or a primitive does not
+say what it does. Told of a RAP some of whose methods are known to have the effect, and
+of one of which not all is known; what surely never comes is `empty-promise`. As
+much as a library says of its primitives can be confirmed; the rule is opt-in for that
+reason.""",
+    example=_BOX.format(""),
+    better=_BOX.format(" :on (okay (lid-open ?box))"),
+)
+
 
 def _run(run: Pass) -> None:
     for rap in run.library.raps.values():
         if rap.effects and rap.methods:
-            for found in _lacking(run, rap):
+            for found in (*_lacking(run, rap), *_unconfirmed(run, rap)):
                 run.report(found)
 
 
 ANALYZER = Analyzer(
     name="declared-effects",
-    doc="Finds effects that all methods of a RAP have, and the RAP does not declare.",
+    doc="Finds effects that methods have and the RAP lacks, or the other way round.",
     run=_run,
-    rules=(LACKING,),
+    needs=(EFFECTS,),
+    rules=(LACKING, UNCONFIRMED),
     needs_whole="form",
 )
 
@@ -66,3 +97,37 @@ def _lacking(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
             labels=(Label(one.span, "declared here"),),
             help=f"add `{written if one.holds else f'(not {written})'}`",
         )
+
+
+def _unconfirmed(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    effects = run.result(EFFECTS)
+    asked = {(one.formula, one.holds) for one in literals(rap.succeed)}
+    known = [effects.of_method(method) for method in rap.methods]
+    for effect in rap.effects:
+        promised = Literal(effect.pattern, not effect.negated)
+        if (promised.formula, promised.holds) in asked or not run.complete:
+            continue
+        without = [
+            method
+            for method, (done, _) in zip(rap.methods, known, strict=True)
+            if not can_come(run.library, promised, done)
+        ]
+        if len(without) == len(rap.methods) and all(whole for _, whole in known):
+            continue
+        if without:
+            yield _not_confirmed(rap, effect, without[0])
+            return
+
+
+def _not_confirmed(
+    rap: nodes.DefineRap, effect: nodes.DeclaredEffect, method: nodes.Method
+) -> Diagnostic:
+    written = format_formula(effect.pattern)
+    return Diagnostic(
+        rule=UNCONFIRMED.name,
+        message=f"this method of `{rap.name}` is not known to bring "
+        f"`{f'(not {written})' if effect.negated else written}` about",
+        span=method.span,
+        labels=(Label(effect.span, "declared here"),),
+        help="say what its primitives do, or ask for the effect in `succeed`",
+    )

@@ -125,7 +125,7 @@ def _run(run: Pass) -> None:
             if lost is not None:
                 hopeless[rap.name] = lost
                 continue
-            for found in (*_endless(run, rap, done), *_empty(rap, done)):
+            for found in (*_endless(run, rap, done), *_empty(run, rap, done)):
                 run.report(found)
     for name in _causes(run.library, hopeless) if hopeless else ():
         run.report(hopeless[name])
@@ -148,7 +148,7 @@ def _hopeless(
     if goal is None or is_never(goal) or id(rap) in run.result(SETTLED):
         return None
     parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
-    if any(_can_come(run.library, part, done) for part in parts):
+    if any(_part_can_come(run.library, part, done) for part in parts):
         return None
     return Diagnostic(
         rule=HOPELESS.name,
@@ -251,7 +251,9 @@ _SHOWN = 6
 """How many names of facts are told."""
 
 
-def _can_come(library: Library, part: nodes.Formula, done: Sequence[Effect]) -> bool:
+def _part_can_come(
+    library: Library, part: nodes.Formula, done: Sequence[Effect]
+) -> bool:
     """Whether anything done may make a conjunction hold, or it is not known.
 
     What is compared comes from the facts beside it, or nobody knows from where.
@@ -315,16 +317,19 @@ def _against_succeed(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
             )
 
 
-def _empty(rap: nodes.DefineRap, done: Sequence[Effect]) -> Iterator[Diagnostic]:
+def _empty(
+    run: Pass, rap: nodes.DefineRap, done: Sequence[Effect]
+) -> Iterator[Diagnostic]:
     asked = {one.formula for one in literals(rap.succeed)}
-    names = {effect.name for effect in done}
     for effect in rap.effects:
         fact = effect.pattern
-        if fact not in asked and fact.name not in names:
+        promised = Literal(fact, not effect.negated)
+        if fact not in asked and not can_come(run.library, promised, done):
+            written = format_formula(fact)
             yield Diagnostic(
                 rule=EMPTY.name,
-                message=f"nothing that `{rap.name}` does changes "
-                f"`{format_formula(fact)}`",
+                message=f"nothing that `{rap.name}` does brings "
+                f"`{f'(not {written})' if effect.negated else written}` about",
                 span=effect.span,
                 help=_said(done),
             )

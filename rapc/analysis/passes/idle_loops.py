@@ -15,7 +15,8 @@ from rapc.analysis.asked import asked_by, is_known, through
 from rapc.analysis.certain import done_by_method
 from rapc.analysis.effects import EFFECTS, Effect
 from rapc.analysis.endless import is_never
-from rapc.analysis.literals import Literal, apart, follows, literals, names
+from rapc.analysis.following import follows
+from rapc.analysis.literals import Literal, apart, literals, names
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

@@ -1,8 +1,8 @@
-"""RAP134, RAP135, RAP138: tasks that stand by wrongly, for nothing, or unready."""
+"""RAP134, RAP135, RAP138, RAP139: standing tasks given wrongly, idle, or unready."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, asked_through, is_computed
@@ -10,6 +10,7 @@ from rapc.analysis.certain import fact_name
 from rapc.analysis.endless import endless, is_never
 from rapc.analysis.index import INDEX, Index
 from rapc.analysis.literals import literals
+from rapc.analysis.passes.settled import Always
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -66,8 +67,9 @@ UNHEARD = Rule(
     summary="a monitor asks for what nothing in the library ever changes",
     why="""A monitor is passive: it notices what comes into memory while others act, and
 senses nothing itself (T 4.7.1). Where no primitive, datum, rule or notation changes any
-of the facts that it asks for, it never wakes, or it always holds: another fact was
-meant, a RAP that looks is missing, or what a datum does to memory is not declared. Told
+of the facts that it asks for, or only primitives that no RAP asks for, it never wakes,
+or it always holds: another fact was meant, a RAP that looks is missing, or what a datum
+does to memory is not declared. Told
 where the library says of its primitives what they do; what comes from the host's own
 program is not seen.""",
     example=_CALL
@@ -110,6 +112,33 @@ let the monitor ask for the fact as well.""",
     better=_UNREADY.format("\n  (method (context otherwise) (primitive (drive)))"),
 )
 
+_CONDITION = """\
+(declare-memory-property battery (?level) unknown)
+(declare-memory-proposition at-dock ())
+(declare-primitive plug-in () (okay) :on (okay (battery 100)))
+(declare-primitive drive () (okay) :on (okay (at-dock)))
+(define-rap (dock) (method (primitive (drive))))
+(define-rap (recharge)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20){}))
+  {}(method (primitive (plug-in))))
+"""
+
+FAILING = Rule(
+    code="RAP139",
+    name="failing-reaction",
+    severity=Severity.WARNING,
+    summary="a standing task fails for good where a condition of its RAP does not hold",
+    why="""A condition is asked when the monitor has woken the task, and one that does
+not hold is no reason to sleep on: the task fails, `interference` or, for
+`repeat-while`, `no-method`, and a standing task that has failed is gone for good (T
+4.4.2). Here the condition asks for a fact that changes, and that the monitor does not
+ask for. Ask for it in the monitor, or in the contexts, with a method for the case that
+it does not hold.""",
+    example=_CONDITION.format("", "(preconditions (at-dock))\n  "),
+    better=_CONDITION.format(" (at-dock)", ""),
+)
+
 
 def _run(run: Pass) -> set[int]:
     """Report, and return the ids of the monitors that nothing ever changes."""
@@ -124,12 +153,17 @@ def _run(run: Pass) -> set[int]:
     index = run.result(INDEX)
     if run.complete and is_described(library):
         changed = _changed(library, index)
+        idle = _never_asked_for(library, index)
+        always = Always(run.signatures)
         for rap in library.raps.values():
             if rap.monitor_state is not None and rap.monitor_time is None:
-                for found in _unheard(library, rap.monitor_state, changed):
+                for found in _unheard(library, rap.monitor_state, changed, idle):
                     unheard.add(id(rap.monitor_state))
                     run.report(found)
-            for found in _unready(library, rap, changed):
+            for found in (
+                *_unready(library, rap, changed),
+                *_failing(library, rap, changed, always),
+            ):
                 run.report(found)
     return unheard
 
@@ -139,7 +173,7 @@ ANALYZER = Analyzer(
     doc="Finds tasks that never end where they should, and monitors of what never is.",
     run=_run,
     needs=(INDEX,),
-    rules=(ENDLESS, UNHEARD, UNREADY),
+    rules=(ENDLESS, UNHEARD, UNREADY, FAILING),
 )
 
 
@@ -212,19 +246,91 @@ def _unready(
             return
 
 
+def _failing(
+    library: Library, rap: nodes.DefineRap, changed: set[str], always: Always
+) -> Iterator[Diagnostic]:
+    """Yield a condition of a standing task that its monitor does not ask for."""
+    monitor = rap.monitor_state
+    if monitor is None or rap.succeed is None or not is_never(rap.succeed):
+        return
+    heard = asked_by(library, monitor)
+    given = {variable.name for variable in rap.inputs}
+    conditions = [rap.preconditions, rap.constraints, rap.repeat_while]
+    for one in (one for formula in conditions for one in literals(formula)):
+        asked = asked_through(library, one.formula)
+        facts = set() if asked is None else asked - library.queries.keys()
+        if not facts & changed or facts & heard:
+            continue
+        if one.holds and always.holds(one.formula, given):
+            continue
+        yield Diagnostic(
+            rule=FAILING.name,
+            message=f"`{rap.name}` fails for good if it wakes where this does not hold",
+            span=one.span,
+            labels=(Label(monitor.span, "it wakes by this alone"),),
+            help="ask for this in the monitor, or in the contexts of its methods",
+        )
+        return
+
+
+def _never_asked_for(library: Library, index: Index) -> Mapping[str, str]:
+    """Return what only primitives do that no RAP asks for: by fact, the primitive."""
+    wanted = {
+        one.node.name
+        for one in index.of(nodes.Request)
+        if type(one.owner) is nodes.DefineRap
+    }
+    idle = [form for name, form in library.primitives.items() if name not in wanted]
+    found: dict[str, str] = {}
+    for form in idle:
+        data = [library.data[name] for name in form.tells if name in library.data]
+        effects = [*(on.effects for on in form.on), *(one.on or () for one in data)]
+        for effect in (one for there in effects for one in there):
+            found.setdefault(effect.pattern.name, form.name)
+    own = {id(form) for form in idle} | {
+        id(library.data[name])
+        for form in idle
+        for name in form.tells
+        if name in library.data and not _told_by_others(library, wanted, name)
+    }
+    for one in index.uses() if found else ():
+        if one.use in ("asserted", "erased") and id(one.owner) not in own:
+            found.pop(one.name, None)
+    return found
+
+
+def _told_by_others(library: Library, wanted: set[str], datum: str) -> bool:
+    return any(
+        datum in library.primitives[n].tells for n in wanted & library.primitives.keys()
+    )
+
+
 def _unheard(
-    library: Library, monitor: nodes.Formula, changed: set[str]
+    library: Library,
+    monitor: nodes.Formula,
+    changed: set[str],
+    idle: Mapping[str, str],
 ) -> Iterator[Diagnostic]:
     asked = asked_through(library, monitor)
     if asked is None:
         return
     facts = sorted(asked - library.queries.keys())
     known = library.properties.keys() | library.propositions.keys()
-    if facts and known.issuperset(facts) and changed.isdisjoint(facts):
-        names = ", ".join(f"`{name}`" for name in facts)
+    if not facts or not known.issuperset(facts):
+        return
+    names = ", ".join(f"`{name}`" for name in facts)
+    if changed.isdisjoint(facts):
         yield Diagnostic(
             rule=UNHEARD.name,
             message=f"nothing in the library ever changes {names}",
             span=monitor.span,
             help="ask for what a primitive, a datum or a rule changes, or declare that",
+        )
+    elif changed.intersection(facts) <= idle.keys():
+        first = next(name for name in facts if name in idle)
+        yield Diagnostic(
+            rule=UNHEARD.name,
+            message=f"no RAP ever asks for what changes {names}",
+            span=monitor.span,
+            help=f"`{idle[first]}` does: let a RAP ask for it, now and then",
         )
