@@ -24,9 +24,9 @@ from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
-from rapc.library import loader
 from rapc.library.library import Library
 from rapc.library.loader import Loaded
+from rapc.library.requiring import UNRESOLVED
 from rapc.library.signatures import Signatures
 
 
@@ -163,7 +163,7 @@ def _analyze(
 
     A pass none of whose rules is enabled runs only where others need it.
     """
-    complete = all(d.rule != loader.UNRESOLVED.name for d in loaded.diagnostics)
+    complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
     wanted = needed_for(enabled)
     found = _findings(loaded.library, complete, damage.reaches, wanted, loaded.required)
     for analyzer, diagnostic in found:

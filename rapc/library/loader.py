@@ -13,9 +13,8 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic
 from rapc.base.files import (
-    SUFFIX,
     TEST_SUFFIX,
     Identity,
     files_at,
@@ -26,12 +25,12 @@ from rapc.base.files import (
     read_text,
 )
 from rapc.base.gc_paused import gc_paused
-from rapc.base.names import nearest
 from rapc.base.source import SourceFile
 from rapc.ir import nodes
 from rapc.ir.node_map import NodeMap
 from rapc.library import library
 from rapc.library.library import Library
+from rapc.library.requiring import UNRESOLVED, resolve, unresolved
 from rapc.parser.parse import parse
 from rapc.parser.unit import Partial, SourceUnit
 
@@ -40,25 +39,6 @@ Parse = Callable[[SourceFile], SourceUnit]
 
 STANDARD_INPUT = "<stdin>"
 """What spans call the text on standard input."""
-
-_LONG = 60
-"""How much of a required name is repeated in messages."""
-
-UNRESOLVED = Rule(
-    code="RAP062",
-    name="unresolved-require",
-    severity=Severity.ERROR,
-    summary="a `require` names neither a file, nor a folder, nor a standard library",
-    why="""`(require "name")` means the file `name.rap` or the folder `name` beside the
-requiring file, else the standard library of that name. What it should have brought in
-is missing, so most of what uses it would be reported as unknown too.""",
-    example="""\
-(require "no-such-library")
-""",
-    better="""\
-(declare-memory-proposition seen (?thing))
-""",
-)
 
 RULES = (UNRESOLVED,)
 """The rules that loading can break."""
@@ -183,14 +163,6 @@ def load_sources(sources: Iterable[SourceFile]) -> Loaded:
     return reading.finish()
 
 
-def standard_libraries() -> tuple[str, ...]:
-    """The names of the standard libraries that are installed, sorted."""
-    folder = _stdlib()
-    if not folder.is_dir():
-        return ()
-    return tuple(sorted(e.name.removesuffix(SUFFIX) for e in folder.iterdir()))
-
-
 class _Opened(msgspec.Struct, frozen=True):
     """A file that was parsed while the files that it requires are being read."""
 
@@ -287,10 +259,10 @@ class _Reading:
 
     def _required(self, unit: SourceUnit, path: Path) -> Iterator[Path]:
         for form in self._requires(unit):
-            target = _resolve(form.name, path, self.given)
+            target = resolve(form.name, path, self.given)
             found = [] if target is None else list(files_at(target, self.tests))
             if not found:
-                self.missing.append(_unresolved(form, path))
+                self.missing.append(unresolved(form, path))
             for file in found:
                 there = self.required.setdefault(unit.file.name, [])
                 there.append(identity_of(file))
@@ -306,97 +278,3 @@ class _Reading:
             for form in test.requires:
                 if self.of_tests is None or form.name in self.of_tests:
                     yield form
-
-
-# --- require -------------------------------------------------------------------
-
-
-def _stdlib() -> Path:
-    return Path(__file__).parents[1] / "stdlib"
-
-
-def _resolve(name: str, requiring: Path, given: Sequence[Path]) -> Path | None:
-    """Return the file or folder a `require` means; never the requiring file itself.
-
-    A copy of a standard library among the paths `given`, or one that contains the
-    requiring file, stands for the installed one, also where one file of it is required:
-    else all its names were defined twice.
-    """
-    if os.path.isabs(name):
-        return None
-    beside = _in_folder(name, requiring.parent, requiring)
-    if beside is not None:
-        return beside
-    installed = _in_folder(name, _shown(_stdlib()), requiring)
-    if installed is None:
-        return None
-    library, _, inner = name.partition("/")
-    for copy in _copies(library, _stdlib() / library, requiring, given):
-        meant = _in_folder(inner, copy, requiring) if inner else copy
-        if meant is not None:
-            return meant
-    return installed
-
-
-def _copies(
-    name: str, installed: Path, requiring: Path, given: Sequence[Path]
-) -> Iterator[Path]:
-    """Yield the copies of an installed library that a reader would take for it."""
-    for path in given:
-        real = path.resolve()
-        for folder in (path, path / name):
-            same = folder is not path or real.name == name
-            if same and _is_copy(folder, installed):
-                yield folder
-    for folder in requiring.resolve().parents:
-        if folder.name == name and _is_copy(folder, installed):
-            yield _shown(folder)
-
-
-def _is_copy(folder: Path, installed: Path) -> bool:
-    """Whether a folder has all the RAP files that an installed library has."""
-    try:
-        there, here = set(os.listdir(installed)), set(os.listdir(folder))
-    except OSError:  # no folder, or one that may not be read
-        return False
-    return {name for name in there if name.endswith(SUFFIX)} <= here
-
-
-def _in_folder(name: str, folder: Path, requiring: Path) -> Path | None:
-    file = folder / (name + SUFFIX)
-    if os.path.isfile(file) and file != requiring:
-        return file
-    return folder / name if name and os.path.isdir(folder / name) else None
-
-
-def _shown(path: Path) -> Path:
-    """A path as it is best printed: relative to the working folder if below it."""
-    here = Path.cwd()
-    return path.relative_to(here) if path.is_relative_to(here) else path
-
-
-def _unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
-    names = [name for name in _beside(requiring) if name != requiring.stem]
-    close = nearest(form.name, [*names, *standard_libraries()])
-    name = form.name if len(form.name) <= _LONG else f"{form.name[:_LONG]}..."
-    return Diagnostic(
-        rule=UNRESOLVED.name,
-        message=f"nothing is found for `{name}`",
-        span=form.span,
-        notes=(
-            f"neither `{name}{SUFFIX}` nor a folder `{name}` with RAP files "
-            "stands beside this file, and no standard library is called so",
-        ),
-        help=f"did you mean `{close}`?" if close else "",
-    )
-
-
-def _beside(requiring: Path) -> list[str]:
-    """Return what could be required from beside a file."""
-    try:
-        with os.scandir(requiring.parent) as entries:
-            listed = [(entry.name, entry.is_dir()) for entry in entries]
-    except OSError:
-        return []
-    found = [name for name, is_folder in listed if is_folder or name.endswith(SUFFIX)]
-    return [name.removesuffix(SUFFIX) for name in found]

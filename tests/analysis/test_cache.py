@@ -16,7 +16,7 @@ from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import Selection, by_default, rule_names
 from rapc.base.source import SourceFile
-from rapc.library.loader import UNRESOLVED
+from rapc.library.requiring import UNRESOLVED
 from rapc.library.units import Units
 from rapc.parser.unit import SourceUnit
 
