@@ -63,7 +63,13 @@ _LEAST = 3
 
 
 def _named() -> Iterator[str]:
-    """Yield the rules that slips trigger, each once for a slip."""
+    """Yield the rules that slips trigger, each once for a slip.
+
+    What is wrong in libraries of several files is right there when it is mended
+    (`test_missing_require`).
+    """
+    for file in PROGRAMS[0].parents[1].glob("several/*/*.rap"):
+        yield from {name for _, name in expected(file.read_text(encoding="utf-8"))}
     for program in PROGRAMS:
         for slip in slips(program.read_text(encoding="utf-8")):
             yield from {name for _, name in slip.findings}

@@ -50,9 +50,10 @@ does (T 3.2.3). Without `succeed` it is done as soon as one method has ended wel
 nothing is repeated. Where the methods change nothing that `repeat-while` or a context
 asks for, each round finds what the one before has found; the third time the task fails,
 `futile-loop` (T 3.2.5). A `repeat-while` that binds nothing is a condition for trying
-again, and not looked at. Say in `succeed` when the work is done, and let each round
-take away what it has dealt with, or remember it in a set. Ignore the rule where another
-task changes what is asked for in between.""",
+again, and not looked at; nor is one without `succeed` behind a monitor. Say in
+`succeed` when the work is done, and let each round take away what it has dealt with, or
+remember it in a set. Ignore the rule where another task changes what is asked for in
+between.""",
     example=_SWEEP.format(""),
     better=_SWEEP.format("  (succeed (not (dirty ?)))\n"),
 )
@@ -64,19 +65,13 @@ def _run(run: Pass) -> None:
         for datum in run.library.data.values()
         for effect in datum.on or ()
     }
-    stands = {
-        task.goal.name
-        for agenda in run.library.agendas.values()
-        for task in agenda.tasks
-        if task.background
-    }
     for rap in run.library.raps.values():
         if rap.repeat_while is None or not rap.methods:
             continue
         taken = _taken(run, rap.repeat_while) - _given(rap)
         if not taken:
             continue
-        if rap.succeed is None and rap.name not in stands:
+        if rap.succeed is None and rap.monitor_state is None:
             run.report(_repeats_nothing(rap, rap.repeat_while))
         if rap.succeed and run.complete and not is_never(rap.succeed):
             for found in _same_again(run, rap, rap.repeat_while, min(taken), told):
