@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 
+from rapc.analysis.driver import Finding
+
 _EXPECTED = re.compile(r"; expect: (.*)$")
 _OPT_IN = re.compile(r"^;;; Opt-in rules: (.*)$", re.MULTILINE)
 
@@ -27,3 +29,9 @@ def opted_in(text: str) -> frozenset[str]:
     return frozenset(
         name.strip() for row in _OPT_IN.findall(text) for name in row.split(",")
     )
+
+
+def assert_page_tells_of_the_fix(finding: Finding) -> None:
+    """Fail if a finding has a fix whose safety its rule's page does not name."""
+    fix, told = finding.diagnostic.fix, finding.rule.fix
+    assert fix is None or fix.applicability.value in re.findall(r"\w+", told)

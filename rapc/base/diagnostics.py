@@ -43,6 +43,12 @@ class Rule(msgspec.Struct, frozen=True):
     better: str
     #: Whether the rule reports only where a user asks for it: a matter of style.
     opt_in: bool = False
+    #: Which fixes it has and whether they are safe, as a phrase; nothing if none.
+    fix: str = ""
+    #: When to ignore it, as a phrase; nothing of an error that never is to be.
+    ignore: str = ""
+    #: Where the language has what it is about: sections of T, S and L (docs/language).
+    source: str = ""
 
 
 class Label(msgspec.Struct, frozen=True):

@@ -70,8 +70,19 @@ def _page(one: Rule) -> str:
         f"{one.code}, {one.severity.word}{', opt-in' * one.opt_in}: {one.summary}.\n\n"
         f"{one.why}\n\n"
         f"For example:\n\n```rap\n{one.example}```\n\n"
-        f"Better:\n\n```rap\n{one.better}```\n"
+        f"Better:\n\n```rap\n{one.better}```\n\n"
+        + "\n".join(f"- {name}: {said}." for name, said in _advice(one).items())
+        + "\n"
     )
+
+
+def _advice(one: Rule) -> dict[str, str]:
+    """Advice on findings of a rule, and where to read on, by title."""
+    return {
+        "Fix": one.fix or "none, for only the author knows what is meant",
+        "Ignore it": one.ignore or "never: a library with this error is refused",
+        "Source": one.source,
+    }
 
 
 def _json(chosen: list[Rule], *, one: bool) -> str:
@@ -84,6 +95,10 @@ def _json(chosen: list[Rule], *, one: bool) -> str:
             "why": " ".join(rule.why.split()),
             "example": rule.example,
             "better": rule.better,
+            "opt_in": rule.opt_in,
+            "fix": rule.fix,
+            "ignore": rule.ignore,
+            "source": rule.source,
         }
         for rule in chosen
     ]

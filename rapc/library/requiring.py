@@ -25,6 +25,7 @@ UNRESOLVED = Rule(
     why="""`(require "name")` means the file `name.rap` or the folder `name` beside the
 requiring file, else the standard library of that name. What it should have brought in
 is missing, so most of what uses it would be reported as unknown too.""",
+    source="L 1",
     example="""\
 (require "no-such-library")
 """,

@@ -17,7 +17,7 @@ from rapc.analysis.driver import check_library
 from rapc.analysis.selection import Selection, by_default, rule_names
 from rapc.analysis.suite import rules
 from rapc.library.loader import load_text
-from tests.expected import expected, opted_in
+from tests.expected import assert_page_tells_of_the_fix, expected, opted_in
 from tests.slips_said import slips
 
 PROGRAMS = sorted((Path(__file__).parent / "near").glob("*.rap"))
@@ -30,6 +30,8 @@ def _stem(path: Path) -> str:
 def _found(text: str, selection: Selection) -> Counter[tuple[int, str]]:
     """Count the findings in a text, by row and rule."""
     report = check_library(load_text(text), selection)
+    for finding in report.findings:
+        assert_page_tells_of_the_fix(finding)
     own = [f for f in report.findings if f.diagnostic.span.file == "<text>"]
     file = report.files["<text>"]
     return Counter(

@@ -10,8 +10,9 @@ import pytest
 from rapc.analysis.driver import check_library
 from rapc.analysis.selection import Selection, by_default
 from rapc.analysis.suite import rules
-from rapc.base.diagnostics import Rule
+from rapc.base.diagnostics import Rule, Severity
 from rapc.library.loader import load, load_text
+from tests.expected import assert_page_tells_of_the_fix
 
 RULES = tuple(rules().values())
 
@@ -53,6 +54,20 @@ def test_page_is_written_in_house_style(rule: Rule) -> None:
     assert rule.summary
     assert not rule.summary.endswith(".")
     assert rule.why.rstrip().endswith((".", ")"))
+
+
+def test_page_says_when_to_ignore_it_and_where_to_read_on(rule: Rule) -> None:
+    assert rule.ignore or rule.severity is Severity.ERROR
+    assert re.fullmatch(
+        r"[TSL] [0-9A]+(\.[0-9]+)*(, ([0-9.]+|figure [0-9.]+))*", rule.source
+    )
+    assert not f"{rule.fix}{rule.ignore}".endswith(".")
+
+
+def test_page_tells_of_the_fixes_of_its_example(rule: Rule) -> None:
+    selection = Selection(by_default() | {rule.name})
+    for finding in check_library(load_text(rule.example), selection).findings:
+        assert_page_tells_of_the_fix(finding)
 
 
 def test_messages_are_written_in_house_style(rule: Rule) -> None:

@@ -15,6 +15,8 @@ AGE = Rule(
 time at which the fact goes stale. An age that is bound changes with every tick and
 announces nothing: the formula is tested again each time the clock has moved, and sets
 no time of its own, so the task may wake late or not at all.""",
+    ignore="where the task has a monitor of time too, which wakes it",
+    source="T 4.1.1, 4.7.1",
     example="""\
 (declare-memory-proposition seen (?thing))
 (define-rap (look))

@@ -38,6 +38,8 @@ LOW = Rule(
     why="""A task that stands by wakes while something else is under way. It comes up
 before that only if its priority is higher; at the same priority whatever is under way
 goes on, and the reaction comes when it may be too late (T 5.4.1).""",
+    ignore="where the reaction may well wait until the work is done",
+    source="T 5.4.1",
     example=_STANDING_BY.format(""),
     better=_STANDING_BY.format(" :priority 4"),
 )
@@ -66,6 +68,8 @@ REACHES = Rule(
     why="""The priority of a step adds to that of the task above it. Where it reaches
 the priority of a standing task that was given a higher one, the work can hold up the
 reaction (T 5.4.1): leave room between the priorities of an agenda for the steps.""",
+    ignore="where the step must come before the reaction, as waking up does",
+    source="T 5.4.1",
     example=_WITH_STEPS.format("9"),
     better=_WITH_STEPS.format("1"),
 )
@@ -78,8 +82,9 @@ ENDS = Rule(
     why="""A task with a monitor and without `succeed` ends when a method has ended
 well (T figure 4.3), one with another `succeed` when that holds: it reacts once, or for
 a while, and is gone for good. One that is to stand by says so with `(succeed nil)`, and
-asks in its monitor and in `repeat-while` for what it is to go on for. Ignore the rule
-where the task is to end.""",
+asks in its monitor and in `repeat-while` for what it is to go on for.""",
+    ignore="where the task is to end",
+    source="T 4.7.1, figure 4.3",
     example="""\
 (declare-memory-property battery (?level) unknown)
 (declare-primitive plug-in () (okay))

@@ -15,6 +15,7 @@ ANONYMOUS = Rule(
     why="""`?` matches anything and is a new variable at each place, so it never has a
 value. In queries and patterns that is what is wanted; as an input of a step, in a
 request, a test or a sum there is nothing it could stand for.""",
+    source="T 4.1",
     example="""\
 (define-rap (go-to ?place))
 (define-rap (wander)

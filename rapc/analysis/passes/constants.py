@@ -42,6 +42,9 @@ it is never found, a test of it never passes. Where a constant that differs by o
 of the pen stands at the same place, or is a value of the same kind, that one was meant;
 where the form has a variable of that name, the question mark is missing. A closed kind
 (`declare-kind`) makes sure.""",
+    fix="unsafe: writes the constant that is spelled almost so, or the variable",
+    ignore="where the value comes from outside, and another one is spelled almost so",
+    source="T 4.1",
     example="""\
 (declare-memory-property door-state (?door ?state) unknown)
 (declare-primitive push (?door) (okay))
@@ -72,6 +75,8 @@ FOREIGN = Rule(
 kind, is hardly one of another kind: an arm is no class of things. Mostly an argument
 was left out, or stands in another's place. If the symbol is meant to be of both kinds,
 say so with `:is`.""",
+    ignore="where one word is a value of both kinds: say so with `:is`",
+    source="L 7",
     example="""\
 (declare-kind arm (left-arm right-arm))
 (declare-kind class)
@@ -98,6 +103,8 @@ MIXED = Rule(
     why="""No number equals a word. Where words stand everywhere else in the library, a
 fact with a number, or with `true`, is never found; and the other way round. `unknown`
 goes with all.""",
+    ignore="where a place takes values of several sorts on purpose, as a label may",
+    source="L 2",
     example="""\
 (declare-memory-property door-state (?door ?state) unknown)
 (define-rap (pass ?door)

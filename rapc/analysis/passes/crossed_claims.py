@@ -38,6 +38,8 @@ that holds a thing and wants a second, beside another of the same priority that 
 the second and wants the first, can wait for it for good: nothing breaks the circle.
 Claim all that is needed at one place, where a method gets all of its claims or none; or
 claim in one order everywhere.""",
+    ignore="where the two tasks are never under way together",
+    source="T 7.2.1",
     example=_WORK
     + """\
 (define-rap (carry ?thing ?to)

@@ -30,6 +30,8 @@ UNDECLARED = Rule(
     why="""A row of a script may send sensor data with `:data`, and a primitive says
 with `:tells` which may come with it. What a world sends is declared in the library that
 is to take it in; no handler is called for anything else.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 3.3.1",
     example="""\
 (declare-primitive look () (okay))
 (declare-sensor-datum seen (?thing))
@@ -49,6 +51,7 @@ ARITY = Rule(
     summary="a sensor datum has another number of arguments than was declared",
     why="""A world sends a datum with the arguments it was declared with, and its
 handler takes those and no others.""",
+    source="T 3.3.1",
     example="""\
 (declare-primitive look () (okay))
 (declare-sensor-datum seen (?thing))

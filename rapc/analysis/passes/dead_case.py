@@ -25,6 +25,8 @@ primitive of its RAP or of one below it, the name of an event that fails one of 
 a reason of the interpreter. An event that skills tell is heard by the rules of a RAP
 only if such skills are on for it or for one below it. Methods that a problem solver
 adds are not looked at.""",
+    ignore="where a problem solver brings methods that end so",
+    source="S 4.2",
     example="""\
 (declare-memory-proposition at (?place))
 (declare-primitive drive (?place) (okay stuck))

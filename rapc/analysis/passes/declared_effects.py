@@ -32,6 +32,8 @@ LACKING = Rule(
     why="""A planner that reads `effects` takes what they do not name for unchanged (T
 7.4.1). Here every method of the RAP, when it ends well, changes one more fact. Not all
 that a RAP changes need matter to a planner; the rule is opt-in for that reason.""",
+    ignore="where a planner has no use for the effect",
+    source="T 7.4.1",
     example=_WORLD.format(""),
     better=_WORLD.format(" (not (dark ?lamp))"),
 )
@@ -59,6 +61,8 @@ say what it does. Told of a RAP some of whose methods are known to have the effe
 of one of which not all is known; what surely never comes is `empty-promise`. As
 much as a library says of its primitives can be confirmed; the rule is opt-in for that
 reason.""",
+    ignore="where the world brings the effect about, and the primitive cannot say so",
+    source="T 7.4.1",
     example=_BOX.format(""),
     better=_BOX.format(" :on (okay (lid-open ?box))"),
 )

@@ -31,6 +31,7 @@ ARITY = Rule(
     why="""A fact with too many or too few arguments matches nothing in memory; a
 function called so fails. Erasing takes a prefix, which may be shorter but not longer
 than the facts it is to erase.""",
+    source="T A.1",
     example="""\
 (declare-memory-proposition road (?from ?to))
 (define-rap (drive ?from ?to)
@@ -51,6 +52,9 @@ IMPLIED = Rule(
     why="""`(class ?x box)` for `(class ?x box true)` is read as it was meant, but a
 reader cannot see whether the value was left out on purpose, and a property whose value
 is not true or false never holds so.""",
+    fix="safe: writes the value `true`",
+    ignore="where all of a library leaves out the value of its yes-or-no properties",
+    source="T A.1",
     example="""\
 (declare-memory-property open (?door ?is) unknown)
 (define-rap (pass ?door)
@@ -72,6 +76,8 @@ MISSING = Rule(
     why="""A property one argument short means the value `true` [L 2.25]. Where its kind
 has no such value, or the library gives it others and never this one, the fact is never
 found: the value was forgotten.""",
+    ignore="where a world asserts `true` and the library does not say so",
+    source="T A.1",
     example="""\
 (declare-memory-property door (?door ?state) unknown)
 (declare-primitive push (?door) (okay) :on (okay (door ?door open)))

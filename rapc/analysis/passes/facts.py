@@ -38,6 +38,8 @@ read it (`:reads`), comparators. A fact that nobody asks for costs memory and ti
 often shows that a test is missing, or asks for another fact. A library that describes a
 whole world for others tells more than it asks itself; the rule is opt-in for that
 reason.""",
+    ignore="where the library describes a world for others",
+    source="T 2.2",
     example=_DOOR.format(" (heard creaking)", " "),
     better=_DOOR.format(
         " (heard creaking)", "\n    (context (not (heard creaking)))\n    "
@@ -54,6 +56,8 @@ UNASSERTED = Rule(
 it was at the start: its default, or what the host or the world has given. For maps and
 other things that never change this is as it should be, and the rule is opt-in for that
 reason; elsewhere another fact was meant, or an effect is not declared.""",
+    ignore="where the host or the world gives the fact at the start, as it gives a map",
+    source="T 2.2",
     example=_DOOR.format("", "\n    (context (not (heard creaking)))\n    "),
     better=_DOOR.format(
         " (heard creaking)", "\n    (context (not (heard creaking)))\n    "

@@ -53,6 +53,8 @@ one, look more often, or look in the RAP itself before it asks. Told of contexts
 conditions and `repeat-while`, where the times are numbers; not of monitors, which may
 well wait for the next look, nor of facts that data bring unasked or that a RAP senses
 which anybody may ask for.""",
+    ignore="where the belief is to hold only just after a look",
+    source="T 4.1.1",
     example=_GAUGE.format(10),
     better=_GAUGE.format(90),
 )

@@ -24,6 +24,8 @@ UNDECLARED = Rule(
     why="""A list that stands as an argument is computed. Besides arithmetic, `size-of`
 and `value` only declared functions can do that; a proposition or property has no value
 there.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T A.1",
     example="""\
 (declare-memory-property size (?thing ?size) unknown)
 (declare-memory-property room (?box ?size) unknown)
@@ -45,6 +47,7 @@ ARITY = Rule(
     summary="a declared function gets another number of arguments than was declared",
     why="""The function that the world or the host registers is called with what the
 term gives it; with too much or too little the query fails.""",
+    source="T A.1",
     example="""\
 (declare-memory-function distance (?from ?to))
 (define-rap (go ?from ?to)

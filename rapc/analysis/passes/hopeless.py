@@ -39,6 +39,9 @@ HOPELESS = Rule(
 they are tried again until the task is given up as futile (T 3.2.5). What primitives and
 data do to memory is said behind `:on`: either the wrong primitive is asked for, or the
 declaration lacks something, or `succeed` asks for the contrary.""",
+    ignore="where the world brings it about by itself, and the methods only pass the "
+    "time",
+    source="T 3.2.5",
     example=_WORLD.format("not (", ")")
     + """\
 (define-rap (light ?lamp)
@@ -61,6 +64,8 @@ ENDLESS = Rule(
     why="""A standing task sleeps until its monitor holds, and reacts (T 4.7.1). If
 nothing that it does has to do with the monitor, the state goes on, and so does the
 task, without a pause, until nothing changes and it fails.""",
+    ignore="where the state ends by itself while the task is at work",
+    source="T 4.7.1",
     example="""\
 (declare-memory-proposition lamp-lit (?lamp))
 (declare-memory-proposition bell-rung ())
@@ -92,6 +97,8 @@ EMPTY = Rule(
     summary="a RAP declares an effect that nothing it does has, or `succeed` denies",
     why="""A planner builds on `effects` (T 7.4.1). One that no primitive below has, or
 the contrary of which `succeed` asks for, leads to plans that fail.""",
+    ignore="where the world brings the effect about, and the primitive cannot say so",
+    source="T 7.4.1",
     example=_WORLD.format("", "")
     + """\
 (define-rap (light ?lamp)

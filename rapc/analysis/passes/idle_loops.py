@@ -52,8 +52,10 @@ asks for, each round finds what the one before has found; the third time the tas
 `futile-loop` (T 3.2.5). A `repeat-while` that binds nothing is a condition for trying
 again, and not looked at; nor is one without `succeed` behind a monitor. Say in
 `succeed` when the work is done, and let each round take away what it has dealt with, or
-remember it in a set. Ignore the rule where another task changes what is asked for in
-between.""",
+remember it in a set.""",
+    fix="unsafe: adds a `succeed` for when there is nothing left to repeat",
+    ignore="where another task changes what is asked for in between",
+    source="T 4.6",
     example=_SWEEP.format(""),
     better=_SWEEP.format("  (succeed (not (dirty ?)))\n"),
 )

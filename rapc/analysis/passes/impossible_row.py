@@ -18,6 +18,7 @@ IMPOSSIBLE_ROW = Rule(
 not end `:after` it was asked for. A skill has no result and sends no data; only a skill
 tells its signals with waits between them, or again and again; what goes off neither
 waits nor is refused.""",
+    source="L 3.72",
     example="""\
 (declare-primitive drive (?place) (okay))
 (define-rap (go ?place) (method (primitive (drive ?place))))

@@ -20,6 +20,8 @@ JOINED = Rule(
 variable like any value [L 2.22]. So two things of which nobody knows where they are
 lie at the same place, `unknown`. Ask that the value is none. Where something is always
 known of one of the two the test is not needed; the rule is opt-in for that reason.""",
+    ignore="where something is always known of one of the two",
+    source="T 2.2.2",
     example="""\
 (declare-memory-property place-of (?thing ?place) unknown)
 (declare-primitive join (?one ?other) (okay))

@@ -32,6 +32,8 @@ UNKNOWN = Rule(
     why="""`number`, `text`, `item` and `symbol` are known; other kinds are declared
 with `declare-kind`. A kind that is of itself, through others or at once, says
 nothing.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="L 7",
     example="""\
 (declare-kind door (front back))
 (declare-memory-property open ((?door dor) ?is) unknown)
@@ -50,6 +52,8 @@ WRONG = Rule(
     why="""An argument that was declared with a kind has values of that kind and no
 others: a closed kind lists them. A fact or a goal with another value means nothing, and
 a question about one finds nothing. `unknown` is of every kind.""",
+    fix="unsafe: writes the value of the kind that is spelled almost so",
+    source="L 7",
     example="""\
 (declare-kind door (front back))
 (declare-memory-property open ((?door door) ?is) unknown)
@@ -71,6 +75,8 @@ APART = Rule(
     summary="a variable of one kind is used as one of another",
     why="""No value is meant to be of both kinds, unless one of them `:is` the other:
 most likely two variables were mixed up.""",
+    ignore="where a value is of both kinds: say so with `:is`",
+    source="L 7",
     example="""\
 (declare-kind door)
 (declare-kind room)

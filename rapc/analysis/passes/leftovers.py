@@ -22,6 +22,8 @@ INPUT = Rule(
 nothing comes of it; a constant or another variable may stand where the input was meant.
 Where several RAPs are to be asked for in one way, an input may be left unused on
 purpose. The rule is opt-in for that reason.""",
+    ignore="where several RAPs are to be asked for in one way",
+    source="T 4.2",
     example="""\
 (declare-primitive drive (?place) (okay))
 (define-rap (go ?place)
@@ -45,6 +47,9 @@ through other RAPs, is never carried out: it is left over, or a step is missing 
 should ask for it. Tasks of tests in the same file count too. What is given on a command
 line, by a program, or by a test file of its own is not seen here. The rule is opt-in
 for that reason.""",
+    ignore="where the RAP is asked for on a command line, by a program or by other "
+    "libraries",
+    source="T 5.4",
     example="""\
 (declare-primitive drive (?place) (okay))
 (declare-primitive dock () (okay))

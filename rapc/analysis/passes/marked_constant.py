@@ -32,6 +32,10 @@ MARKED = Rule(
 door that is shut. Where the library has a constant of that name at the same place, or a
 closed kind lists it, the constant was meant, and the question mark is one too many. If
 anything will do, write a bare `?`, or another name; then nothing is reported.""",
+    fix="unsafe: takes the question mark away",
+    ignore="where anything will do and the name is to say what stands there: write "
+    "another name",
+    source="T 4.1",
     example="""\
 (declare-memory-property door (?door ?state) unknown)
 (declare-primitive drive (?door) (okay))

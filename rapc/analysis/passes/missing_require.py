@@ -46,6 +46,9 @@ that it requires brings in works only as long as somebody else happens to requir
 checked alone, or required from elsewhere, it has a name that nobody knows. Files that
 neither require anything nor are required are parts of one folder, and not looked
 at.""",
+    fix="unsafe: writes the `require`, where one file alone has the name",
+    ignore="where the files are always required together, and never alone",
+    source="L 1",
     example=_FILES.format(""),
     better=_FILES.format('(require "doors")\n'),
 )

@@ -24,6 +24,10 @@ MISSPELT = Rule(
     why="""A variable that occurs once matches anything, so one variable spelled two
 ways is two variables, and neither means what was meant. If anything will do, write a
 bare `?`, or a name of its own.""",
+    fix="unsafe: writes the variable that is spelled almost so",
+    ignore="where the two names are meant: give one of them a name that is less like "
+    "the other",
+    source="T 4.1",
     example="""\
 (declare-memory-proposition inside (?thing ?box))
 (define-rap (open ?container))

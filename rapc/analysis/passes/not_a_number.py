@@ -24,6 +24,7 @@ NOT_A_NUMBER = Rule(
     why="""Arithmetic, times and amounts need numbers: with anything else the query
 fails, and so does a division by zero. `<`, `>`, `<=` and `>=` never hold of anything
 but two numbers, and a number never equals a symbol.""",
+    source="T 4.1",
     example="""\
 (declare-memory-property size (?thing ?size) unknown)
 (define-rap (lift ?thing)

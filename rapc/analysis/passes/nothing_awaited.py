@@ -15,6 +15,8 @@ NOTHING_AWAITED = Rule(
     why="""Such a primitive ends well at once, and what it enabled is switched off with
 it: the skills hardly run. To let them run, wait for the event that says that they are
 done.""",
+    ignore="where the skill does its work at once when it is switched on",
+    source="S 3.2",
     example="""\
 (declare-skill :follow-wall (?side))
 (define-rap (follow ?side)

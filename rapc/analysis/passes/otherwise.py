@@ -18,6 +18,7 @@ MISPLACED = Rule(
 is a question about a choice between methods: it is asked once, apart from what else the
 context asks, so it stands alone in a context or beside what else has to hold there,
 never under `not` or `or`, and nowhere else.""",
+    source="T 4.5.1",
     example="""\
 (declare-memory-proposition road (?from ?to))
 (declare-primitive drive (?to) (okay))
@@ -42,6 +43,8 @@ FIRST = Rule(
     why="""`otherwise` asks that no method before this one in the text holds now [L
 7.11]. Before the first there is none: it may be chosen in every situation, also where
 a method behind it was meant. Put it behind the others.""",
+    ignore="never: leave out the context if it is to hold always",
+    source="T 4.5.1",
     example="""\
 (declare-memory-proposition road (?from ?to))
 (declare-primitive drive (?to) (okay))

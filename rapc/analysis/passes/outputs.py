@@ -19,6 +19,8 @@ TAKEN = Rule(
 has its value from the start, so the step ends well only if it finds that and nothing
 else. Mostly another variable was meant; to make sure of a value, compare it in
 `succeed` or in a context.""",
+    ignore="where the step is to fail unless it finds this very value",
+    source="T 4.2",
     example="""\
 (define-rap (find ?thing => ?place))
 (define-rap (fetch ?thing)

@@ -18,6 +18,8 @@ UNDECLARED = Rule(
     why="""A primitive is a request to the world. What the world offers is declared, so
 that a library can be checked without the world; what is not declared nobody answers. A
 step of a task-net is no primitive: it names a RAP.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 4.5.3",
     example="""\
 (declare-primitive arm-grasp (?arm ?thing) (okay))
 (define-rap (grasp ?arm ?thing)
@@ -37,6 +39,7 @@ ARITY = Rule(
     summary="a request has another number of arguments than its primitive",
     why="""The world takes a request with the arguments that were declared for it and
 no others.""",
+    source="T 4.5.3",
     example="""\
 (declare-primitive arm-grasp (?arm ?thing) (okay))
 (define-rap (grasp ?thing)

@@ -15,6 +15,7 @@ CIRCLE = Rule(
     summary="a named query asks itself",
     why="""A named query stands for its formula, wherever its name stands. One that
 asks itself, be it through others, would stand for a formula without end.""",
+    source="T 4.1",
     example="""\
 (declare-memory-proposition road (?from ?to))
 (define-query (way ?from ?to)

@@ -27,6 +27,8 @@ RESOURCE_AS_VALUE = Rule(
     why="""A resource is a thing of its own, not the number or the members it holds now.
 It equals no number, stands in no fact, and a request that holds one fails. Steps and
 `resources` take it as it is, `value`, `size-of`, `member` and `empty` look into it.""",
+    fix="unsafe: takes the `value` of a counter",
+    source="T 4.8.1",
     example="""\
 (define-rap (load))
 (define-rap (load-some ?number)

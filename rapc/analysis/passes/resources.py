@@ -28,6 +28,7 @@ WRONG_KIND = Rule(
     why="""`set-add`, `set-sub`, `member`, `empty` and `size-of` work on sets;
 `counter-add`, `counter-sub` and `value` on counters. On the other kind a test fails,
 and an effect fails its step.""",
+    source="T 4.8.1",
     example="""\
 (define-rap (load ?thing))
 (define-rap (load-all ?thing)
@@ -50,6 +51,8 @@ NOT_A_RESOURCE = Rule(
     why="""Only the `resources` clause makes sets and counters, and only inputs hand
 them on. What a formula or a step binds is a plain value: it cannot be added to, and has
 neither members nor a `value`.""",
+    fix="unsafe: writes the resource that is spelled almost so, where there is one",
+    source="T 4.8.1",
     example="""\
 (declare-memory-proposition wanted (?number))
 (define-rap (load))

@@ -46,6 +46,8 @@ RIVALS = Rule(
 priority, neither interrupts the other: which of them gets the thing that both need is
 chance, and the other waits until it is free (T 5.4.1). Say by priorities which one is
 more urgent.""",
+    ignore="where either of the two may wait for the other",
+    source="T 5.4.1",
     example=_CART.format(4),
     better=_CART.format(6),
 )
@@ -75,6 +77,8 @@ UNDOING = Rule(
     why="""What one of the two does wakes the other, and the other way round: they undo
 each other's work for good, as fast as the world lets them (T 4.7.1). Let the monitor of
 one of them ask for more, so that there is a state in which both sleep.""",
+    ignore="where the two take turns on purpose, as a lamp that blinks",
+    source="T 4.7.1",
     example=_LAMP.format("hall", "hall"),
     better=_LAMP.format("attic", "attic"),
 )

@@ -24,6 +24,9 @@ TWICE = Rule(
     summary="an `and` or `or` has the same part twice",
     why="""The second one asks nothing new. It was mostly copied to be changed: another
 argument or another fact was meant, and that is not asked.""",
+    fix="safe: takes the second one away",
+    ignore="never: the second one asks nothing",
+    source="T 4.1.3",
     example="""\
 (declare-memory-property door (?door ?state) unknown)
 (declare-primitive drive (?from ?to) (okay))

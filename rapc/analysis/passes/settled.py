@@ -26,6 +26,8 @@ COPY = Rule(
     why="""A second method is another way to do a thing: it is chosen when the first has
 failed (T 3.2.2). One that says the same in the same situation is no other way, and its
 tries only put off the failure. Mostly it was copied to be changed.""",
+    ignore="where the second one is there to be tried once more",
+    source="T 3.2.2",
     example="""\
 (declare-primitive push (?door) (okay))
 (define-rap (open ?door)
@@ -49,6 +51,8 @@ AT_ONCE = Rule(
     why="""`succeed` is asked before a method is chosen (T 3.2.3). One that holds
 whatever happens, because nothing in it can fail, makes the methods idle. A property has
 a value even if nothing is known, its default: `(battery ?level)` always holds.""",
+    ignore="never: leave the methods out if nothing is to be done",
+    source="T 3.2.3",
     example="""\
 (declare-memory-property battery (?level) unknown)
 (declare-primitive read-gauge () (okay))
@@ -74,6 +78,8 @@ NEVER = Rule(
 and is never done (T 4.7.1). Without a monitor, and without a step that waits for a
 signal or a time, its methods follow each other without a pause, until nothing changes
 any more and the task fails.""",
+    ignore="where the task is to go on until it fails as futile, as in a test",
+    source="T 4.7.1",
     example="""\
 (declare-primitive look () (okay))
 (define-rap (keep-looking)
@@ -98,6 +104,8 @@ ALWAYS = Rule(
 nothing can fail keeps nobody asleep: the methods follow each other without a pause. A
 property has a value even if nothing is known, its default, so a fact that asks for it
 with a fresh variable always holds; a test of the value is missing.""",
+    ignore="never: leave the monitor out if the task is to wait for nothing",
+    source="T 4.7.1",
     example="""\
 (declare-memory-property battery (?level) unknown)
 (define-rap (charge))
@@ -126,6 +134,8 @@ method is chosen. A set that the RAP declares is empty then, and a counter is wh
 was set, for only the methods change them (T 4.8). A clause that asks for a member, or
 for a number that counting would have to bring, never lets anything begin: mostly the
 test is the wrong way round.""",
+    ignore="where a host fills the set or sets the counter before the task begins",
+    source="T 4.8.1",
     example="""\
 (declare-memory-proposition room (?room))
 (declare-memory-proposition seen (?thing))

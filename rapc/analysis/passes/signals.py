@@ -29,6 +29,8 @@ UNDECLARED = Rule(
     why="""Skills and events are what a world offers besides primitives. A skill that it
 does not have cannot be enabled, and an event that it never sends is awaited for
 ever.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="S 2",
     example="""\
 (declare-skill :follow-wall (?side))
 (declare-event :wall-ends ())
@@ -47,6 +49,7 @@ ARITY = Rule(
     summary="a skill or an event has another number of arguments than was declared",
     why="""A skill is enabled with the arguments it was declared with, and an event is
 sent with those it was declared with: another number of them never matches.""",
+    source="S 2",
     example="""\
 (declare-skill :follow-wall (?side))
 (declare-event :wall-ends ())

@@ -26,6 +26,8 @@ SINGLE = Rule(
 another one was meant: an input, or one bound in another clause. Where anything will do
 a bare `?` says so. A name may still tell a reader what stands there; the rule is opt-in
 for that reason.""",
+    ignore="where the name tells a reader what stands there",
+    source="T 4.1",
     example="""\
 (declare-memory-proposition inside (?thing ?box))
 (declare-primitive open (?box) (okay))
@@ -52,6 +54,8 @@ UNUSED = Rule(
 names, or a fact that is told and that nobody asks for, is left over, or its use was
 forgotten. A file of declarations for several libraries holds more than each of them
 uses; the rule is opt-in for that reason.""",
+    ignore="where the file declares what several libraries use",
+    source="T A.1",
     example="""\
 (declare-memory-proposition inside (?thing ?box))
 (declare-memory-proposition on-top-of (?thing ?other))

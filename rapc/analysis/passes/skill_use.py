@@ -23,6 +23,8 @@ UNTOLD = Rule(
     why="""The event is one that skills tell, by their `:events`, but neither a skill of
 this primitive nor one of the `skills` of a method does. So it can only come from
 elsewhere, or never.""",
+    ignore="where a host or another task has the skill on that tells it",
+    source="S 3.2, 4.1",
     example="""\
 (declare-event :seen ())
 (declare-event :arrived ())
@@ -50,6 +52,8 @@ UNUSED = Rule(
 in it; and a skill that nothing enables may have been forgotten. A file without RAPs
 may list all that a world offers (as `rapc worlds NAME --declare` prints it) for
 libraries that use a part of it: its skills are not told of.""",
+    ignore="where the file lists all that a world offers",
+    source="S 2",
     example="""\
 (declare-event :arrived ())
 (declare-skill :drive () :events (:arrived))
@@ -71,6 +75,8 @@ DISABLED = Rule(
     why="""The skills of a primitive go off when it ends; `disable` says so for the
 reader. It switches no others off: those of another task, or the `skills` of a method,
 stay on.""",
+    ignore="never: the skill that is named stays as it was",
+    source="S 3.2",
     example="""\
 (declare-event :arrived ())
 (declare-skill :drive () :events (:arrived))

@@ -46,6 +46,9 @@ is never done, for its RAP has `(succeed nil)` or a step that has, keeps the run
 for good: nothing tells any more whether the work was done. Give it
 `:background true`. Where the run is ended by a time, as in a test, ignore the rule
 there.""",
+    fix="unsafe: writes `:background true`",
+    ignore="where the run is ended by a time, or from outside",
+    source="T 5.4",
     example=_GARDEN.format(" :priority 4"),
     better=_GARDEN.format(" :priority 4 :background true"),
 )
@@ -72,6 +75,8 @@ or it always holds: another fact was meant, a RAP that looks is missing, or what
 does to memory is not declared. Told
 where the library says of its primitives what they do; what comes from the host's own
 program is not seen.""",
+    ignore="where a host program asserts the fact",
+    source="T 4.7.2",
     example=_CALL
     + """\
 (define-rap (answer)
@@ -108,6 +113,8 @@ UNREADY = Rule(
 standing task that has failed is gone for good. Here every method asks for a fact that
 the monitor does not ask for, and that does change: give a method with `otherwise`, or
 let the monitor ask for the fact as well.""",
+    ignore="where the fact holds whenever the monitor does, as the world is made",
+    source="T 4.7.1",
     example=_UNREADY.format(""),
     better=_UNREADY.format("\n  (method (context otherwise) (primitive (drive)))"),
 )
@@ -135,6 +142,8 @@ not hold is no reason to sleep on: the task fails, `interference` or, for
 4.4.2). Here the condition asks for a fact that changes, and that the monitor does not
 ask for. Ask for it in the monitor, or in the contexts, with a method for the case that
 it does not hold.""",
+    ignore="where the task is to end for good then",
+    source="T 4.4.2, 4.7.1",
     example=_CONDITION.format("", "(preconditions (at-dock))\n  "),
     better=_CONDITION.format(" (at-dock)", ""),
 )

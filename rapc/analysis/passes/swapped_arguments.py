@@ -52,6 +52,9 @@ asked and asserted, and never means what was meant. Two arguments are told of if
 of the library the first is otherwise used like the second, and the second like the
 first. Say the kinds of arguments in their declarations (`(?room room)`), and no guess
 is needed.""",
+    fix="unsafe: swaps the two",
+    ignore="where a relation holds both ways, so that either order is meant",
+    source="T 4.1",
     example=_BOXES.format("?box ?thing"),
     better=_BOXES.format("?thing ?box"),
 )

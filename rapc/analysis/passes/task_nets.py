@@ -37,6 +37,8 @@ UNKNOWN_TAG = Rule(
     why="""`for`, `until-start`, `until-end` and `window` speak of a step of the same
 task-net by its tag. One that no step carries orders nothing and protects nothing, and
 a formula meant for it is never checked.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 4.5.2",
     example="""\
 (define-rap (lift))
 (define-rap (carry))
@@ -55,6 +57,7 @@ DUPLICATE_TAG = Rule(
     summary="two steps of a task-net have one tag",
     why="""A tag names one step: an annotation that speaks of a tag carried twice
 would mean either of them.""",
+    source="T 4.5.2",
     example="""\
 (define-rap (lift))
 (define-rap (carry))
@@ -74,6 +77,7 @@ CYCLE = Rule(
     why="""`for` and a window that names a step put steps in order. In a circle no step
 may begin before another of them has ended, so none ever begins, and the method never
 ends.""",
+    source="T 4.5.2",
     example="""\
 (define-rap (lift))
 (define-rap (carry))

@@ -37,6 +37,9 @@ THREAT = Rule(
 does not, the work is done in vain. A step that surely makes it false, and that order
 allows in between, may come just then: only priority or chance tells. Put that step
 before the one that protects, or after the one that needs what is protected.""",
+    ignore="where priorities, or things that both use, keep the step from coming "
+    "between",
+    source="T 4.7.3, 4.9",
     example=_WORLD
     + """\
 (define-rap (deliver)
@@ -64,6 +67,8 @@ BROKEN = Rule(
 surely makes one false is the end of those that come after it: they fail with
 `interference`. Ask for it in the context, if it has to hold at first only, or let the
 step come last.""",
+    ignore="where the steps that are left are to be dropped then",
+    source="T 4.4.3, 5.3.4",
     example=_WORLD
     + """\
 (define-rap (deliver)

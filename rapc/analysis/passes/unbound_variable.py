@@ -32,6 +32,8 @@ everywhere. In a method, `repeat-while` and `context` bind; in a step, what step
 ordered before it hand out and the `for` formulas that point at it or at those. What
 only one branch of an `or` binds, or a step that `until` may end early, is not surely
 bound; `not` hands out nothing. Without a value the query or the task fails.""",
+    ignore="never: let a query or a function ask for what a host knows",
+    source="T 4.2, 4.5.2",
     example="""\
 (define-rap (look-for ?thing => ?place))
 (define-rap (go-to ?place))

@@ -24,6 +24,8 @@ UNDECLARED = Rule(
     why="""Every proposition, property and function is declared, so that a slip of the
 pen is not taken for a fact that just never holds. Rows of comparators, `:reads` and
 `:excludes` name declared predicates too.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T A.1",
     example="""\
 (declare-memory-property location (?thing ?place) unknown)
 (define-rap (fetch ?thing)
@@ -44,6 +46,7 @@ NOT_A_FACT = Rule(
     why="""A declared function is computed when it is asked, and a named query is a
 formula. Neither is in memory, so nothing can put it there or take it away, be it an
 effect or an `:on`, and it has no age.""",
+    source="T A.1",
     example="""\
 (declare-memory-function near (?this ?that) "Whether two things are near.")
 (define-rap (stay ?thing)

@@ -16,6 +16,7 @@ UNKNOWN = Rule(
     summary="a test names an agenda that the library does not define",
     why="""The tasks of an agenda are given to the robot as the test begins. Without
 the agenda there would be none of them.""",
+    source="T 5.4",
     example="""\
 (define-rap (watch))
 (define-agenda night (task (watch) :background true))

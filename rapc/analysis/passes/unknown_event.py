@@ -20,6 +20,8 @@ UNKNOWN = Rule(
     why="""`(trace (event :key value...)...)` holds if the trace has such events in that
 order. The names of events and of their keys are those of the trace; one that is spelled
 otherwise is never found.""",
+    fix="unsafe: writes the event or key that is spelled almost so",
+    source="L 1",
     example="""\
 (define-rap (wait))
 (define-test waits

@@ -22,6 +22,8 @@ asks them, by their names; so is `(method rap name)` in a test, where `#1` is th
 method if it has no name. One that no method has was never tried and never had a result.
 (In a RAP without methods of its own, a problem solver may bring methods with any name,
 and so it may in a test that names a world.)""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 4.1.2",
     example="""\
 (define-rap (knock))
 (define-rap (ring))

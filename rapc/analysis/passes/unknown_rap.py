@@ -20,6 +20,10 @@ UNKNOWN = Rule(
     summary="a step, a rule or a test names a RAP that the library does not define",
     why="""A step asks for a RAP by its name. If no file that was read defines one of
 that name, the method fails whenever it is chosen.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    ignore="where a host program or a problem solver brings the RAP, and says so when "
+    "it runs",
+    source="T 3.1.4",
     example="""\
 (define-rap (go-to ?place))
 (define-rap (go-home)
@@ -39,6 +43,7 @@ ARITY = Rule(
     summary="a RAP is given another number of inputs or outputs than its index has",
     why="""A step has to match the index of the RAP it asks for: as many inputs, and
 after `=>` as many outputs. An output that is not needed is written `?`.""",
+    source="T 4.2",
     example="""\
 (define-rap (look-for ?thing => ?place))
 (define-rap (look)

@@ -28,6 +28,8 @@ step, and from the interpreter: `okay`, `no-method`, `interference`, `futile-loo
 `signal`. A test for any other symbol never holds. In the script of a test a row answers
 a request with one of the results of its primitive; an `:on` of that says what one of
 them changes.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 4.1.2",
     example="""\
 (declare-primitive arm-grasp (?thing) (okay arm-dropped))
 (define-rap (grasp ?thing)

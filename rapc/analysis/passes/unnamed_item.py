@@ -32,6 +32,8 @@ UNNAMED = Rule(
 a request about an item without one fails before it is made (T 2.3.2). The RAP has a
 method for the case that the name is not known, but this method may be chosen then too:
 ask `(know-sensor-name ?thing true)` in its context.""",
+    ignore="where the robot has the thing in sight whenever the method is chosen",
+    source="T 2.3.2",
     example=_WORLD.format(""),
     better=_WORLD.format("(context (know-sensor-name ?thing true))\n    "),
 )

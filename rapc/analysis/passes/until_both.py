@@ -19,6 +19,8 @@ steps does so to the other and neither waits for anything, the first to be chose
 the other before that has begun: one of the two is never carried out, and priority or
 chance decides which. Steps that wait for something by monitors, signals or windows may
 be alternatives of that form.""",
+    ignore="where one of the two is to be dropped, whichever it is",
+    source="T 4.5.2",
     example="""\
 (define-rap (watch))
 (define-rap (carry))

@@ -16,6 +16,8 @@ ITSELF = Rule(
     summary="a step is to go on until it ends or starts itself",
     why="""`until-end` and `until-start` end a step for what another step does. With
 its own tag such an annotation never does anything; another step is meant, or none.""",
+    ignore="never: the annotation does nothing",
+    source="T 4.5.2",
     example="""\
 (define-rap (watch))
 (define-rap (carry))

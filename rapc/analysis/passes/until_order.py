@@ -31,6 +31,8 @@ IDLE = Rule(
 4.5.2). Where `for` or a window puts one of the two before the other, the first has
 ended when the second begins: the annotation does nothing, or takes away a step that has
 not begun. Leave out the order, or the `until`.""",
+    ignore="never: the annotation ends nothing that is under way",
+    source="T 4.5.2",
     example=_WORK.format("(t1 (watch) (for t2) (until-end t2))", "(t2 (carry))"),
     better=_WORK.format("(t1 (watch) (until-end t2))", "(t2 (carry))"),
 )
@@ -44,6 +46,8 @@ AT_ONCE = Rule(
 4.28]. Where that waits for nothing, no other step, window, signal or monitor, and is no
 less urgent, it may be selected first: the step is never carried out. Mostly `until-end`
 was meant; else say what the other one waits for.""",
+    ignore="where the other step waits for something that the library does not tell",
+    source="T 4.5.2",
     example=_WORK.format("(t1 (watch) (until-start t2))", "(t2 (carry))"),
     better=_WORK.format("(t1 (watch) (until-end t2))", "(t2 (carry))"),
 )

@@ -21,6 +21,9 @@ UNUSED = Rule(
     why="""A claim keeps others from what they use or claim themselves. Things are not
 declared: one that nothing else names, with as many arguments, keeps nobody from
 anything, and is likely misspelt or left over.""",
+    fix="unsafe: writes the thing that is spelled almost so, where there is one",
+    ignore="where another library uses the thing, and runs beside this one",
+    source="L 8",
     example="""\
 (declare-primitive drive (?to) (okay) :uses (wheels))
 (define-rap (go ?to) (method (primitive (drive ?to))))
@@ -44,6 +47,10 @@ MISSPELT = Rule(
 it in the same way. One that nobody else names keeps nobody off, so two primitives that
 need the same arm are under way at once. If it is another thing, give it a name that
 shows so.""",
+    fix="unsafe: writes the thing that is spelled almost so",
+    ignore="where the two things are meant: give one of them a name that is less like "
+    "the other",
+    source="L 8",
     example="""\
 (declare-primitive drive (?to) (okay) :uses (wheels))
 (declare-primitive turn (?to) (okay) :uses (wheels))

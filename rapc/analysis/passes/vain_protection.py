@@ -35,6 +35,8 @@ one begins; if it does not, the method fails with `interference` (T 4.7.3). Here
 the step nor one before it changes the fact in that way, as far as declarations say, and
 no clause of the RAP asks for it: it holds by luck alone. Another fact was meant, or an
 effect is not declared.""",
+    ignore="where the fact holds from the start, and nothing is to take it away",
+    source="T 4.7.3",
     example=_WORLD
     + """\
 (define-rap (deliver)

@@ -15,6 +15,8 @@ FORM_RULES: tuple[Rule, ...] = (
         why="""A clause that nobody knows would have no effect. Some print has had
 for others: `success` for `succeed`, `constraint` for `constraints`; these have a
 safe fix.""",
+        fix="safe for what print has had, else unsafe: writes the word that is meant",
+        source="T 3.1, 4.10",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -33,6 +35,7 @@ safe fix.""",
         summary="a clause stands twice where it may stand once",
         why="""Only methods may be several. Of two other clauses of one name the
 first counts, and `and` joins what they say.""",
+        source="T 4.10",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -52,6 +55,9 @@ first counts, and `and` joins what they say.""",
         summary="a declaration lacks a part, or has one that does not fit",
         why="""Each declaration has its parts in a fixed order: a name, most often a
 list of arguments, then what is special to it; a doc string and options may follow.""",
+        fix="safe or unsafe by the part: writes a name with its mark, or in "
+        "parentheses",
+        source="T A.1",
         example="""\
 (declare-memory-property colour (?thing ?colour))
 """,
@@ -67,6 +73,8 @@ list of arguments, then what is special to it; a doc string and options may foll
         why="""Most clauses hold one formula; several are joined by `and`.
 `monitor-time` takes a reference and two times, `resources` sets and counters, a
 method a name and clauses.""",
+        fix="unsafe: puts parentheses around what lacks them",
+        source="T 4.10",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -86,6 +94,8 @@ method a name and clauses.""",
         why="""A formula is a proposition, a comparison, a special form or a
 connective, in parentheses, or one of the constants `true`, `t`, `false`, `nil`. What
 computes a value is a term: it can be compared, but is neither true nor false.""",
+        fix="safe: writes a bare `true` or `otherwise` for one in parentheses",
+        source="T 4.1",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -104,6 +114,7 @@ computes a value is a term: it can be compared, but is neither true nor false.""
         summary="something is no term",
         why="""An argument is a symbol, a number, a string, a variable or a computed
 term such as `(+ ?n 1)`. Formulas have no value and cannot stand inside of one.""",
+        source="T 4.1",
         example="""\
 (define-rap (wait ?time)
   (succeed (> (+ ?time) 3)))
@@ -120,6 +131,8 @@ term such as `(+ ?n 1)`. Formulas have no value and cannot stand inside of one."
         summary="a plain proposition is wanted",
         why="""What is asserted, noted, requested or believed is one proposition: a
 name and its arguments. Connectives and comparisons are for questions only.""",
+        fix="safe: writes the colon of an event or a skill",
+        source="T 4.1",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -138,6 +151,9 @@ name and its arguments. Connectives and comparisons are for questions only.""",
         summary="a goal or an index is not a name with arguments",
         why="""A step asks for a RAP by its name with inputs and, behind `=>`,
 outputs, all in one list; the index of a RAP looks the same and has variables only.""",
+        fix="safe where nothing else can be meant, else unsafe: puts parentheses "
+        "around it",
+        source="T 4.2",
         example="""\
 (define-rap (index fetch ?thing))
 """,
@@ -152,6 +168,7 @@ outputs, all in one list; the index of a RAP looks the same and has variables on
         summary="a step of a task-net lacks its tag or its goal",
         why="""Each step is a list: a tag to speak of it, a priority if wanted, the
 goal, and annotations.""",
+        source="T 4.5.2",
         example="""\
 (define-rap (lift))
 (define-rap (fetch)
@@ -172,6 +189,8 @@ goal, and annotations.""",
         summary="an annotation of a step does not exist",
         why="""An annotation that nobody knows would neither order nor end nor count
 anything. `counter-del`, which has been printed, is called `counter-sub`.""",
+        fix="safe for `counter-del`, else unsafe: writes the word that is meant",
+        source="T 4.5.2",
         example="""\
 (define-rap (lift))
 (define-rap (fetch ?count)
@@ -193,6 +212,7 @@ anything. `counter-del`, which has been printed, is called `counter-sub`.""",
         why="""`for`, `until-start` and `until-end` name one step, `window` a step or
 a clock and two times, the effects a resource and one thing or amount, `wait-for` a
 signal and what it does.""",
+        source="T 4.5.2",
         example="""\
 (define-rap (lift))
 (define-rap (fetch)
@@ -216,6 +236,7 @@ signal and what it does.""",
         why="""The inputs and outputs of a RAP, the arguments of a declaration and
 the resources of a task each have names of their own: one name cannot take two
 values.""",
+        source="T 4.2",
         example="""\
 (define-rap (move ?thing ?thing))
 """,
@@ -230,6 +251,7 @@ values.""",
         summary="a RAP has no name",
         why="""The index names a RAP and its inputs and outputs; without it nothing
 can ask for it.""",
+        source="T 4.2",
         example="""\
 (define-rap
   (method (task-net)))
@@ -246,6 +268,9 @@ can ask for it.""",
         summary="two methods of a RAP have one name",
         why="""`method-tried` and `result-with-method` speak of a method by its name,
 and so do traces and tests.""",
+        fix="unsafe: numbers the second one, and leaves questions about either as "
+        "they are",
+        source="T 4.5",
         example="""\
 (define-rap (wait)
   (method 1 (task-net))
@@ -264,6 +289,7 @@ and so do traces and tests.""",
         summary="a method does not say what to do",
         why="""A method has a `task-net` or a `primitive`. One that means to do
 nothing says so with an empty task-net, `(task-net)`, which ends well at once.""",
+        source="T 4.5",
         example="""\
 (define-rap (wait)
   (method (context true)))
@@ -280,6 +306,7 @@ nothing says so with an empty task-net, `(task-net)`, which ends well at once.""
         summary="a formula has more than 200 parts",
         why="""Formulas become nested code, which has a limit. A declared function
 can decide such a matter, or several RAPs can share it.""",
+        source="L 1",
         example=_HAVE
         + f"(define-rap (fetch)\n  (succeed (or{201 * ' (have cup)'})))\n",
         better=_HAVE
@@ -295,6 +322,7 @@ can decide such a matter, or several RAPs can share it.""",
         summary="a clause stands in the wrong kind of form",
         why="""`context`, `notations`, `task-net` and `primitive` belong to a method,
 all other clauses to the RAP. Most often a parenthesis is missing or too many.""",
+        source="T 4.10",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -316,6 +344,7 @@ all other clauses to the RAP. Most often a parenthesis is missing or too many.""
         why="""A memory rule names the goal it watches, when it runs, and cases; an
 event rule names a signal. Both hold rules, each a list of queries with their
 actions.""",
+        source="S 4.2",
         example=_HAVE
         + """\
 (define-rap (fetch ?thing))
@@ -336,6 +365,7 @@ actions.""",
         summary="steps are grouped by a word such as `sequence`",
         why="""The steps of a task-net stand beside each other. They may run in any
 order, but for what their annotations say: `(for t2)` puts a step before step t2.""",
+        source="T 4.5.2",
         example="""\
 (define-rap (lift))
 (define-rap (carry))

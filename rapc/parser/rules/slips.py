@@ -14,6 +14,8 @@ SLIP_RULES: tuple[Rule, ...] = (
         summary="the times of `monitor-time` stand in parentheses",
         why="""`monitor-time` takes its reference and its two times directly. The
 other spelling has been printed; what it means is clear.""",
+        fix="safe: takes the parentheses away",
+        source="T 4.7.1",
         example="""\
 (define-rap (watch)
   (succeed false)
@@ -34,6 +36,8 @@ other spelling has been printed; what it means is clear.""",
         summary="`for` behind a formula stands in parentheses of its own",
         why="""An annotation that protects a formula is one list: the formula, `for`,
 the tag. The other spelling has been printed; what it means is clear.""",
+        fix="safe: takes the parentheses away",
+        source="T 4.5.2",
         example=_HAVE
         + """\
 (define-rap (lift))
@@ -58,6 +62,8 @@ the tag. The other spelling has been printed; what it means is clear.""",
         summary="`for` and its tag stand without parentheses",
         why="""Every annotation of a step is a list, also `(for tag)`. The other
 spelling has been printed; what it means is clear.""",
+        fix="safe: puts parentheses around it",
+        source="T 4.5.2",
         example="""\
 (define-rap (lift))
 (define-rap (fetch)
@@ -80,6 +86,8 @@ spelling has been printed; what it means is clear.""",
         summary="`not` is given several formulas",
         why="""`not` denies one formula. With several it might mean that they do not
 hold together, or that none of them holds; it is read in the first way.""",
+        fix="unsafe: joins the formulas by `and`; `or` may be meant",
+        source="T 4.1.3",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -98,6 +106,8 @@ hold together, or that none of them holds; it is read in the first way.""",
         summary="`believe` does not say how fresh a belief has to be",
         why="""`believe` asks for an age: a number that the age must stay below, or a
 variable that becomes the age. Without an age the proposition alone says the same.""",
+        fix="unsafe: binds the age to a variable, which asks for a belief of any age",
+        source="T 4.1.1",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -117,6 +127,8 @@ variable that becomes the age. Without an age the proposition alone says the sam
         why="""A rule may have several queries, each with actions of its own, so each
 query stands in parentheses with its actions. The other spelling has been printed;
 what it means is clear.""",
+        fix="safe: puts parentheses around it",
+        source="S 4.2",
         example=_HAVE
         + """\
 (define-rap (fetch ?thing))

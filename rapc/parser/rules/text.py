@@ -16,6 +16,8 @@ TEXT_RULES: tuple[Rule, ...] = (
 behind it. The finding shows the list, where that was noticed and where, going by the
 indentation, the parenthesis is most likely missing. Other findings in that form are
 withheld: they might be due to this one. Words known from print are told.""",
+        fix="unsafe: closes the list where the indentation says that it ends",
+        source="T 3.1",
         example="""\
 (define-rap (lift))
 (define-rap (fetch)
@@ -42,6 +44,8 @@ withheld: they might be due to this one. Words known from print are told.""",
 stands outside of it. The finding shows the parenthesis that, going by the
 indentation, is the one too many. Other findings in that form are withheld, as they
 might be due to this one, but for slips whose meaning is clear.""",
+        fix="unsafe: takes out the one that the indentation says is too many",
+        source="T 3.1",
         example="""\
 (define-rap (lift))
 (define-rap (fetch))
@@ -64,6 +68,8 @@ might be due to this one, but for slips whose meaning is clear.""",
         summary="a string is not closed",
         why="""Without its last quotation mark a string takes in the rest of the
 file. It is taken to end with its line; what follows is read as usual.""",
+        fix="unsafe: closes it at the end of its line, before the parentheses there",
+        source="L 1",
         example="""\
 (declare-memory-proposition open (?door) "what is known of doors)
 (define-rap (wait))
@@ -81,6 +87,8 @@ file. It is taken to end with its line; what follows is read as usual.""",
         why="""Such comments nest, so each `#|` needs a `|#` of its own. One without
 takes in the rest of the file. It is taken to end where the next form begins in
 column one.""",
+        fix="unsafe: closes it before the next form",
+        source="L 1",
         example="""\
 #| what a robot does
 when there is nothing to do
@@ -100,6 +108,8 @@ when there is nothing to do |#
         why="""Symbols and lists stand for themselves and are not quoted as in other
 Lisps; lists are written with parentheses, strings with plain quotation marks, space
 with blanks, tabs and line ends.""",
+        fix="safe: takes out a quotation mark before a symbol or a list",
+        source="L 1",
         example=_HAVE
         + """\
 (define-rap (fetch)
@@ -118,6 +128,7 @@ with blanks, tabs and line ends.""",
         summary="lists are nested more than 100 deep",
         why="""No program needs such depth; where it occurs, closing parentheses are
 missing, or the file is none of ours. What lies deeper is left out.""",
+        source="L 1",
         example="(define-rap (wait)\n  (succeed "
         + 99 * "(not "
         + "true"
@@ -136,6 +147,7 @@ missing, or the file is none of ours. What lies deeper is left out.""",
         why="""Names may have up to 1000 characters and numbers up to 100, which
 keeps numbers in the range that arithmetic can handle. Longer ones mean that the file
 is damaged or none of ours.""",
+        source="L 1",
         example=f"(define-rap (wait)\n  (duration 1{100 * '0'}))\n",
         better="""\
 (define-rap (wait)
@@ -150,6 +162,8 @@ is damaged or none of ours.""",
         why="""Numbers are integers and decimals with digits on both sides of the
 point, with a sign if wanted; there are no exponents. Anything else would be a
 symbol, which is hardly what was meant.""",
+        fix="safe: writes the number that is meant, where it can be told",
+        source="L 1",
         example="""\
 (define-rap (wait)
   (duration 1e3))
@@ -166,6 +180,8 @@ symbol, which is hardly what was meant.""",
         summary="something at the top level is no form of the language",
         why="""A file is a row of definitions, declarations and `require`s. Whatever
 else stands there would have no effect.""",
+        fix="unsafe: writes the name that is spelled almost so, where there is one",
+        source="L 1",
         example="""\
 (define-rapp (wait))
 """,
