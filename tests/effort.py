@@ -27,7 +27,11 @@ def first(number: int, values: Iterable[Any]) -> list[Any]:
     ]
 
 
+def thorough() -> bool:
+    """Whether tests do all that they can, as in `.ci/run`."""
+    return settings.get_current_profile_name() == THOROUGH
+
+
 def examples(most: int, share: int = SHARE, **others: Any) -> settings:
     """Settings of hypothesis: `most` examples if thorough, else one in `share`."""
-    thorough = settings.get_current_profile_name() == THOROUGH
-    return settings(max_examples=most if thorough else most // share, **others)
+    return settings(max_examples=most if thorough() else most // share, **others)

@@ -19,6 +19,7 @@ from rapc.base.source import SourceFile
 from rapc.library.requiring import UNRESOLVED
 from rapc.library.units import Units
 from rapc.parser.unit import SourceUnit
+from tests.effort import first
 
 PATHS = ("lib", "one.test.rap", "two.test.rap")
 
@@ -80,14 +81,12 @@ def _plain() -> object:
 
 def test_what_is_kept_is_found_again_and_nothing_is_parsed(project: Path) -> None:
     (project / "lib" / "p1.rap").write_text("(define-rap (x) (succeed (gone)))\n")
-    first = _check()
-    assert first.findings
-    assert _told(_check(NoUnits())) == _told(first) == _plain()
+    made = _check()
+    assert made.findings
+    assert _told(_check(NoUnits())) == _told(made) == _plain()
 
 
-@pytest.mark.parametrize(
-    "edits", [40, pytest.param(200, marks=pytest.mark.slow)], ids="{} edits".format
-)
+@pytest.mark.parametrize("edits", first(1, [20, 200]), ids="{} edits".format)
 def test_findings_are_the_same_after_any_edit(edits: int, project: Path) -> None:
     dice = random.Random(edits)
     units, different = Units(), set()

@@ -16,6 +16,7 @@ from rapc.errors import ArgumentError, StateError
 from rapc.runtime.task_request import read_task_request
 from tests.debug import long, moments
 from tests.debug.sessions import truck
+from tests.effort import first
 
 
 def _states(session: Session) -> list[bytes]:
@@ -30,12 +31,13 @@ def _told(session: Session) -> list[Told]:
     return session.scan()
 
 
-def test_every_moment_is_reached_again_as_it_was() -> None:
+@pytest.mark.parametrize("often", first(1, [15, 60]))
+def test_every_moment_is_reached_again_as_it_was(often: int) -> None:
     session = truck("(rock-order red 1)", "(rock-order blue 1) :at 30 :priority 1")
     states = _states(session)
     events = _told(session)
     chance = random.Random(4)
-    for _ in range(60):
+    for _ in range(often):
         cycle = chance.randrange(len(states))
         session.goto(cycle)
         assert session.cycle == cycle

@@ -16,7 +16,7 @@ from tests.hallway.duties import attend
 from tests.hallway.sent import begin, travel
 
 
-@pytest.mark.parametrize("seed", first(2, range(1000, 1012)))
+@pytest.mark.parametrize("seed", first(1, range(1000, 1012)))
 def test_the_robot_arrives_and_knows_where_it_is(seed: int) -> None:
     journey = travel(seed)
     assert journey.arrived, journey

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from rapc.base.values import Atom
 from rapc.runtime.events import events
 from rapc.runtime.memory.recognition.scoring import Described
-from tests.effort import examples
+from tests.effort import examples, thorough
 from tests.memory.bench import MemoryBench
 
 from .walking import TEXT, Step, Walk
 
-STEPS = 250
+STEPS = 250 if thorough() else 80
 
 
 @examples(40, share=20, suppress_health_check=list(HealthCheck))

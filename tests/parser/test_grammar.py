@@ -8,11 +8,11 @@ from __future__ import annotations
 import random
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 
 from rapc.language import build, grammar
 from rapc.parser.syntax import Datum, List
-from tests.effort import first
+from tests.effort import examples, first
 from tests.parser.agreement import ATTRIBUTES, accepted, disagreement, excused
 from tests.parser.programs import programs, texts
 from tests.parser.reading import parsed, reading
@@ -33,24 +33,24 @@ def test_every_text_of_the_repository(share: int) -> None:
     assert sum(accepted(text) for text in some.values()) > 35
 
 
-@settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
+@examples(150, suppress_health_check=[HealthCheck.too_slow])
 @given(programs())
 def test_programs_made_by_the_grammar(text: str) -> None:
     assert accepted(text)
     assert disagreement(text) == set()
 
 
-@pytest.mark.parametrize("batch", range(2))
+@pytest.mark.parametrize("batch", first(1, range(6)))
 def test_forms_with_a_part_left_out_or_put_elsewhere(batch: int) -> None:
     """Some are sound and most are not: both say which."""
     rng = random.Random(f"mutants:{batch}")
     forms = _sound_forms()
     sound = 0
-    for _ in range(300):
+    for _ in range(100):
         text = _mutant(rng, rng.choice(forms))
         assert disagreement(text) == set(), text
         sound += accepted(text)
-    assert 50 < sound < 250
+    assert 15 < sound < 85
 
 
 def _sound_forms() -> list[str]:

@@ -20,7 +20,7 @@ from .sides import ByHand, UnderTest
 
 WALKS = range(120)
 STEPS = 100
-SLICES = 12
+SLICES = 30
 
 DIGEST = "from tests.recognition import test_agreement as t; print(t.digest(range(8)))"
 

@@ -1,6 +1,6 @@
 """rapc's interpreter and the reference make the same trace, event for event.
 
-Seeds 0 to 99 by default, to 2999 among the slow tests; more by hand with
+Seeds 0 to 39 by default, to 2999 among the slow tests; more by hand with
 `python -m tests.reference.compare`.
 """
 
@@ -16,8 +16,8 @@ from tests.reference.compare import compare, kind_of, report
 from tests.reference.generate import generate
 from tests.reference.vocabulary import UNBROKEN
 
-CHUNK = 100
-CHUNKS = 30
+CHUNK = 40
+CHUNKS = 75
 
 OFTEN = (
     "data-received",

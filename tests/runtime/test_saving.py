@@ -44,7 +44,7 @@ ORDER = """
 
 
 def test_a_run_of_the_truck_goes_on_as_if_nothing_had_happened() -> None:
-    assert saving.compare(seed=5, points=2, far=1) == 0
+    assert saving.compare(seed=5, points=1, far=1) == 0
 
 
 @pytest.mark.slow
@@ -77,9 +77,9 @@ def _both(case: Case, cycles: int) -> tuple[list[Event], list[Event]]:
     return events[line:], taken_up
 
 
-@pytest.mark.parametrize("chunk", first(1, range(40)))
+@pytest.mark.parametrize("chunk", first(1, range(100)))
 def test_generated_programs_go_on_as_if_nothing_had_happened(chunk: int) -> None:
-    for seed in range(chunk * 50, (chunk + 1) * 50):
+    for seed in range(chunk * 20, (chunk + 1) * 20):
         case = stepwise(generate(seed, UNBROKEN))
         cycles = random.Random(f"cycles:{seed}").randrange(1, 30)
         as_it_is, taken_up = _both(case, cycles)

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from rapc.runtime.events import events
+from tests.effort import first
 
 from .helpers import Play, at
 
@@ -120,13 +121,14 @@ def test_ten_thousand_levels_leave_descendants_first() -> None:
     assert len(removed) > 9_999
 
 
-def test_ten_thousand_monitors_one_of_which_is_concerned() -> None:
+@pytest.mark.parametrize("many", first(1, [1000, 10_000]))
+def test_thousands_of_monitors_one_of_which_is_concerned(many: int) -> None:
     ran = Play(
         WAIT,
-        *[f"(wait w{n})" for n in range(10_000)],
+        *[f"(wait w{n})" for n in range(many)],
         times=[at(1, "(q a b)"), at(2, "(p w77)"), at(3, "(p nobody)")],
     ).run()
-    assert len(ran.told("blocked")) == 10_000
+    assert len(ran.told("blocked")) == many
     assert [event.task for event in ran.of(events.TaskWoken)] == [78]
     assert ran.told("asked", "over", times=True) == [
         "2 asked (act w77)",
@@ -134,7 +136,8 @@ def test_ten_thousand_monitors_one_of_which_is_concerned() -> None:
     ]
 
 
-def test_ten_thousand_tasks_at_once() -> None:
-    ran = eligible(10_000).run()
+@pytest.mark.parametrize("many", first(1, [1000, 10_000]))
+def test_thousands_of_tasks_at_once(many: int) -> None:
+    ran = eligible(many).run()
     assert ran.told("over") == ["over done"]
-    assert len(set(ran.told("asked"))) == 10_000
+    assert len(set(ran.told("asked"))) == many
