@@ -15,7 +15,7 @@ from importlib import import_module
 
 import click
 
-from rapc.base.gc_paused import gc_paused
+from rapc.base.gc_paused import gc_spared
 from rapc.base.names import nearest
 from rapc.base.visible import visible
 from rapc.cli.options import USAGE, common_options, show_traceback
@@ -60,8 +60,11 @@ class Commands(click.Group):
         """A command by its name, imported."""
         if name not in COMMANDS:
             return None
-        with gc_paused():  # what modules make is kept: a search would find nothing
-            command = getattr(import_module(f"rapc.cli.{name}"), name)
+        module = f"rapc.cli.{name}"
+        if module not in sys.modules:
+            with gc_spared():
+                import_module(module)
+        command = getattr(sys.modules[module], name)
         assert isinstance(command, click.Command)
         return command
 

@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import signal
 
+from rapc.base.gc_paused import gc_spared
+
 
 def main() -> None:
     """Run the command line; Ctrl-C before it stands ends the process without a word."""
     wanted = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if wanted:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    from rapc.cli.main import main as run  # noqa: PLC0415  # takes its time
+    with gc_spared():
+        from rapc.cli.main import main as run  # noqa: PLC0415  # takes its time
 
     if wanted:
         signal.signal(signal.SIGINT, signal.default_int_handler)

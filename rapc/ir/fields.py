@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import cache
 from types import UnionType
 
 from rapc.ir import nodes
@@ -15,9 +16,10 @@ def declared(kind: type, field: str) -> str:
     return next(str(types[field]) for types in found if field in types)
 
 
-def words_of(text: str) -> set[str]:
+@cache
+def words_of(text: str) -> frozenset[str]:
     """Return the names in a type as it is written."""
-    return set(_WORD.findall(text))
+    return frozenset(_WORD.findall(text))
 
 
 def _children(kind: type[nodes.Node]) -> tuple[str, ...]:

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import Any
+
+import msgspec
 
 from rapc.ir import nodes
 from rapc.ir.fields import declared, words_of
 
 
-class Operands(NamedTuple):
+class Operands(msgspec.Struct, frozen=True):
     """The operands of a formula by what becomes of the variables in them."""
 
     #: Terms that need their values.
@@ -58,7 +60,7 @@ def _fields(kind: type[nodes.Node]) -> tuple[tuple[str, ...], ...]:
     }
     return tuple(
         tuple([field for field, roles in said.items() if role in roles])
-        for role in Operands._fields
+        for role in Operands.__struct_fields__
     )
 
 

@@ -8,7 +8,9 @@ order, are the fields of their names.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
+
+import msgspec
 
 from rapc.ir import nodes
 from rapc.ir.fields import declared
@@ -17,7 +19,7 @@ from rapc.language.heads import heads, rule_named
 from rapc.language.shapes import Shape, is_rule, is_word, leaves
 
 
-class Part(NamedTuple):
+class Part(msgspec.Struct, frozen=True):
     """A part of a rule: a word, an operand, or a clause or option."""
 
     shape: Shape

@@ -12,6 +12,7 @@ name of a terminal (`TAG`) or of a rule (`goal`). A tuple begins with what it do
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 
 Shape = str | tuple["Shape", ...]
 
@@ -39,7 +40,5 @@ def is_rule(shape: Shape) -> bool:
 def leaves(shape: Shape) -> Iterator[str]:
     """The words and names in a shape, in order; rules are not entered."""
     if isinstance(shape, str):
-        yield shape
-        return
-    for part in shape[1:]:
-        yield from leaves(part)
+        return iter((shape,))
+    return chain.from_iterable(map(leaves, shape[1:]))

@@ -7,10 +7,11 @@ rows against the grammar.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+
+import msgspec
 
 
-class Words(NamedTuple):
+class Words(msgspec.Struct, frozen=True):
     """A row: the words for one rule of the grammar."""
 
     #: What a list of this kind is for, as a phrase without a full stop.

@@ -7,7 +7,9 @@ words, and returns the node, or None if nothing could be made of it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple, Protocol, TypedDict, Unpack
+from typing import Any, Protocol, TypedDict, Unpack
+
+import msgspec
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
@@ -46,7 +48,7 @@ PARENTHESES = "()"
 """Stands among the names of clauses where parentheses had to be guessed at."""
 
 
-class OptionReader(NamedTuple):
+class OptionReader(msgspec.Struct, frozen=True):
     """What reads an option: a list that begins with its word."""
 
     #: How many values stand behind the word.

@@ -16,7 +16,9 @@ are lists themselves report what is wrong in them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
+
+import msgspec
 
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -31,7 +33,7 @@ from rapc.parser.terminals import WANTED, Part, is_string, one_word, terminal
 from rapc.parser.terms import term
 
 
-class Operand(NamedTuple):
+class Operand(msgspec.Struct, frozen=True):
     """Operands of one kind in a row; `most` is None for any number."""
 
     least: int

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any
+
+import msgspec
 
 from rapc.ir import nodes
 from rapc.ir.fields import declared
@@ -13,7 +15,7 @@ from rapc.ir.productions import parts, unsaid
 from rapc.language.heads import heads
 
 
-class Slots(NamedTuple):
+class Slots(msgspec.Struct, frozen=True):
     """The fields of a node that clauses and options fill."""
 
     #: Fields that hold one thing, by the words of their clauses.

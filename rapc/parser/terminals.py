@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+
+import msgspec
 
 from rapc.base.values import Number
 from rapc.language.grammar import TERMINALS
@@ -15,7 +16,7 @@ Fits = Callable[[Datum], bool]
 """Whether a datum is of the kind wanted, by its type and first word alone."""
 
 
-class Part(NamedTuple):
+class Part(msgspec.Struct, frozen=True):
     """What a single operand must be."""
 
     fits: Fits

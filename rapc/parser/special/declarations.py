@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Literal, NamedTuple, cast
+from typing import Any, Literal, cast
+
+import msgspec
 
 from rapc.base.values import Atom
 from rapc.ir import nodes, productions
@@ -24,7 +26,7 @@ from rapc.parser.terms import constant
 from rapc.parser.terms import proposition as read_proposition
 
 
-class DeclaredOperand(NamedTuple):
+class DeclaredOperand(msgspec.Struct, frozen=True):
     """An operand of a declaration behind its name."""
 
     field: str
@@ -34,7 +36,7 @@ class DeclaredOperand(NamedTuple):
     optional: bool
 
 
-class Declaration(NamedTuple):
+class Declaration(msgspec.Struct, frozen=True):
     """What a rule says of a declaration and its node."""
 
     kind: type[nodes.Node]
