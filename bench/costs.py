@@ -20,7 +20,7 @@ from bench.child import take
 from rapc import host
 from rapc.library.saved import encode
 
-RAPC = (sys.executable, "-c", "from rapc.cli.main import main; main()")
+RAPC = (sys.executable, "-c", "from rapc.cli.start import main; main()")
 STDLIB = Path(__file__).parents[1] / "stdlib"
 
 _LOADING = {

@@ -16,8 +16,9 @@ from __future__ import annotations
 import argparse
 import re
 import subprocess
+import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from bench.paired import CHECKOUT, LIMIT, MARK, Side, built, interpreter
@@ -44,21 +45,36 @@ WORKS: Mapping[str, tuple[str, int, int]] = {
 }
 """What each piece of work is, and the two numbers of repetitions."""
 
+COMMANDS: Mapping[str, tuple[str, Sequence[str]]] = {
+    "help": ("`rapc --help`", ("--help",)),
+    "check": ("`rapc check` of one RAP", ("check", "one.rap")),
+}
+"""Commands that are counted whole, Python's own start among it, in one environment."""
+
+ONE_RAP = """\
+(declare-memory-property ready (?state) unknown "Whether all is ready.")
+(declare-primitive nothing () (okay))
+(define-rap (begin)
+  (succeed (ready yes))
+  (method
+    (context (ready no))
+    (primitive (nothing))))
+"""
+"""The file that `rapc check` reads."""
+
 _COUNTED = re.compile(r"I\s+refs:\s+([\d,]+)")
 
 
-def _count(side: Side, work: str, times: int) -> int:
-    """Count the instructions of a process that does a piece of work so often.
+def _count(side: Side, command: Sequence[str], folder: Path) -> int:
+    """Count the instructions of a command that is run in a folder.
 
     Raises:
         CalledProcessError: if it fails.
     """
-    script = str(CHECKOUT / "bench" / "counted.py")
     valgrind = ("valgrind", "--tool=cachegrind", "--cache-sim=no")
-    command = (*valgrind, "--cachegrind-out-file=/dev/null", side.python, "-P", script)
     told = subprocess.run(
-        [*command, work, str(times)],
-        cwd=side.tree,
+        [*valgrind, "--cachegrind-out-file=/dev/null", *command],
+        cwd=folder,
         env=side.environment(),
         capture_output=True,
         text=True,
@@ -73,24 +89,45 @@ def counted(side: Side, work: str) -> int:
     """Return how many instructions a piece of work takes in a checkout."""
     _, fewer, more = WORKS[work]
     script = str(CHECKOUT / "bench" / "counted.py")
-    subprocess.run(  # writes the bytecode
-        [side.python, "-P", script, work, "0"],
-        cwd=side.tree,
-        env=side.environment(),
-        check=True,
-    )
-    spent = _count(side, work, more) - _count(side, work, fewer)
-    return spent // (more - fewer)
+    run = (side.python, "-P", script, work)
+    # The first writes the bytecode.
+    subprocess.run([*run, "0"], cwd=side.tree, env=side.environment(), check=True)
+    twice = [_count(side, (*run, str(times)), side.tree) for times in (more, fewer)]
+    return (twice[0] - twice[1]) // (more - fewer)
+
+
+def of_command(side: Side, words: Sequence[str]) -> int:
+    """Return how many instructions `rapc` takes when its bytecode is at hand."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "one.rap").write_text(ONE_RAP, encoding="utf-8")
+        here = Side(sys.executable, side.tree, side.bytecode)
+        return [_count(here, (*here.command(), *words), Path(folder)) for _ in "ab"][1]
+
+
+def rows(sides: Sequence[Side], wanted: Sequence[str]) -> Iterator[str]:
+    """The rows of the table: what each piece of work takes, theirs and ours."""
+    for work in wanted:
+        if work in COMMANDS:
+            what, words = COMMANDS[work]
+            theirs, ours = (of_command(side, words) for side in sides)
+        else:
+            what = WORKS[work][0]
+            theirs, ours = (counted(side, work) for side in sides)
+        ratio = ours / theirs
+        mark = MARK if ratio > LIMIT else ""
+        millions = " | ".join(f"{n / 1e6:,.3f} M" for n in (theirs, ours))
+        yield f"| {work} | {what} | {millions} | {ratio:.3f} | {mark} |"
 
 
 def main() -> None:
     """Read the command line, count, and print."""
     parser = argparse.ArgumentParser(description="Two checkouts, in instructions.")
-    parser.add_argument("work", nargs="*", help=f"some of: {', '.join(WORKS)}")
+    every = (*WORKS, *COMMANDS)
+    parser.add_argument("work", nargs="*", help=f"some of: {', '.join(every)}")
     parser.add_argument("--against", type=Path, required=True, help="other checkout")
     parser.add_argument("--compiled", action="store_true", help="with compiled modules")
     args = parser.parse_args()
-    unknown = set(args.work) - set(WORKS)
+    unknown = set(args.work) - set(every)
     if unknown:
         parser.error(f"no such work: {', '.join(sorted(unknown))}")
     if not (args.against / "bench" / "run.py").is_file():
@@ -104,13 +141,8 @@ def main() -> None:
             sides.append(Side(interpreter(checkout), tree, bytecode))
         print("| work | what | theirs | ours | ratio | |")
         print("|---|---|---:|---:|---:|---|")
-        for work in args.work or WORKS:
-            theirs, ours = (counted(side, work) for side in sides)
-            ratio = ours / theirs
-            mark = MARK if ratio > LIMIT else ""
-            millions = " | ".join(f"{n / 1e6:,.3f} M" for n in (theirs, ours))
-            cells = f"{work} | {WORKS[work][0]} | {millions} | {ratio:.3f} | {mark}"
-            print(f"| {cells} |", flush=True)
+        for row in rows(sides, args.work or every):
+            print(row, flush=True)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from rapc.worlds import registry
 LIBRARY = '(require "truck")\n'
 GOAL = ("fill-order", "red", 4, "factory-1")
 COMMAND = (
-    *("-c", "from rapc.cli.main import main; main()"),
+    *("-c", "from rapc.cli.start import main; main()"),
     *("run", "-", "--world", "truck", "--task", "(fill-order red 4 factory-1)"),
 )
 

@@ -78,6 +78,12 @@ class Side(msgspec.Struct, frozen=True):
     tree: Path
     bytecode: Path
 
+    def command(self) -> tuple[str, ...]:
+        """What begins the command `rapc`, as its installed script does."""
+        own = self.tree / "rapc" / "cli" / "start.py"
+        module = "start" if own.exists() else "main"
+        return (self.python, "-c", f"from rapc.cli.{module} import main; main()")
+
     def environment(self) -> dict[str, str]:
         """The environment in which `tree` has the rapc that is imported."""
         kept = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
@@ -154,13 +160,12 @@ def _run(side: Side, *words: str) -> str:
 def _commands(sides: Sequence[Side]) -> Iterator[tuple[Side, dict[Key, float]]]:
     """Run each command in both, one after the other, several times; give medians."""
     taken: dict[tuple[Side, Key], list[float]] = defaultdict(list)
-    start = "from rapc.cli.main import main; main()"
     here = Path.cwd()
     for name, words in COMMANDS.items():
         for turn in range(TIMES + 1):
             for side in sides:
                 os.chdir(side.tree)
-                used = take([side.python, "-c", start, *words], side.environment())
+                used = take([*side.command(), *words], side.environment())
                 if turn:  # the first time writes the bytecode
                     taken[side, ("start", name, "", "s")].append(used["cpu"])
                     taken[side, ("start", name, "peak", "MB")].append(used["peak"])
