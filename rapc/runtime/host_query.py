@@ -70,7 +70,8 @@ class HostQuery:
         self._formula = formula
         functions = machine.context.functions
         if context is None:
-            context = HostContext(machine.memory, machine.recorder, functions)
+            most = machine.settings.query_steps
+            context = HostContext(machine.memory, machine.recorder, functions, most)
         self._context = context
         self._renamings = -1
         _check_names(formula, machine.library.signatures)
@@ -120,8 +121,8 @@ class HandlerQuestions:
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
-        functions = machine.context.functions
-        self._context = QueryContext(machine.memory, machine.recorder, functions)
+        functions, most = machine.context.functions, machine.settings.query_steps
+        self._context = QueryContext(machine.memory, machine.recorder, functions, most)
         self._ready: dict[tuple[str | Formula, tuple[str, ...]], HostQuery] = {}
 
     def ask(

@@ -79,9 +79,10 @@ class Machine:
         self.memory = parts.memory
         self.access = parts.access
         self.recognizer = parts.recognizer
-        self.context = QueryContext(self.memory, self.recorder, functions)
+        most = settings.query_steps
+        self.context = QueryContext(self.memory, self.recorder, functions, most)
         #: Asks what kept a task from going on, without leaving a mark on the run.
-        self.noting = NotingContext(self.memory, self.recorder, functions)
+        self.noting = NotingContext(self.memory, self.recorder, functions, most)
         self.agenda = Agenda(rng) if fast else SortingAgenda(rng)
         self.things = Things()
         self.held, self.waits = self.things.held, self.things.waits  # parts of them

@@ -12,6 +12,7 @@ from rapc.runtime.events.events import QueryFaulted
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.view import MemoryView
+from rapc.runtime.settings import Settings
 from rapc.runtime.state.task import Env, Task
 from rapc.world import Time
 
@@ -21,6 +22,12 @@ class QueryContext:
 
     `task` is set before each query to the task whose clause it is. While `horizon`
     is a list, the times at which beliefs that held go stale are added to it.
+
+    Args:
+        memory: what is asked.
+        recorder: is told of faults.
+        functions: the registered functions, by name.
+        most_steps: how often a question may go back in vain.
     """
 
     def __init__(
@@ -28,6 +35,7 @@ class QueryContext:
         memory: Memory,
         recorder: Recorder,
         functions: Mapping[str, Callable[..., Any]],
+        most_steps: int = Settings().query_steps,
     ) -> None:
         self.facts = memory.facts
         self.bound = BoundQueries(self)
@@ -35,6 +43,7 @@ class QueryContext:
         self.view = MemoryView(memory, recorder)
         self.task: Task | None = None
         self.horizon: list[Time] | None = None
+        self.most_steps = self.steps_left = most_steps
         #: How many faults there have been.
         self.faults = 0
         self._memory = memory
@@ -46,6 +55,13 @@ class QueryContext:
         if self._recorder.on:
             number = self.task.number if self.task is not None else None
             self._recorder.emit(QueryFaulted, task=number, what=f"{where}: {what}")
+
+    def give_up(self, where: str) -> None:
+        """Trace that a question went back too often in vain [L 2.70]."""
+        self.fault(
+            where,
+            f"given up after {self.most_steps} steps back: see `rapc.query-steps`",
+        )
 
     def unfit(self, where: str, value: object, wanted: str) -> None:
         """Trace that a value is not what a clause needs: `a number`, say."""

@@ -24,6 +24,8 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     idle_cycles: _Count = 100_000
     #: The time units that a cycle takes [T 7.2.1].
     cycle_cost: _Cost = 0
+    #: How often a question may go back in vain before it is given up [L 2.70].
+    query_steps: _Count = 1_000_000
     #: How many layers an expectation set keeps (docs/memory.md).
     max_layers: _Count = 8
     #: How long a run waits for a world that cannot say when it will send something.

@@ -23,7 +23,8 @@ WORDS = frozenset(
         extend min key len type NUMBERS UNBOUND QueryFault str set_members as_value
         holds k v t f m b n facts table stamps values get index facts_at is_here young
         age functions view method_tried last_result accessible_items is_accessible
-        count extended Exception error add_note raise no either rest v_ true false _""",
+        count extended Exception error add_note raise no either rest v_ true false _
+        TooManySteps most_steps steps_left give_up""",
     )
 )
 """All that generated code consists of, besides numbers, signs and its own layout."""

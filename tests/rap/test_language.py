@@ -2,9 +2,9 @@
 
 Sections from 2 on are numbered sentences. Each names a test, which runs here under
 several seeds, or a rule of the checker, whose example runs here too; no test that is
-named after a sentence is without one. Sentences on the handlers of worlds name a test
-in Python. What the pages show in RAP stands in a file of
-tests.
+named after a sentence is without one. Sentences on the handlers of worlds and on
+questions that are given up name a test in Python. What the pages show in RAP stands in
+a file of tests.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tests.cli.command import rapc
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[1] / "docs"
-STRICT = HERE.parent / "runtime" / "test_strict.py"
+IN_PYTHON = ("test_strict.py", "test_long_questions.py")
 INDEX = DOCS / "language.md"
 PAGES = tuple(sorted((DOCS / "language").glob("*.md")))
 FILES = tuple(sorted(HERE.glob("*.test.rap")))
@@ -103,9 +103,10 @@ def test_each_named_test_is_there_and_each_numbered_test_is_named() -> None:
 
 
 def test_each_test_in_python_is_there() -> None:
-    there = set(re.findall(r"^def (test_\w+)", text(STRICT), re.M))
+    files = [text(HERE.parent / "runtime" / name) for name in IN_PYTHON]
+    there = set(re.findall(r"^def (test_\w+)", "\n".join(files), re.M))
     named = [name for page in PAGES for name in _IN_PYTHON.findall(text(page))]
-    assert len(named) == 6
+    assert len(named) == 9
     assert set(named) <= there
 
 

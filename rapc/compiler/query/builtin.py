@@ -20,6 +20,10 @@ class QueryFault(Exception):
     """
 
 
+class TooManySteps(Exception):  # an end of the search, not an error
+    """A question has gone back too often in vain, and is given up [L 2.70]."""
+
+
 class Unbound:
     """The type of the mark of a variable without a value."""
 

@@ -23,6 +23,10 @@ from rapc.library.signatures import Signatures
 MAX_LOOPS = 12
 """Loops nested in one function; CPython allows 20 blocks."""
 
+FREE_LOOPS = 2
+"""Loops around each other whose turns are not counted: they do at worst as many as the
+square of the facts that there are."""
+
 SHAPES = 1024
 """How many shapes of queries a process keeps compiled."""
 
@@ -70,6 +74,8 @@ class CodeWriter:
         self.steps: list[PlanStep] = []
         #: How many `or` and `not` the next step stands in.
         self.depth = 0
+        #: Whether the code counts its steps back: a question may take very many.
+        self.counts = False
         #: The functions that several places call, by what they are made for.
         self.shared: dict[object, Any] = {}
         #: The Python locals by variable, in the order in which they came.
@@ -169,6 +175,7 @@ def compile_source(source: str) -> Maker:
     namespace: dict[str, Any] = {
         "UNBOUND": builtin.UNBOUND,
         "QueryFault": builtin.QueryFault,
+        "TooManySteps": builtin.TooManySteps,
         "as_value": builtin.as_value,
         "holds": builtin.holds,
         "set_members": builtin.set_members,
@@ -198,14 +205,19 @@ class FunctionWriter:
         self.parameters = tuple(bound)
         #: Its first lines, unless it is called with its parameters.
         self.head: list[str] = []
+        #: Whether it is what is called to ask, and sees to it that the question ends.
+        self.is_whole = False
         #: The variables surely bound where the next line comes.
         self.bound: set[str] = set(self.parameters)
         #: Those bound in some branch of an `or` only: a local may hold UNBOUND.
         self.maybe: set[str] = set()
         #: How many loops the next line stands in.
         self.loops = 0
+        #: How many loops the call of the function stands in.
+        self.outer = 0
         self._indent = 1
         self._lines: list[str] = []
+        self._loop_indents: list[int] = []
         self._renamed: dict[str, str] = {}
 
     @property
@@ -238,6 +250,7 @@ class FunctionWriter:
             mode,
         )
         inner.where = self.where
+        inner.outer = self.outer + self.loops
         inner.maybe = self.maybe & inner.bound
         inner.bound -= inner.maybe
         return inner
@@ -249,6 +262,7 @@ class FunctionWriter:
     def loop(self, head: str) -> None:
         """Open a loop; all that follows is inside it."""
         self.line(head)
+        self._loop_indents.append(self._indent)
         self._indent += 1
         self.loops += 1
 
@@ -296,4 +310,41 @@ class FunctionWriter:
         opened = self.head or [f"def {self.name}({names}):"]
         if self.mode is ResultMode.ALL:
             opened = [*opened, "    found = []"]
-        self.code.add([*opened, *self._lines, f"    {self.mode.value[1]}"])
+        self._count()
+        body = [*self._lines, f"    {self.mode.value[1]}"]
+        if self.is_whole and self.code.counts:
+            body = self._bounded(body)
+        self.code.add([*opened, *body])
+
+    def _count(self) -> None:
+        """Count a step back behind each loop that stands deep inside of others.
+
+        What is written here is reached where the loop has found nothing, so a question
+        that has its answer at once pays nothing for it.
+        """
+        for depth in range(self.loops, 0, -1):
+            if self.outer + depth > FREE_LOOPS:
+                self.code.counts = True
+                margin = "    " * self._loop_indents[depth - 1]
+                self._lines.append(f"{margin}ctx.steps_left -= 1")
+                self._lines.append(f"{margin}if ctx.steps_left < 0: raise TooManySteps")
+
+    def _bounded(self, body: Iterable[str]) -> list[str]:
+        """Return the lines of a whole question so that they end within its bound."""
+        return [
+            "    ctx.steps_left = ctx.most_steps",
+            "    try:",
+            *(f"    {line}" for line in body),
+            "    except TooManySteps:",
+            f"        ctx.give_up({self.code.where})",
+            f"        return{_NOTHING[self.mode]}",
+        ]
+
+
+_NOTHING = {
+    ResultMode.EACH: "",
+    ResultMode.FIRST: " None",
+    ResultMode.ANY: " False",
+    ResultMode.ALL: " []",
+}
+"""What a question returns that has no answer."""

@@ -14,6 +14,10 @@ Bindings = Mapping[str, Value]
 class Context(Protocol):
     """What generated code asks of memory and of the task whose clause it is."""
 
+    #: How often a question may go back, and how often the one at hand still may.
+    most_steps: int
+    steps_left: int
+
     @property
     def facts(self) -> Any:
         """The facts by name: `rapc.runtime.memory.store.FactStore`."""
@@ -28,6 +32,9 @@ class Context(Protocol):
 
     def fault(self, where: str, what: str) -> None:
         """Trace that a clause met an unbound variable or an ill-typed value."""
+
+    def give_up(self, where: str) -> None:
+        """Trace that a question went back too often in vain [L 2.70]."""
 
     def young(self, stamp: Number, limit: Number) -> bool:
         """Whether a fact with that stamp is younger than `limit` time units."""

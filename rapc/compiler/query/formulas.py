@@ -147,6 +147,7 @@ def _in_either_case(fn: FunctionWriter, formula: nodes.Formula) -> None:
     """
     names = variables(formula)
     fn.code.note(formula, AccessPath.LATER)
+    fn.code.counts = True
     known = fn.bound | fn.maybe
     values = [fn.local(name) if name in known else "UNBOUND" for name in names]
     later = fn.code.constant(fn.code.later(formula))

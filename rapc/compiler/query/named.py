@@ -17,7 +17,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.compiler.query.code import FunctionWriter, ResultMode
+from rapc.compiler.query.code import FREE_LOOPS, FunctionWriter, ResultMode
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.ir import nodes
 from rapc.ir.fields import CHILDREN
@@ -139,6 +139,7 @@ def _made(
     name = fn.code.fresh("ask")
     writer = FunctionWriter(fn.code, name, shape.bound, ResultMode.EACH)
     writer.where = _place(fn, query)
+    writer.outer = FREE_LOOPS  # it is called from anywhere
     use = nodes.Proposition(query.name, shape.args)
     write(writer, _put_in(use, query, query.name))
     known = writer.bound | writer.maybe

@@ -60,8 +60,11 @@ code, and formulas of one shape share it: here `k2` is `?place`, `k3` the name `
 A variable that only some branch of an `or` binds may or may not have a value after it.
 What uses the variable then is a query of its own, compiled for what turns out
 (`Query.extended`), since writing all cases out would take two to the number of such
-variables. How long a question takes is not bounded by this design: a conjunction is
-a search, and may look at every combination of facts (docs/language, 2).
+variables.
+
+A conjunction is a search, and may look at every combination of facts. So behind each
+loop that stands in two others a step back is counted, and a question that takes too
+many is given up (`TooManySteps`): [L 2.70].
 
 What is written is also noted, step by step (`plan_steps`), for `rapc explain`.
 
@@ -115,10 +118,12 @@ class Query:
         formula: what is asked.
         signatures: the declarations that say what its names mean.
         where: the clause's name for faults, with its place in the source.
+        is_whole: whether it is no part of another question, within whose bound it is.
     """
 
     __slots__ = (
         "_beginnings",
+        "_is_whole",
         "_signatures",
         "_variants",
         "formula",
@@ -127,12 +132,17 @@ class Query:
     )
 
     def __init__(
-        self, formula: nodes.Formula, signatures: Signatures, where: str
+        self,
+        formula: nodes.Formula,
+        signatures: Signatures,
+        where: str,
+        is_whole: bool = True,
     ) -> None:
         self.formula = formula
         self.where = where
         self.variables = formulas.variables(formula)
         self._signatures = signatures
+        self._is_whole = is_whole
         self._beginnings: tuple[Beginning, ...] | None = None
         self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
@@ -175,7 +185,7 @@ class Query:
             self._beginnings = tuple(
                 Beginning(
                     part,
-                    self._later(nodes.And(parts[: at + 1])),
+                    Query(nodes.And(parts[: at + 1]), self._signatures, self.where),
                     format_formula(part),
                 )
                 for at, part in enumerate(parts)
@@ -215,6 +225,7 @@ class Query:
         """Write the code for some bound variables; return it with those it binds."""
         code = CodeWriter(self._signatures, self.where, self._later)
         fn = FunctionWriter(code, "query", inputs, mode)
+        fn.is_whole = self._is_whole
         fn.head = _head_by_place(fn) if by_place else _head_by_name(fn)
         found: set[str] = set()
 
@@ -228,7 +239,7 @@ class Query:
         return code, tuple(n for n in self.variables if n in found)
 
     def _later(self, part: nodes.Formula) -> Query:
-        return Query(part, self._signatures, self.where)
+        return Query(part, self._signatures, self.where, is_whole=False)
 
 
 def _head_by_place(fn: FunctionWriter) -> list[str]:
