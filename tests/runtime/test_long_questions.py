@@ -37,7 +37,8 @@ def test_a_question_that_goes_back_too_often_is_given_up() -> None:
     """The fault names the clause, with file and line, and the count."""
     ran = asked(f"(and {parts(40)} (p three))", 1000)
     assert said(ran).startswith("no context of method `#1` at t.rap:")
-    assert said(ran).endswith(": given up after 1000 steps back: see `rapc.query-steps`")
+    end = ": given up after 1000 steps back: see `rapc.query-steps`"
+    assert said(ran).endswith(end)
     assert len(ran.of(events.QueryFaulted)) == 1
 
 
