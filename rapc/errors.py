@@ -59,10 +59,14 @@ class RefusedError(Error):
 
     #: One line for each reason.
     reasons: tuple[str, ...]
+    #: The names that the library declares and the world does not have, if they are so
+    #: many that another world is meant.
+    lacking: tuple[str, ...]
 
-    def __init__(self, reasons: Sequence[str]) -> None:
+    def __init__(self, reasons: Sequence[str], lacking: Sequence[str] = ()) -> None:
         super().__init__("; ".join(reasons))
         self.reasons = tuple(reasons)
+        self.lacking = tuple(lacking)
 
 
 class WorldError(Error):

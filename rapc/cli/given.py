@@ -205,7 +205,9 @@ def _build(
     try:
         return Interpreter(library, world, seed, _settings(own)), options, world
     except RefusedError as refused:
-        fail(*refused.reasons)
+        others = registry.having(refused.lacking) if refused.lacking else ()
+        meant = [f"the world `{name}` has them all" for name in others]
+        fail(*refused.reasons, *meant)
 
 
 def _settings(texts: Mapping[str, str]) -> Settings:

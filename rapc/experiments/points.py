@@ -258,6 +258,8 @@ def _try_drawn(
         raise ExperimentError(str(error)) from error
     except RefusedError as refused:
         first, *more = refused.reasons
+        others = registry.having(refused.lacking) if refused.lacking else ()
+        more += [f"the world `{name}` has them all" for name in others]
         raise ExperimentError(first, "; ".join(more)) from refused
 
 

@@ -33,6 +33,55 @@ _Offered = (
     | nodes.DeclareEvent
 )
 
+_EXAMPLES = 3
+"""How many names are given of those that a world lacks."""
+
+
+def refuse_other_world(program: Program, world: World) -> None:
+    """Refuse a world that lacks most of what a library declares: another is meant.
+
+    Raises:
+        RefusedError: with one line for all that is lacking, and the names.
+    """
+    library = program.library
+    offered = Signatures.offered(world.kit.offer)
+    declared = [(use, one) for use, forms in _offers(library) for one in forms.values()]
+    lacking = [
+        (use, one)
+        for use, one in declared
+        if (fault := offered.fault(use, one.name, len(one.args))) is not None
+        and fault.declared is None
+    ]
+    if len(lacking) > _EXAMPLES and 2 * len(lacking) > len(declared):
+        shown = _listed([one.name for _, one in lacking[:_EXAMPLES]])
+        *kinds, last = dict.fromkeys(_PLURAL[use] for use, _ in lacking)
+        whole = f"{', '.join(kinds)} and {last}" if kinds else last
+        place = _place(library, lacking[0][1].span)
+        line = (
+            f"{place}the library is not for the world `{world.name}`, which lacks "
+            f"{len(lacking)} of the {len(declared)} {whole} that it declares: {shown} "
+            f"and {len(lacking) - _EXAMPLES} more"
+        )
+        raise RefusedError([line], [one.name for _, one in lacking])
+
+
+_PLURAL: Mapping[Use, str] = {
+    "primitive": "primitives",
+    "datum": "sensor data",
+    "skill": "skills",
+    "event": "events",
+}
+
+
+def _offers(library: Library) -> tuple[tuple[Use, Mapping[str, _Offered]], ...]:
+    """Return what a library declares of the world that it is for, by kind."""
+    return (
+        ("primitive", library.primitives),
+        ("datum", library.data),
+        ("skill", library.skills),
+        ("event", library.events),
+    )
+
 
 def refusals(
     program: Program,
@@ -83,13 +132,7 @@ def misfitting(program: Program, world: World, code: Mapping[str, Named]) -> lis
 def _lacking(library: Library, world: World) -> Iterator[str]:
     """Yield what the library declares and the world does not offer, or not so."""
     offered = Signatures.offered(world.kit.offer)
-    tables: tuple[tuple[Use, Mapping[str, _Offered]], ...] = (
-        ("primitive", library.primitives),
-        ("datum", library.data),
-        ("skill", library.skills),
-        ("event", library.events),
-    )
-    for use, declared in tables:
+    for use, declared in _offers(library):
         for form in declared.values():
             fault = offered.fault(use, form.name, len(form.args))
             place = _place(library, form.span)

@@ -76,13 +76,12 @@ class Machine:
         )
         #: Memory with all that belongs to it; the three below are parts of it.
         self.parts = parts
-        self.memory = parts.memory
-        self.access = parts.access
+        self.memory, self.access = parts.memory, parts.access
         self.recognizer = parts.recognizer
-        most = settings.query_steps
-        self.context = QueryContext(self.memory, self.recorder, functions, most)
+        asked = self.memory, self.recorder, functions, settings.query_steps
+        self.context = QueryContext(*asked)
         #: Asks what kept a task from going on, without leaving a mark on the run.
-        self.noting = NotingContext(self.memory, self.recorder, functions, most)
+        self.noting = NotingContext(*asked)
         self.agenda = Agenda(rng) if fast else SortingAgenda(rng)
         self.things = Things()
         self.held, self.waits = self.things.held, self.things.waits  # parts of them

@@ -11,7 +11,7 @@ from functools import partial
 
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError
-from rapc.runtime.admission import misfitting, refusals
+from rapc.runtime.admission import misfitting, refusals, refuse_other_world
 from rapc.runtime.authors import Named, blame, is_time, wrong
 from rapc.runtime.host_query import HandlerQuestions
 from rapc.runtime.machine import Machine
@@ -66,6 +66,7 @@ def put_together(
     found = misfitting(library, world, code)
     if found:
         raise RefusedError(found)
+    refuse_other_world(library, world)
     functions, comparators = code["the function"], code["the comparator"]
     try:
         if not is_time(now := world.now()):

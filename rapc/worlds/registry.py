@@ -36,6 +36,23 @@ def available() -> tuple[str, ...]:
     return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
 
 
+def having(names: Collection[str]) -> tuple[str, ...]:
+    """Return the installed worlds that offer all `names`, sorted.
+
+    A name is that of a primitive, a sensor datum, a skill or an event. A world that
+    cannot be loaded is not among them.
+    """
+    found = []
+    for name in available():
+        try:
+            offer = find_world(name).kit.offer
+        except WorldError:
+            continue
+        if {*offer.primitives, *offer.data, *offer.skills, *offer.events} >= {*names}:
+            found.append(name)
+    return tuple(found)
+
+
 def find_permitted(name: str, modules: Collection[str]) -> type[World]:
     """Return the world that a file names, which may have come from anywhere.
 

@@ -11,6 +11,7 @@ import pytest
 
 from tests.cli.command import rapc
 
+TRUCK = Path(__file__).parents[2] / "stdlib" / "truck"
 ROCKS = Path(__file__).parents[2] / "examples" / "rock-order.rap"
 
 LIBRARY = """\
@@ -178,6 +179,15 @@ def test_ctrl_c_before_the_first_cycle_ends_a_run_that_has_begun(bed: Path) -> N
     rows = [json.loads(row) for row in (bed / "t.jsonl").read_text().splitlines()]
     assert (rows[0]["event"], rows[-1]["event"]) == ("run-started", "run-ended")
     assert rows[-1]["reason"] == "cancelled"
+
+
+def test_a_library_run_in_the_wrong_world_is_told_which_is_meant() -> None:
+    done = rapc("run", str(TRUCK), "--world", "courier", "--task", "(wakeup)")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    first, second = done.stderr.splitlines()
+    assert re.search(r"is not for the world `courier`, which lacks \d+ of the", first)
+    assert second.strip() == "the world `truck` has them all"
 
 
 def test_what_a_world_says_does_not_act_on_the_terminal(bed: Path) -> None:

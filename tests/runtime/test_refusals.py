@@ -94,6 +94,32 @@ def test_what_the_world_or_the_host_lacks(text: str, reason: str) -> None:
     assert reasons(text) == (reason,)
 
 
+def test_a_library_for_another_world_is_refused_in_one_line() -> None:
+    """Up to three names are told one by one, and more than half of all must lack."""
+    text = "".join(f"(declare-primitive do-{n} () (okay))\n" for n in range(9))
+    known = "(declare-primitive wave (?x) (okay))"
+    others = "(declare-sensor-datum seen (?x))"
+    assert reasons(text + others) == (
+        "t.rap:11:1: the library is not for the world `scripted`, which lacks 10 of "
+        "the 13 primitives and sensor data that it declares: `do-0`, `do-1`, `do-2` "
+        "and 7 more",
+    )
+    assert len(reasons(text + known)) == 1
+    three = "".join(text.splitlines(keepends=True)[:3])
+    assert len(reasons(three)) == 3
+    four = "".join(text.splitlines(keepends=True)[:4])
+    assert len(reasons(four)) == 1
+
+
+def test_a_library_for_this_world_is_told_each_name_that_lacks() -> None:
+    names = "".join(f"(declare-primitive wave{n} (?x) (okay))\n" for n in range(9))
+    known = [f"wave{n}" for n in range(5)]
+    world = ScriptedWorld(
+        [Row((name, "?")) for name in ("act", "look", "slow", *known)]
+    )
+    assert len(reasons(names, world=world)) == 4
+
+
 def test_what_is_there_is_not_refused() -> None:
     text = """
         (declare-primitive wave (?x) (okay))
