@@ -64,12 +64,13 @@ def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap
 
 def _endless_step(method: nodes.Method, found: Mapping[str, Span]) -> Span | None:
     for step in steps(method):
-        if step.goal.name in found and not any(map(_may_end, step.annotations)):
+        if step.goal.name in found and not any(map(may_end, step.annotations)):
             return found[step.goal.name]
     return None
 
 
-def _may_end(note: nodes.Annotation) -> bool:
+def may_end(note: nodes.Annotation) -> bool:
+    """Whether an annotation of a step may end it before it is done."""
     if isinstance(note, nodes.WaitFor):
         return note.mode != "proceed"
     return isinstance(note, nodes.UntilStart | nodes.UntilEnd | nodes.Window)
