@@ -51,7 +51,7 @@ NOT_SURE: Mapping[str, str] = {
     "looks a hundred times more seldom": "where a condition asks for a fresh belief",
     "fact of a monitor made a condition": "where that fact changes",
     "standing task with a goal": "where an agenda has it stand by",
-    "`until` of a standing step dropped": "where another step waits for its end",
+    "constraint for a context": "where it bound a variable, or a step undoes it",
     "promise turned round": "where all that the methods do is declared",
     "conjunct dropped": "where it bound a variable; else it is a wider context",
     "conjunct negated": "where it bound a variable or contradicts something",

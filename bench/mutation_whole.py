@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from os.path import basename
 
 from bench.mutation_base import Base, Edit, Kind
-from rapc.analysis.endless import endless, is_never
+from rapc.analysis.endless import is_never
 from rapc.base.source import Span
 from rapc.ir import nodes
 
@@ -84,13 +84,14 @@ def _promise_turned_round(base: Base) -> Iterator[Edit]:
             yield Edit(effect.span, text if effect.negated else f"(not {text})")
 
 
-def _standing_goes_on(base: Base) -> Iterator[Edit]:
-    """A step that is never done is taken away by none."""
-    never_done = endless(base.library.raps)
-    for _, step in base.steps():
-        for note in step.annotations:
-            if isinstance(note, nodes.UntilEnd) and step.goal.name in never_done:
-                yield Edit(note.span, "")
+def _context_as_constraint(base: Base) -> Iterator[Edit]:
+    """What has to hold at first is asked for all the while."""
+    for _, method, _ in base.nets():
+        if method.context is not None and method.constraints is None:
+            whole = base.around(method.context.span)
+            if base.text(whole).startswith("(context"):
+                word = Span(whole.file, whole.start + 1, whole.start + len("(context"))
+                yield Edit(word, "constraints")
 
 
 KINDS: Mapping[str, tuple[str, Kind]] = {
@@ -100,7 +101,7 @@ KINDS: Mapping[str, tuple[str, Kind]] = {
     "looks a hundred times more seldom": ("sensing", _look_seldom),
     "fact of a monitor made a condition": ("monitors", _condition_for_monitor),
     "standing task with a goal": ("monitors", _standing_with_a_goal),
-    "`until` of a standing step dropped": ("order", _standing_goes_on),
+    "constraint for a context": ("methods", _context_as_constraint),
     "promise turned round": ("effects", _promise_turned_round),
 }
 """Every kind of slip here, with the group that it is of."""

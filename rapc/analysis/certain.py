@@ -33,7 +33,7 @@ def done(library: Library, goal: nodes.Goal) -> list[Literal]:
     found += [one for one in literals(rap.succeed) if fact_name(one)]
     if rap.succeed is None:
         found += _of_methods(library, rap)
-    return _put_in(
+    return put_in(
         found, {v.name: t for v, t in zip(rap.inputs, goal.args, strict=False)}
     )
 
@@ -66,15 +66,15 @@ def _of_request(library: Library, request: nodes.Request) -> list[Literal]:
     given = dict(zip([a.variable.name for a in form.args], request.args, strict=False))
     okay = [on for on in form.on if on.result == "okay"]
     sure = [_effect(e) for on in okay for e in on.effects if not e.possible]
-    return _put_in(sure, given)
+    return put_in(sure, given)
 
 
 def _effect(effect: nodes.DeclaredEffect) -> Literal:
     return Literal(effect.pattern, not effect.negated)
 
 
-def _put_in(found: Sequence[Literal], given: Mapping[str, nodes.Term]) -> list[Literal]:
-    """Return literals with terms for their variables, without those that keep some."""
+def put_in(found: Sequence[Literal], given: Mapping[str, nodes.Term]) -> list[Literal]:
+    """Return facts with terms for their variables, without those that keep some."""
     made = []
     for one in found:
         fact = one.formula

@@ -130,6 +130,22 @@ class Net(msgspec.Struct, frozen=True):
         """
         return _is_before(self.edges, one, other, self.early)
 
+    def reach(self) -> tuple[list[int], list[int]]:
+        """Return for each step those before it and those after it, as sets of bits.
+
+        All of these are empty where steps wait for each other in a circle.
+        """
+        before = [0] * len(self.edges)
+        after = [0] * len(self.edges)
+        order = self.order or ()
+        for at in order:
+            for edge in self.edges[at]:
+                before[at] |= before[edge.before] | 1 << edge.before
+        for at in reversed(order):
+            for edge in self.edges[at]:
+                after[edge.before] |= after[at] | 1 << at
+        return before, after
+
 
 Edges = Sequence[Sequence[Edge]]
 

@@ -1,4 +1,4 @@
-"""RAP126 and RAP129: steps that undo what a step protects, or a constraint asks.
+"""RAP119 and RAP126: steps that undo what another step protects, or needs to begin.
 
 Between the end of a step with `(formula for t)` and the start of t, any step may run
 that order allows there: a threat, as planners with partial orders call it. What a step
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.certain import contradict, done, fact_name
+from rapc.analysis.certain import contradict, done, fact_name, put_in
 from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -58,59 +58,49 @@ before the one that protects, or after the one that needs what is protected.""",
 """,
 )
 
-BROKEN = Rule(
-    code="RAP129",
-    name="broken-constraint",
+RACING = Rule(
+    code="RAP119",
+    name="racing-steps",
     severity=Severity.WARNING,
-    summary="a step undoes what a constraint asks for while other steps are left",
-    why="""`constraints` have to hold for all that is done below (T 4.4.3). A step that
-surely makes one false is the end of those that come after it: they fail with
-`interference`. Ask for it in the context, if it has to hold at first only, or let the
-step come last.""",
-    ignore="where the steps that are left are to be dropped then",
-    source="T 4.4.3, 5.3.4",
+    summary="a step may undo what another step needs before it can begin",
+    why="""`preconditions` and `constraints` of a RAP are asked whenever its task comes
+up (T 4.4.2). Steps that no `for` puts in order come up as priority and chance have it:
+if the one that surely undoes such a fact comes first, the other one fails,
+`interference`. Put the step that needs the fact before the one that undoes it, or raise
+its priority.""",
+    ignore="where what both use keeps the one back until the other is done",
+    source="T 4.4.2, 4.5.2",
     example=_WORLD
     + """\
+(define-rap (empty-well) (preconditions (bay-open)) (method (primitive (unload))))
 (define-rap (deliver)
-  (method
-    (constraints (bay-open))
-    (task-net
-      (t1 (close) (for t2))
-      (t2 (empty)))))
+  (method (task-net
+    (t1 (empty-well))
+    (t2 (close)))))
 """,
     better=_WORLD
     + """\
+(define-rap (empty-well) (preconditions (bay-open)) (method (primitive (unload))))
 (define-rap (deliver)
-  (method
-    (constraints (bay-open))
-    (task-net
-      (t1 (empty) (for t2))
-      (t2 (close)))))
+  (method (task-net
+    (t1 (empty-well) (for t2))
+    (t2 (close)))))
 """,
 )
 
 
 def _run(run: Pass) -> None:
     for steps, net in sure_nets(run):
-        for found in _threats(run, steps, net):
+        for found in (*_threats(run, steps, net), *_races(run, steps, net)):
             run.report(found)
-    nets = run.result(TASK_NETS)
-    for rap in run.library.raps.values():
-        for method in rap.methods:
-            net_there = nets.get(id(method.body))
-            asked = [*literals(rap.constraints), *literals(method.constraints)]
-            asked = [one for one in asked if fact_name(one)]
-            if isinstance(method.body, nodes.TaskNet) and net_there and asked:
-                for found in _broken(run, method.body.steps, net_there, asked):
-                    run.report(found)
 
 
 ANALYZER = Analyzer(
     name="threats",
-    doc="Finds steps that undo what another step protects, or a constraint asks for.",
+    doc="Finds steps that undo what another step protects, or needs to begin.",
     run=_run,
     needs=(TASK_NETS,),
-    rules=(THREAT, BROKEN),
+    rules=(THREAT, RACING),
     needs_whole="method",
 )
 
@@ -120,7 +110,7 @@ def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagn
     if not protected or net.order is None:
         return
     places = {step.tag: at for at, step in enumerate(steps)}
-    before, after = _reach(net, net.order)
+    before, after = net.reach()
     changes: dict[str, list[tuple[int, Literal]]] = {}
     for at, step in enumerate(steps):
         for effect in done(run.library, step.goal) if at not in net.early else ():
@@ -136,32 +126,53 @@ def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagn
                 yield _finding(note, wanted, steps[by])
 
 
-def _broken(
-    run: Pass, steps: Sequence[nodes.Step], net: Net, asked: Sequence[Literal]
-) -> Iterator[Diagnostic]:
-    """Yield the steps that surely undo what is asked, with others not yet ended."""
-    if net.broken or net.order is None:
-        return
-    before, _ = _reach(net, net.order)
-    everything = (1 << len(steps)) - 1
+def _races(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnostic]:
+    """Yield the first step that may undo what another needs, in no order with it."""
+    needs: dict[str, list[tuple[int, Literal]]] = {}
     for at, step in enumerate(steps):
-        if before[at] | 1 << at == everything:
-            continue
-        for effect in done(run.library, step.goal):
-            for wanted in asked:
-                if fact_name(wanted) == fact_name(effect) and contradict(
-                    run.signatures, wanted, effect
-                ):
-                    yield Diagnostic(
-                        rule=BROKEN.name,
-                        message=f"step `{step.tag}` undoes "
-                        f"`{format_formula(wanted.formula)}`, a constraint of the "
-                        "steps that are left",
-                        span=step.goal.span,
-                        labels=(Label(wanted.span, "asked here"),),
-                        help="let it come last, or ask for this in the context",
-                    )
+        for one in _needed(run, step.goal):
+            needs.setdefault(fact_name(one), []).append((at, one))
+    if not needs or net.order is None:
+        return
+    before, after = net.reach()
+    for by, step in enumerate(steps):
+        for effect in done(run.library, step.goal) if by not in net.early else ():
+            for at, wanted in needs.get(fact_name(effect), ())[:_MOST]:
+                apart = before[at] | after[at] | 1 << at
+                if apart >> by & 1 or steps[at].priority > step.priority:
+                    continue
+                if contradict(run.signatures, wanted, effect):
+                    yield _race(wanted, steps[at], step)
                     return
+
+
+_MOST = 20
+"""So many steps that need a fact are held against one that changes it."""
+
+
+def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
+    """Yield the facts that the RAP of a goal asks for before it begins."""
+    rap = run.library.raps.get(goal.name)
+    if rap is None or (rap.preconditions is None and rap.constraints is None):
+        return
+    asked = [*literals(rap.preconditions), *literals(rap.constraints)]
+    facts = [one for one in asked if fact_name(one)]
+    pairs = zip(rap.inputs, goal.args, strict=False)
+    yield from put_in(facts, {variable.name: term for variable, term in pairs})
+
+
+def _race(needed: Literal, step: nodes.Step, by: nodes.Step) -> Diagnostic:
+    return Diagnostic(
+        rule=RACING.name,
+        message=f"step `{by.tag}` may undo `{_written(needed)}`, which "
+        f"`{step.tag}` needs",
+        span=by.goal.span,
+        labels=(
+            Label(step.goal.span, f"`{format_goal(step.goal)}` may come later"),
+            Label(needed.span, "asked here"),
+        ),
+        help=f"put `{step.tag}` before it",
+    )
 
 
 def _bits(numbers: Iterable[int]) -> int:
@@ -183,26 +194,16 @@ def _protected(
                         yield at, note, one
 
 
-def _reach(net: Net, order: Sequence[int]) -> tuple[list[int], list[int]]:
-    """Return for each step those before it and those after it, as sets of bits."""
-    before = [0] * len(order)
-    after = [0] * len(order)
-    for at in order:
-        for edge in net.edges[at]:
-            before[at] |= before[edge.before] | 1 << edge.before
-    for at in reversed(order):
-        for edge in net.edges[at]:
-            after[edge.before] |= after[at] | 1 << at
-    return before, after
+def _written(fact: Literal) -> str:
+    written = format_formula(fact.formula)
+    return written if fact.holds else f"(not {written})"
 
 
 def _finding(note: nodes.For, undone: Literal, step: nodes.Step) -> Diagnostic:
-    written = format_formula(undone.formula)
-    if not undone.holds:
-        written = f"(not {written})"
     return Diagnostic(
         rule=THREAT.name,
-        message=f"step `{step.tag}` may undo `{written}` before `{note.tag}` begins",
+        message=f"step `{step.tag}` may undo `{_written(undone)}` before "
+        f"`{note.tag}` begins",
         span=note.span,
         labels=(
             Label(step.goal.span, f"`{format_goal(step.goal)}` may run in between"),
