@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, Generic, Literal, TypeVar, cast
+from typing import Any, Generic, Literal, Protocol, TypeVar, cast
 
 import msgspec
 
@@ -44,6 +44,19 @@ class Analyzer(msgspec.Struct, Generic[T], frozen=True, eq=False):
     needs: tuple[Analyzer[Any], ...] = ()
     rules: tuple[Rule, ...] = ()
     needs_whole: Whole = "node"
+    #: Whether it may have something to say of any form whatever form is changed; what
+    #: it looks at is always checked as a whole.
+    of_all: bool = False
+    #: Whether its findings depend on agendas, wherever they are.
+    by_agendas: bool = False
+
+
+class Spanned(Protocol):
+    """What has a place in a text."""
+
+    @property
+    def span(self) -> Span:
+        """Return where it stands."""
 
 
 def never(place: Span) -> bool:
@@ -80,6 +93,8 @@ class Pass:
         self.complete = complete
         self.unsure = unsure
         self.found: list[Diagnostic] = []
+        #: The forms that are to be checked each time, by file and beginning.
+        self.watched: dict[tuple[str, int], None] = {}
         self._analyzer = analyzer
         self._results = results
         self._rules = frozenset(rule.name for rule in analyzer.rules)
@@ -95,6 +110,10 @@ class Pass:
                 f"pass `{self._analyzer.name}` does not own rule `{diagnostic.rule}`"
             )
         self.found.append(diagnostic)
+
+    def watch(self, form: Spanned) -> None:
+        """Have a form checked each time, for what is told of it depends on others."""
+        self.watched[form.span.file, form.span.start] = None
 
     def result(self, analyzer: Analyzer[T]) -> T:
         """Return what a needed analyzer returned.

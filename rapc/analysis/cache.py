@@ -23,8 +23,10 @@ from pathlib import Path
 import msgspec
 
 from rapc.analysis import suite
+from rapc.analysis.again import Again, check_again
 from rapc.analysis.cache_file import SUFFIX
-from rapc.analysis.driver import CheckReport, Finding
+from rapc.analysis.driver import CheckReport, Finding, examined
+from rapc.analysis.kept import State, state_of
 from rapc.analysis.selection import Selection
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.files import write_whole
@@ -66,6 +68,8 @@ class _Body(msgspec.Struct, frozen=True, array_like=True):
     owner: str
     needs: Mapping[str, _Needs]
     kept: Mapping[str, _Kept]
+    #: What the libraries tell form by form, in the order in which they are checked.
+    states: Mapping[int, msgspec.Raw]
 
 
 class Cache:
@@ -88,42 +92,39 @@ class Cache:
         self._old = _read(file, self._owner)
         self._needs: dict[str, _Needs] = {}
         self._kept: dict[str, _Kept] = {}
+        self._states: dict[int, msgspec.Raw] = {}
+        self._selection = selection
+        self._checked = 0
 
-    def reports(
-        self, load: Load, check: Callable[[Loaded], CheckReport]
-    ) -> list[CheckReport]:
+    def reports(self, load: Load) -> list[CheckReport]:
         """Return a report on each library; what is known of none is found out.
 
         Args:
             load: loads the libraries; it is called again where one is not known.
-            check: checks a library.
 
         Raises:
             LoadError: as `load`.
         """
         sketched = load(self._sketch)
-        keys = [_key(one) for one in sketched]
-        known = [self._known(key) for key in keys]
-        whole = None if all(known) else load(self._units)
-        if whole is not None and not _same(sketched, whole):
-            return [check(loaded) for loaded in whole]  # a file changed in between
-        found = []
-        for at, (key, kept) in enumerate(zip(keys, known, strict=True)):
-            if kept is not None:
-                report = self._report(kept, sketched[at].files)
-            else:
-                assert whole is not None
-                report = check(whole[at])
-            if key is not None:
-                self._kept[key] = kept or _kept(report)
-            found.append(report)
-        return found
+        first, self._checked = self._checked, self._checked + len(sketched)
+        found = [self._known(first + at, one) for at, one in enumerate(sketched)]
+        if all(found):
+            return [report for report in found if report is not None]
+        whole = load(self._units)
+        if not _same(sketched, whole):  # a file changed in between
+            return [examined(loaded, self._selection).report for loaded in whole]
+        return [
+            self._found(first + at, sketched[at], whole[at])
+            if report is None
+            else report
+            for at, report in enumerate(found)
+        ]
 
     def save(self) -> None:
         """Write what was found to disk, unless it is known there."""
         if self._old.kept.keys() >= self._kept.keys():
             return
-        body = _Body(self._owner, self._needs, self._kept)
+        body = _Body(self._owner, self._needs, self._kept, self._states)
         payload = msgspec.msgpack.encode(body)
         folder = self._file.parent
         with suppress(OSError, WriteError):  # it is as if there were no cache
@@ -133,8 +134,54 @@ class Cache:
             write_whole(self._file, _checksum(payload) + payload)
             _thin_out(folder)
 
-    def _known(self, key: str | None) -> _Kept | None:
-        return None if key is None else self._old.kept.get(key)
+    def _known(self, number: int, sketched: Loaded) -> CheckReport | None:
+        """Return what is known of a library, or can be told from what is.
+
+        Args:
+            number: how many libraries are checked before it.
+            sketched: the library, of which no more is true than what it requires.
+        """
+        key = _key(sketched)
+        if key is None:
+            return None
+        state = self._old.states.get(number)
+        kept = self._old.kept.get(key)
+        if kept is not None:
+            self._kept[key] = kept
+            if state is not None:
+                self._states[number] = state
+            return self._report(kept, sketched.files)
+        again = None if state is None else self._again(state, sketched)
+        if again is None:
+            return None
+        self._keep(key, number, again.report, again.state)
+        return again.report
+
+    def _again(self, state: msgspec.Raw, sketched: Loaded) -> Again | None:
+        try:
+            old = msgspec.msgpack.decode(state, type=State)
+        except msgspec.DecodeError:
+            return None
+        return check_again(old, sketched, self._units, self._selection, _digest)
+
+    def _found(self, number: int, sketched: Loaded, whole: Loaded) -> CheckReport:
+        """Return what is found in a library of which nothing is known."""
+        made = examined(whole, self._selection)
+        key = _key(sketched)
+        if key is not None:
+            digest = {unit.file.name: _digest(unit.file) for unit in whole.units}
+            self._keep(key, number, made.report, state_of(made, digest))
+        return made.report
+
+    def _keep(
+        self, key: str, number: int, report: CheckReport, state: State | None
+    ) -> None:
+        found = tuple([finding.diagnostic for finding in report.findings])
+        self._kept[key] = _Kept(found, report.raps_in)
+        if state is not None:
+            self._states[number] = msgspec.Raw(msgspec.msgpack.encode(state))
+        elif number in self._old.states:  # of use when what is wrong has been mended
+            self._states[number] = self._old.states[number]
 
     def _report(self, kept: _Kept, files: Mapping[str, SourceFile]) -> CheckReport:
         findings = tuple([Finding(self._rules[d.rule], d) for d in kept.found])
@@ -150,14 +197,9 @@ class Cache:
         return _unit(source, needs)
 
 
-def _kept(report: CheckReport) -> _Kept:
-    found = tuple([finding.diagnostic for finding in report.findings])
-    return _Kept(found, report.raps_in)
-
-
 def _read(file: Path, owner: str) -> _Body:
     """Return what a file holds for somebody; nothing if it holds anything else."""
-    empty = _Body(owner, {}, {})
+    empty = _Body(owner, {}, {}, {})
     try:
         data = file.read_bytes()
         payload = data[_DIGEST:]

@@ -50,7 +50,7 @@ def check_files(
         if cache is None:
             reports += map(check, load(parser))
         else:
-            reports += cache.reports(load, check)
+            reports += cache.reports(load)
     if cache is not None:
         cache.save()
     return reports[0] if len(reports) == 1 else _joined(reports)

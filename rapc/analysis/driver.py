@@ -8,15 +8,17 @@ checked code is executed or imported, and nothing is printed here.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from typing import Any
+from types import MappingProxyType
+from typing import Any, cast
 
 import msgspec
 
 from rapc.analysis import suite, suppressions
-from rapc.analysis.analyzer import Analyzer, Pass, never
+from rapc.analysis.analyzer import Analyzer, Pass, T, never
+from rapc.analysis.census import FormKey
 from rapc.analysis.damage import Damage
 from rapc.analysis.selection import Selection, by_default, errors
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
@@ -28,6 +30,7 @@ from rapc.library.library import Library
 from rapc.library.loader import Loaded
 from rapc.library.requiring import UNRESOLVED
 from rapc.library.signatures import Signatures
+from rapc.parser.unit import SourceUnit
 
 
 class Finding(msgspec.Struct, frozen=True):
@@ -69,17 +72,61 @@ def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckRe
         loaded: what `rapc.library.loader` made of the files.
         selection: the rules that may report; those that are not opt-in if None.
     """
-    chosen = selection or Selection(by_default())
-    rules = {n: chosen.graded(rule) for n, rule in suite.rules().items()}
+    return examined(loaded, selection or Selection(by_default())).report
+
+
+class Examined(msgspec.Struct, frozen=True):
+    """A library that was checked, with all that was found out on the way."""
+
+    report: CheckReport
+    loaded: Loaded
+    #: What the passes found, no matter who may report; suppressed findings, too.
+    analysis: Analysis
+    written: Written
+
+
+@gc_paused()
+def examined(loaded: Loaded, chosen: Selection) -> Examined:
+    """Check a loaded library; see `check_library`."""
     damage = Damage(loaded)
-    found = [*loaded.diagnostics, *_analyze(loaded, damage, chosen.enabled)]
-    found = _suppress(loaded, rules, found, chosen.enabled, damage)
-    order = {name: at for at, name in enumerate(loaded.files)}
-    findings = [Finding(rules[d.rule], d) for d in found if chosen.chooses(d)]
-    findings.sort(key=lambda f: place_of(order, f))
+    complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
+    wanted = needed_for(chosen.enabled)
+    analysis = analyzed(
+        loaded.library, wanted, complete, damage.reaches, loaded.required
+    )
+    sure = [
+        diagnostic
+        for analyzer, diagnostic in analysis.found
+        if not damage.silences(diagnostic, analyzer.needs_whole)
+    ]
+    written = Written.of(loaded.units)
+    found = [*loaded.diagnostics, *sure]
+    left = written.applied(found, loaded.files, chosen, damage.lies_in)
     forms = loaded.library.forms
     raps = Counter(f.span.file for f in forms if isinstance(f, nodes.DefineRap))
-    return CheckReport(tuple(findings), loaded.files, raps)
+    report = reported(left, loaded.files, raps, chosen)
+    return Examined(report, loaded, analysis, written)
+
+
+def reported(
+    found: Iterable[Diagnostic],
+    files: Mapping[str, SourceFile],
+    raps: Mapping[str, int],
+    chosen: Selection,
+) -> CheckReport:
+    """Return the report on what was found, as far as it is chosen, in order.
+
+    Args:
+        found: what suppressions have left.
+        files: the files, first read first.
+        raps: how many RAPs stand in each file that has some.
+        chosen: the rules that may report.
+    """
+    rules = {name: chosen.graded(rule) for name, rule in suite.rules().items()}
+    order = {name: at for at, name in enumerate(files)}
+    findings = [Finding(rules[d.rule], d) for d in found if chosen.chooses(d)]
+    findings.sort(key=lambda finding: place_of(order, finding))
+    return CheckReport(tuple(findings), files, raps)
 
 
 def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
@@ -90,7 +137,7 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     alone = msgspec.structs.replace(library, forms=(), tests=tuple(tests))
     rules = suite.rules()
     wanted = needed_for(errors().enabled)
-    every = _findings(alone, True, never, wanted, {})
+    every = analyzed(alone, wanted, True, never, {}).found
     found = [Finding(rules[d.rule], d) for _, d in every]
     return [finding for finding in found if finding.severity is Severity.ERROR]
 
@@ -156,64 +203,97 @@ def _must_be_documented(analyzer: Analyzer[Any], codes: set[str]) -> None:
         codes.update((rule.code, rule.name))
 
 
-def _analyze(
-    loaded: Loaded, damage: Damage, enabled: Collection[str]
-) -> Iterator[Diagnostic]:
-    """Yield what the passes find, without what may be due to a slip of the pen.
+class Analysis(msgspec.Struct, frozen=True):
+    """What the passes came to."""
 
-    A pass none of whose rules is enabled runs only where others need it.
-    """
-    complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
-    wanted = needed_for(enabled)
-    found = _findings(loaded.library, complete, damage.reaches, wanted, loaded.required)
-    for analyzer, diagnostic in found:
-        if not damage.silences(diagnostic, analyzer.needs_whole):
-            yield diagnostic
+    #: Each finding with the pass that made it; what a file says of all its tests is
+    #: part of each, and reported once.
+    found: Sequence[tuple[Analyzer[Any], Diagnostic]]
+    #: What each pass returned, by its name.
+    results: Mapping[str, object]
+    #: The forms that are to be checked each time, by file and beginning.
+    watched: frozenset[FormKey]
+
+    def result(self, analyzer: Analyzer[T]) -> T:
+        """Return what a pass that ran has returned."""
+        return cast(T, self.results[analyzer.name])
 
 
-def _findings(
+def analyzed(
     library: Library,
+    wanted: Iterable[Analyzer[Any]],
     complete: bool,
     unsure: Callable[[Span], bool],
-    wanted: Iterable[Analyzer[Any]],
     required: Mapping[str, tuple[str, ...]],
-) -> Iterator[tuple[Analyzer[Any], Diagnostic]]:
-    """Yield what the passes `wanted` find in forms and tests, with the pass.
+    known: Mapping[str, object] = MappingProxyType({}),
+) -> Analysis:
+    """Run passes over the forms and tests of a library.
 
-    What a file says of all its tests is part of each, and reported once.
+    Args:
+        library: what they look at.
+        wanted: the passes in the order in which they run.
+        complete: whether every file that the library requires was found.
+        unsure: whether a slip of the pen may have to do with what is at a place.
+        required: the files that files require themselves, by their names.
+        known: the results of passes that need not run, by their names.
     """
-    results: dict[str, object] = {}
+    results: dict[str, object] = dict(known)
+    found: list[tuple[Analyzer[Any], Diagnostic]] = []
     seen: set[tuple[str, Span, str]] = set()
+    watched: set[FormKey] = set()
     signatures = Signatures.of(library)
     for analyzer in wanted:
+        if analyzer.name in results:
+            continue
         run = Pass(analyzer, library, signatures, results, complete, unsure, required)
         results[analyzer.name] = analyzer.run(run)
-        for found in run.found:
-            key = (found.rule, found.span, found.message)
+        watched.update(run.watched)
+        for one in run.found:
+            key = (one.rule, one.span, one.message)
             if key not in seen:
                 seen.add(key)
-                yield analyzer, found
+                found.append((analyzer, one))
+    return Analysis(found, results, frozenset(watched))
 
 
-def _suppress(
-    loaded: Loaded,
-    rules: Mapping[str, Rule],
-    found: list[Diagnostic],
-    enabled: Collection[str],
-    damage: Damage,
-) -> list[Diagnostic]:
-    """Apply the suppressions in comments, and report those that are wrong or unused."""
-    written: list[suppressions.Suppression] = []
-    wrong: list[Diagnostic] = []
-    for unit in loaded.units:
-        ones, bad = suppressions.find(unit, rules)
-        written += ones
-        wrong += bad
-    left, unused = suppressions.apply(found, written)
-    for one in unused:
-        if one.rule in enabled and not damage.lies_in(one.covers):
-            wrong.append(suppressions.unused(one, loaded.files[one.comment.file]))
-    return left + wrong
+class Written(msgspec.Struct, frozen=True):
+    """The suppressions in the comments of some files, and what is wrong with them."""
+
+    right: Mapping[str, Sequence[suppressions.Suppression]]
+    wrong: Mapping[str, Sequence[Diagnostic]]
+
+    @classmethod
+    def of(cls, units: Iterable[SourceUnit]) -> Written:
+        """Return what is written in some files."""
+        rules = suite.rules()
+        found = {unit.file.name: suppressions.find(unit, rules) for unit in units}
+        return cls(
+            {name: right for name, (right, _) in found.items() if right},
+            {name: wrong for name, (_, wrong) in found.items() if wrong},
+        )
+
+    def applied(
+        self,
+        found: Iterable[Diagnostic],
+        files: Mapping[str, SourceFile],
+        chosen: Selection,
+        damaged: Callable[[Span], bool],
+    ) -> list[Diagnostic]:
+        """Return the findings left, with those about suppressions wrong or unused.
+
+        Args:
+            found: all findings in the files.
+            files: the files.
+            chosen: the rules that may report.
+            damaged: whether a form that could not be read whole lies in a stretch.
+        """
+        every = [one for name in files for one in self.right.get(name, ())]
+        left, unused = suppressions.apply(found, every)
+        left += [one for name in files for one in self.wrong.get(name, ())]
+        for one in unused:
+            if one.rule in chosen.enabled and not damaged(one.covers):
+                left.append(suppressions.unused(one, files[one.comment.file]))
+        return left
 
 
 def place_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:

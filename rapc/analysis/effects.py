@@ -243,6 +243,43 @@ def callees_first(calls: Mapping[str, Sequence[str]]) -> Iterator[str]:
                 stack.pop()
 
 
+def circles_first(calls: Mapping[str, Sequence[str]]) -> Iterator[Sequence[str]]:
+    """Yield the names in circles, each circle behind those that it calls.
+
+    A name in no circle is one by itself; a circle is in the order of `calls`.
+    """
+    order = {name: at for at, name in enumerate(calls)}
+    low: dict[str, int] = {}
+    found: dict[str, int] = {}
+    kept: list[str] = []
+    for start in calls:
+        stack = [(start, iter(calls[start]))] if start not in found else []
+        while stack:
+            name, left = stack[-1]
+            if name not in found:
+                found[name] = low[name] = len(found)
+                kept.append(name)
+            callee = next((one for one in left if one in calls), None)
+            if callee is not None:
+                if callee not in found:
+                    stack.append((callee, iter(calls[callee])))
+                elif callee in low:
+                    low[name] = min(low[name], low[callee])
+                continue
+            stack.pop()
+            own = low[name]
+            if own == found[name]:
+                circle = [kept.pop()]
+                while circle[-1] != name:
+                    circle.append(kept.pop())
+                for one in circle:
+                    del low[one]
+                yield sorted(circle, key=order.__getitem__)
+            elif stack:
+                above = stack[-1][0]
+                low[above] = min(low[above], own)
+
+
 def _run(run: Pass) -> Effects:
     raps = run.library.raps.values()
     unread = {rap.name for rap in raps if _is_broken(rap) or run.unsure(rap.span)}

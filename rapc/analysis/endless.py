@@ -62,6 +62,12 @@ def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap
     return found
 
 
+def below_agendas(library: Library) -> dict[str, nodes.DefineRap]:
+    """Return the RAPs that tasks of agendas lead to."""
+    agendas = library.agendas.values()
+    return reached(library, [one.goal.name for a in agendas for one in a.tasks])
+
+
 def _endless_step(method: nodes.Method, found: Mapping[str, Span]) -> Span | None:
     for step in steps(method):
         if step.goal.name in found and not any(map(may_end, step.annotations)):

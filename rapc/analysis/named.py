@@ -13,7 +13,7 @@ from typing import get_args
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, Index, NameUse
+from rapc.analysis.index import INDEX, Form, Index, NameUse
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import Span
@@ -136,19 +136,23 @@ class UnknownNames:
     def __init__(self, rule: Rule) -> None:
         self._rule = rule
         self._uses: dict[tuple[str, int], tuple[Fault, list[Span]]] = {}
+        self._owners: list[Form] = []
 
-    def add(self, fault: Fault, span: Span, owner: nodes.Node) -> None:
+    def add(self, fault: Fault, span: Span, owner: Form) -> None:
         """Note one more use of an unknown name, in the top-level form `owner`.
 
         A test is run by itself, so each has findings of its own.
         """
         test = id(owner) if type(owner) is nodes.DefineTest else 0
         self._uses.setdefault((fault.message, test), (fault, []))[1].append(span)
+        self._owners.append(owner)
 
     def report(self, run: Pass) -> None:
         """Report them, unless names may be unknown for want of a file."""
         if not run.complete:
             return
+        for owner in self._owners:
+            run.watch(owner)  # of one name there is one finding for all forms
         for fault, spans in self._uses.values():
             sure = [span for span in spans if not run.unsure(span)]
             if sure:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rapc.analysis import (
+    census,
     effects,
     index,
     inferred_kinds,
@@ -89,6 +90,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     index.INDEX,
     named.MISUSES,
     places.PLACES,
+    census.CENSUS,
     inferred_kinds.INFERRED,
     explained.EXPLAINED,
     task_nets.TASK_NETS,

@@ -10,7 +10,7 @@ from bisect import bisect_right
 from collections.abc import Container, Iterator, Mapping
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.endless import endless, is_never
+from rapc.analysis.endless import below_agendas, endless, is_never
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -115,7 +115,7 @@ def _run(run: Pass) -> None:
         return
     reach = _reach(run)
     told: set[int] = set()
-    never_done = endless(run.library.raps)
+    never_done = endless(below_agendas(run.library))
     for agenda in run.library.agendas.values():
         for found in (
             *_low(run, agenda, never_done),
@@ -133,6 +133,7 @@ ANALYZER = Analyzer(
     doc="Finds tasks of an agenda whose priorities or goals defeat its standing tasks.",
     run=_run,
     rules=(LOW, REACHES, ENDS),
+    by_agendas=True,
 )
 
 

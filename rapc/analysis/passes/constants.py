@@ -8,17 +8,18 @@ A comparison belongs to the places of the variable that is compared.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.census import CENSUS, FormKey, compared, key_of, sort_of
 from rapc.analysis.close_names import Close, is_row
-from rapc.analysis.index import INDEX, Form, Index
+from rapc.analysis.index import INDEX, Form
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.place_kinds import PlaceKinds
-from rapc.analysis.places import PLACES, Place, Places
+from rapc.analysis.places import PLACES, Place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -29,7 +30,7 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.base.source import Span
-from rapc.base.values import Atom, Text, format_atom, is_number
+from rapc.base.values import Atom, Text, format_atom
 from rapc.ir import nodes
 
 MISSPELT = Rule(
@@ -121,9 +122,6 @@ goes with all.""",
 """,
 )
 
-PLAIN = ("unknown", "true", "false", "nil", "t", "okay")
-"""Constants that stand anywhere."""
-
 _LEAST = 5
 """How long a word must be to be close to another."""
 
@@ -132,31 +130,38 @@ class _Standing(msgspec.Struct, frozen=True):
     """A constant where it stands."""
 
     const: nodes.Const
+    #: As it is written.
+    written: str
     form: Form
     #: The place that it is at, or those of the variable that it is held against.
     places: tuple[Place, ...]
     #: The kinds of these places.
     kinds: tuple[str, ...]
 
+    @property
+    def is_word(self) -> bool:
+        """Whether it is a symbol that means something of its own."""
+        return sort_of(self.written) == "word"
 
-def _run(run: Pass) -> set[tuple[int, str]]:
+
+def _run(run: Pass) -> Mapping[tuple[int, str], FormKey]:
     """Report, and return the variables for which a word stands, by the form's id."""
-    places = run.result(PLACES)
-    standing = list(_standing(run, run.result(INDEX), places))
-    known = _Known(run, standing)
+    known = _Known(run)
     told = run.result(KINDS)
-    unmarked: set[tuple[int, str]] = set()
-    for one in standing:
+    unmarked: dict[tuple[int, str], FormKey] = {}
+    for one in _standing(run, known.place_kinds):
         if isinstance(one.form, nodes.DefineTest):
             continue
         if not known.fits(one):
-            unmarked.add((id(one.form), f"?{one.const.value}"))
+            unmarked[id(one.form), f"?{one.const.value}"] = key_of(one.form)
         if id(one.form) in told or not known.fits(one):
             continue
         found = _misspelt(run, known, one) or _mixed(known, one) or _foreign(known, one)
         if found is not None:
-            unmarked.add((id(one.form), f"?{one.const.value}"))
+            unmarked[id(one.form), f"?{one.const.value}"] = key_of(one.form)
             run.report(found)
+            if found.rule == MIXED.name:
+                run.watch(one.form)  # the finding tells how many others there are
     return unmarked
 
 
@@ -164,7 +169,7 @@ ANALYZER = Analyzer(
     name="constants",
     doc="Holds constants against those that stand at the same places elsewhere.",
     run=_run,
-    needs=(INDEX, INFERRED, KINDS, PLACES),
+    needs=(CENSUS, INDEX, INFERRED, KINDS, PLACES),
     rules=(MISSPELT, FOREIGN, MIXED),
 )
 
@@ -172,52 +177,84 @@ ANALYZER = Analyzer(
 # --- what stands where ----------------------------------------------------------------
 
 
-def _standing(run: Pass, index: Index, places: Places) -> Iterator[_Standing]:
-    kinds = PlaceKinds(run.signatures, run.result(INFERRED))
+def _standing(run: Pass, kinds: PlaceKinds) -> Iterator[_Standing]:
+    places = run.result(PLACES)
     for one in places.filled:
         if isinstance(one.term, nodes.Const):
-            yield _Standing(one.term, one.form, (one.place,), kinds.of((one.place,)))
-    for test in index.of(nodes.Compare):
-        left, right = test.node.left, test.node.right
-        for const, other in ((left, right), (right, left)):
-            if isinstance(const, nodes.Const) and isinstance(other, nodes.Var):
-                there = tuple(dict.fromkeys(places.of(test.owner, other.name)))
-                yield _Standing(const, test.owner, there, kinds.of(there))
+            yield _made(one.term, one.form, (one.place,), kinds)
+    for test in run.result(INDEX).of(nodes.Compare):
+        for const, other in compared(test.node):
+            there = tuple(dict.fromkeys(places.of(test.owner, other.name)))
+            yield _made(const, test.owner, there, kinds)
+
+
+def _made(
+    const: nodes.Const, form: Form, there: tuple[Place, ...], kinds: PlaceKinds
+) -> _Standing:
+    return _Standing(const, format_atom(const.value), form, there, kinds.of(there))
+
+
+_Key = Place | str
+"""A place, or a kind."""
 
 
 class _Known:
-    """What the library tells of its constants."""
+    """What the library tells of its constants, by how they are written."""
 
-    def __init__(self, run: Pass, standing: Iterable[_Standing]) -> None:
+    def __init__(self, run: Pass) -> None:
         self.kinds = run.signatures.kinds
-        self.counts: Counter[object] = Counter()
-        #: How many constants of each sort stand at a place.
-        self.sorts: dict[Place, Counter[str]] = {}
-        #: The places and kinds of each constant, with how often it stands there.
-        self.at: dict[object, Counter[Place | str]] = {}
-        self.first: dict[object, Span] = {}
-        self.in_form: Counter[tuple[int, object]] = Counter()
-        for one in standing:
-            value = one.const.value
-            self.counts[value] += 1
-            self.in_form[id(one.form), value] += 1
-            self.first.setdefault(value, one.const.span)
-            keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
-            for key in keys:
-                self.at.setdefault(value, Counter())[key] += 1
-            for place in one.places:
-                self.sorts.setdefault(place, Counter())[_sort(value)] += 1
-        #: The closed kinds that list a symbol.
-        self.listed: dict[object, list[str]] = {}
+        self.place_kinds = PlaceKinds(run.signatures, run.result(INFERRED))
+        self.census = run.result(CENSUS)
+        #: How often a declaration lists a constant; such a one counts twice.
+        self._listed: Counter[str] = Counter()
+        self._listing: dict[str, list[str]] = {}
         for name in self.kinds:
             for value in self._own_values(run, name):
-                self.listed.setdefault(value, []).append(name)
-                self.counts[value] += 2
-                self.at.setdefault(value, Counter())[name] += 2
+                self._listed[format_atom(value)] += 2
+                self._listing.setdefault(format_atom(value), []).append(name)
         for value in _results(run):
-            self.counts[value] += 2
-        symbols = [v for v in self.counts if _is_word(v)]
-        self.close = Close([str(v) for v in symbols], _LEAST)
+            self._listed[value] += 2
+        self._at: dict[str, Counter[_Key]] = {}
+        self._sorts: dict[Place, Counter[str]] = {}
+        self._forms: dict[str, Counter[FormKey]] = {}
+        self._close: Close | None = None
+
+    def count(self, written: str) -> int:
+        """Return how often a constant stands in the library."""
+        return len(self.census.standing(written)) + self._listed[written]
+
+    def at(self, written: str) -> Counter[_Key]:
+        """Return the places and kinds of a constant, with how often it stands there."""
+        found = self._at.get(written)
+        if found is None:
+            found = self._at[written] = Counter()
+            for one in self.census.standing(written):
+                found.update(one.places)
+                found.update(self.place_kinds.of(one.places))
+            for name in self._listing.get(written, ()):
+                found[name] += 2
+        return found
+
+    def sorts(self, place: Place) -> Counter[str]:
+        """Return how many constants of each sort stand at a place."""
+        found = self._sorts.get(place)
+        if found is None:
+            every = [one.written for _, one in self.census.at(place)]
+            found = self._sorts[place] = Counter(map(sort_of, every))
+        return found
+
+    def first(self, written: str) -> Iterator[Span]:
+        """Yield where a constant stands first, if it does."""
+        for one in self.census.standing(written)[:1]:
+            yield one.span
+
+    def close_to(self, written: str) -> Iterator[str]:
+        """Yield the words that are spelled almost like another."""
+        if self._close is None:
+            words = dict.fromkeys((*self.census.written(), *self._listed))
+            only = [word for word in words if sort_of(word) == "word"]
+            self._close = Close(only, _LEAST)
+        return self._close.all_to(written)
 
     def fits(self, one: _Standing) -> bool:
         """Whether a constant is of the kinds of its places."""
@@ -225,12 +262,18 @@ class _Known:
 
     def is_new(self, one: _Standing) -> bool:
         """Whether a constant stands nowhere else in its form, or where such do."""
-        value = one.const.value
-        keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
-        if not keys or self.counts[value] == 1:
-            return self.counts[value] == 1
-        alone = self.in_form[id(one.form), value] == 1
-        return alone and all(self.at[value][key] == 1 for key in keys)
+        keys: tuple[_Key, ...] = (*one.places, *one.kinds)
+        if not keys or self.count(one.written) == 1:
+            return self.count(one.written) == 1
+        there = self.at(one.written)
+        return self._in_form(one) == 1 and all(there[key] == 1 for key in keys)
+
+    def _in_form(self, one: _Standing) -> int:
+        forms = self._forms.get(one.written)
+        if forms is None:
+            every = self.census.standing(one.written)
+            forms = self._forms[one.written] = Counter([found.form for found in every])
+        return forms[key_of(one.form)]
 
     def _own_values(self, run: Pass, name: str) -> Sequence[Atom]:
         form = run.library.kinds.get(name)
@@ -242,27 +285,23 @@ def _results(run: Pass) -> Iterator[str]:
         yield from primitive.results
 
 
-def _is_word(value: object) -> bool:
-    return isinstance(value, str) and not isinstance(value, Text) and value not in PLAIN
-
-
 # --- what is wrong -------------------------------------------------------------------
 
 
 def _misspelt(run: Pass, known: _Known, one: _Standing) -> Diagnostic | None:
-    value = one.const.value
-    if not _is_word(value):
+    word = one.written
+    if not one.is_word:
         return None
-    if known.is_new(one) and run.result(PLACES).of(one.form, f"?{value}"):
-        return _slip(one, f"?{value}", ())
-    if known.counts[value] != 1:
+    if known.is_new(one) and run.result(PLACES).of(one.form, f"?{word}"):
+        return _slip(one, f"?{word}", ())
+    if known.count(word) != 1:
         return None
-    for other in known.close.all_to(str(value)):
-        keys: tuple[Place | str, ...] = (*one.places, *one.kinds)
-        together = any(key in known.at[other] for key in keys if other in known.at)
-        alike = other[0] == str(value)[0] and not is_row(str(value), other)
-        if together and alike and known.counts[other] > 1:
-            there = [known.first[other]] if other in known.first else []
+    for other in known.close_to(word):
+        keys: tuple[_Key, ...] = (*one.places, *one.kinds)
+        together = any(key in known.at(other) for key in keys)
+        alike = other[0] == word[0] and not is_row(word, other)
+        if together and alike and known.count(other) > 1:
+            there = known.first(other)
             labels = [Label(span, "a constant with a close name") for span in there]
             return _slip(one, other, labels)
     return None
@@ -283,28 +322,16 @@ def _slip(one: _Standing, meant: str, labels: Iterable[Label]) -> Diagnostic:
 _ENOUGH = 2
 """So many others at a place make it one of their sort."""
 
-_TRUTH = ("true", "false", "t", "nil")
-
-
-def _sort(value: object) -> str:
-    if is_number(value):
-        return "number"
-    if value in _TRUTH:
-        return "truth value"
-    if isinstance(value, Text):
-        return "text"
-    return "word" if _is_word(value) else ""
-
 
 def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
     """A number among words, or a word among numbers; likewise with truth values.
 
     `false` among words is none: it says that there is no such thing.
     """
-    own = _sort(one.const.value)
+    own = sort_of(one.written)
     if not own or len(one.places) != 1 or one.const.value == "false":
         return None
-    there = known.sorts[one.places[0]]
+    there = known.sorts(one.places[0])
     others = {sort: n for sort, n in there.items() if sort and sort != own}
     if there[own] != 1 or len(others) != 1:
         return None
@@ -326,26 +353,26 @@ _SURE = 4
 def _enough(known: _Known, one: _Standing, own: str, sort: str) -> int:
     """Return how many others make a sort; where a text is there as a word, one does."""
     value = one.const.value
-    words = known.at.get(value.value) if isinstance(value, Text) else None
-    if words and words[one.places[0]]:
+    word = value.value if isinstance(value, Text) else ""
+    if sort_of(word) not in ("number", "text") and known.at(word)[one.places[0]]:
         return 1
     return _ENOUGH if {"number", "text"} & {own, sort} else _SURE
 
 
 def _foreign(known: _Known, one: _Standing) -> Diagnostic | None:
-    value = one.const.value
-    if not _is_word(value) or len(one.kinds) != 1 or len(one.places) != 1:
+    if not one.is_word or len(one.kinds) != 1 or len(one.places) != 1:
         return None
     (wanted,) = one.kinds
-    if known.at[value][wanted] > 1 or known.kinds.values(wanted) is not None:
+    there = known.at(one.written)
+    if there[wanted] > 1 or known.kinds.values(wanted) is not None:
         return None
-    homes = [k for k, n in known.at[value].items() if isinstance(k, str) and n > 1]
+    homes = [k for k, n in there.items() if isinstance(k, str) and n > 1]
     homes = [kind for kind in homes if kind != wanted]
     if not homes or not all(_strange(known, kind, wanted) for kind in homes):
         return None
     return Diagnostic(
         rule=FOREIGN.name,
-        message=f"`{value}` is a {homes[0]}, and a {wanted} is wanted",
+        message=f"`{one.written}` is a {homes[0]}, and a {wanted} is wanted",
         span=one.const.span,
         help="is it the argument that was meant here?",
     )

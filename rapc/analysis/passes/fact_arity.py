@@ -7,8 +7,10 @@ assertions and notations; erasing takes a prefix.
 from __future__ import annotations
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.census import CENSUS, TRUTH
 from rapc.analysis.index import INDEX, NameUse
 from rapc.analysis.named import MISUSES, declared_at, report_arguments
+from rapc.analysis.places import Place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -19,7 +21,6 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.base.source import Span
-from rapc.ir import nodes
 from rapc.library.signature import Signature
 from rapc.library.signatures import Use
 
@@ -112,6 +113,7 @@ def _run(run: Pass) -> None:
         if declared is None or used.count + 1 != declared.most or not used.count:
             continue
         if used.use in _FACTS and used.use != "erased":
+            run.watch(used.owner)
             if known.never_true(declared):
                 run.report(_missing(run, used, declared))
             else:
@@ -122,7 +124,7 @@ ANALYZER = Analyzer(
     name="wrong-fact-arity",
     doc="Finds facts and tests with too many or too few arguments.",
     run=_run,
-    needs=(INDEX, MISUSES),
+    needs=(CENSUS, INDEX, MISUSES),
     rules=(ARITY, IMPLIED, MISSING),
 )
 
@@ -132,9 +134,7 @@ class _Values:
 
     def __init__(self, run: Pass) -> None:
         self._kinds = run.signatures.kinds
-        self._given: dict[str, set[object]] | None = None
-        self._index = run.result(INDEX)
-        self._properties = run.signatures.relations
+        self._census = run.result(CENSUS)
 
     def never_true(self, declared: Signature) -> bool:
         """Whether nothing in the library lets a property have the value `true`."""
@@ -142,23 +142,10 @@ class _Values:
         kind = args[-1].kind if args else None
         if kind is not None and not self._kinds.holds(kind, "true"):
             return True
-        values = self._values().get(declared.name, set()) - {"unknown"}
-        return bool(values) and values.isdisjoint(_TRUTH)
-
-    def _values(self) -> dict[str, set[object]]:
-        """The constants that stand for the values of properties, by their names."""
-        if self._given is None:
-            self._given = {}
-            for used in self._index.uses():
-                args = used.node.args
-                declared = self._properties.get(used.name)
-                whole = declared is not None and used.count == declared.most
-                if whole and args and isinstance(args[-1], nodes.Const):
-                    self._given.setdefault(used.name, set()).add(args[-1].value)
-        return self._given
-
-
-_TRUTH = ("true", "false", "t", "nil")
+        place = Place("predicate", declared.name, (declared.most or 1) - 1)
+        values = {one.written for _, one in self._census.at(place) if one.filled}
+        values.discard("unknown")
+        return bool(values) and values.isdisjoint(TRUTH)
 
 
 def _missing(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:

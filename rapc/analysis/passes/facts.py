@@ -96,6 +96,7 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(UNREAD, UNASSERTED),
+    of_all=True,
 )
 
 

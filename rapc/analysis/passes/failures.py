@@ -63,6 +63,7 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(ALIKE,),
+    of_all=True,
     needs_whole="form",
 )
 

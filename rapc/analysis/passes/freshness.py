@@ -7,21 +7,21 @@ shortest of these times is how old the belief may well be.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import through
-from rapc.analysis.endless import is_never
-from rapc.analysis.index import INDEX, Index
-from rapc.analysis.literals import literals, number
+from rapc.analysis.census import CENSUS, Census
+from rapc.analysis.index import INDEX
+from rapc.analysis.literals import number
 from rapc.analysis.passes.standing import is_described
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.base.values import Number, format_atom
 from rapc.ir import nodes
-from rapc.ir.walk import Clause, formulas, steps
+from rapc.ir.walk import Clause, formulas
 from rapc.library.library import Library
 
 _GAUGE = """\
@@ -82,7 +82,7 @@ def _run(run: Pass) -> None:
     ]
     if not believed or not run.complete or not is_described(library):
         return
-    sensing = _Sensing(library, run.result(INDEX))
+    sensing = _Sensing(library, run.result(CENSUS))
     told: set[int] = set()
     for rap in library.raps.values():
         for whole in formulas(rap):
@@ -101,7 +101,7 @@ ANALYZER = Analyzer(
     name="freshness",
     doc="Finds beliefs that are to be younger than the time between two sensings.",
     run=_run,
-    needs=(INDEX,),
+    needs=(CENSUS, INDEX),
     rules=(FRESHER,),
     needs_whole="form",
 )
@@ -124,23 +124,23 @@ class _Sensing:
 
     Args:
         library: the library.
-        index: its nodes.
+        census: what its forms tell.
     """
 
-    def __init__(self, library: Library, index: Index) -> None:
-        self._library = library
-        self._index = index
-        self._sources = _sources(library)
-        self._callers: dict[str, set[str]] = {}
-        for rap in library.raps.values():
-            for method in rap.methods:
-                for step in steps(method):
-                    self._callers.setdefault(step.goal.name, set()).add(rap.name)
-        self._given = {
-            goal.node.name
-            for goal in index.of(nodes.Goal)
-            if type(goal.owner) is nodes.DefineAgenda
-        }
+    def __init__(self, library: Library, census: Census) -> None:
+        self._sources = _sources(library, census)
+        self._callers: dict[str, dict[str, None]] = {}
+        self._pauses: dict[str, _Sensed | None] = {}
+        for file, one in census.asking():
+            pause = one.pause
+            self._pauses[one.rap] = (
+                _Sensed(pause.every, Span(file, pause.start, pause.end))
+                if pause is not None
+                else None
+            )
+            for callee in one.calls:
+                self._callers.setdefault(callee, {})[one.rap] = None
+        self._given = frozenset(census.given())
         self._known: dict[str, _Sensed | None] = {}
 
     def of(self, fact: str) -> _Sensed | None:
@@ -150,7 +150,7 @@ class _Sensing:
         return self._known[fact]
 
     def _of(self, fact: str) -> _Sensed | None:
-        sources = self._sources.get(fact, {None})
+        sources = self._sources.get(fact, {None: None})
         best: _Sensed | None = None
         for name in sources:
             found = None if name is None else self._every(name)
@@ -166,43 +166,41 @@ class _Sensing:
         waiting, seen = [start], {start}
         while waiting:
             name = waiting.pop()
-            own = _pause(self._library.raps[name])
+            own = self._pauses[name]
             if own is not None:
                 if best is None or own.every < best.every:
                     best = own
                 continue
-            callers = self._callers.get(name, set())
+            callers = self._callers.get(name, {})
             if not callers or name in self._given:
                 return None
             waiting += [one for one in callers if one not in seen]
-            seen |= callers
+            seen.update(callers)
         return best
 
 
-def _sources(library: Library) -> dict[str, set[str | None]]:
+def _sources(library: Library, census: Census) -> dict[str, dict[str | None, None]]:
     """Return the RAPs that may bring facts; None among them: what comes unasked."""
     by_primitive: dict[str, set[str]] = {}
     told = {name for form in library.primitives.values() for name in form.tells}
-    found: dict[str, set[str | None]] = {}
+    found: dict[str, dict[str | None, None]] = {}
     for name, datum in library.data.items():
         for fact in _brought(datum.on or ()):
             if name not in told:
-                found.setdefault(fact, set()).add(None)
+                found.setdefault(fact, {})[None] = None
     for form in library.primitives.values():
         facts = {fact for on in form.on for fact in _brought(on.effects)}
         for name in form.tells:
             known = library.data.get(name)
             facts |= set(_brought(known.on or ())) if known is not None else set()
         by_primitive[form.name] = facts
-    for rap in library.raps.values():
-        for method in rap.methods:
-            for note in method.notations:
-                found.setdefault(note.name, set()).add(rap.name)
-            if isinstance(method.body, nodes.Primitive):
-                for fact in by_primitive.get(method.body.request.name, ()):
-                    found.setdefault(fact, set()).add(rap.name)
-    for fact, by in _by_rules(library):
-        found.setdefault(fact, set()).add(by)
+    for _, one in census.asking():
+        made = [by_primitive.get(name, ()) for name in one.requests]
+        for fact in (*one.notes, *(fact for facts in made for fact in facts)):
+            found.setdefault(fact, {})[one.rap] = None
+    raps = {one.rap for _, one in census.asking()}
+    for fact, by in _by_rules(library, raps):
+        found.setdefault(fact, {})[by] = None
     return found
 
 
@@ -212,14 +210,16 @@ def _brought(effects: tuple[nodes.DeclaredEffect, ...]) -> Iterator[str]:
             yield effect.pattern.name
 
 
-def _by_rules(library: Library) -> Iterator[tuple[str, str | None]]:
+def _by_rules(
+    library: Library, raps: Container[str]
+) -> Iterator[tuple[str, str | None]]:
     """Yield the facts that rules over memory bring, with the RAPs they are about."""
     rules: dict[str | None, list[nodes.Rule]] = {
         None: [one for form in library.event_rules for one in form.rules]
     }
     for form in library.memory_rules:
         own = [one for case in form.cases for one in case.rules]
-        name = form.index.name if form.index.name in library.raps else None
+        name = form.index.name if form.index.name in raps else None
         rules.setdefault(name, []).extend(own)
     for by, there in rules.items():
         for one in there:
@@ -227,20 +227,3 @@ def _by_rules(library: Library) -> Iterator[tuple[str, str | None]]:
                 for action in alternative.actions:
                     if action.op == "mem-add":
                         yield action.pattern.name, by
-
-
-def _pause(rap: nodes.DefineRap) -> _Sensed | None:
-    """Return how long a standing RAP surely waits between two rounds, if it does."""
-    if rap.succeed is None or not is_never(rap.succeed):
-        return None
-    timed = rap.monitor_time
-    if timed is not None and timed.reference == "now":
-        start = number(timed.start)
-        if start is not None and start > 0:
-            return _Sensed(start, timed.span)
-    for one in literals(rap.monitor_state):
-        if isinstance(one.formula, nodes.Believe) and not one.holds:
-            age = number(one.formula.age)
-            if age is not None and age > 0:
-                return _Sensed(age, one.span)
-    return None

@@ -12,7 +12,7 @@ from collections.abc import Container, Iterator, Sequence
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, asked_through, is_computed, is_known
 from rapc.analysis.certain import done_by_method
-from rapc.analysis.effects import EFFECTS, Effect, callees_first, calls_of
+from rapc.analysis.effects import EFFECTS, Effect, calls_of, circles_first
 from rapc.analysis.endless import is_never
 from rapc.analysis.following import follows
 from rapc.analysis.literals import Literal, apart, literals, names
@@ -166,15 +166,19 @@ def _hopeless(
 
 
 def _causes(library: Library, hopeless: Container[str]) -> Iterator[str]:
-    """Yield the hopeless RAPs that ask for no other one, directly or not."""
+    """Yield the hopeless RAPs that ask for no other one, directly or not.
+
+    Of those that ask for each other in a circle it is the first.
+    """
     calls = {rap.name: calls_of(rap) for rap in library.raps.values()}
     lost: set[str] = set()
-    for name in callees_first(calls):
-        below = any(other in lost for other in calls[name] if other != name)
-        if name in hopeless and not below:
-            yield name
-        if below or name in hopeless:
-            lost.add(name)
+    for circle in circles_first(calls):
+        below = any(other in lost for name in circle for other in calls[name])
+        own = [name for name in circle if name in hopeless]
+        if own and not below:
+            yield own[0]
+        if below or own:
+            lost.update(circle)
 
 
 def _endless(

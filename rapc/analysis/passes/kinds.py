@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, Index, NameUse
+from rapc.analysis.index import INDEX, Form, Index, NameUse
 from rapc.analysis.inferred_kinds import INFERRED, KindClash, Learned
 from rapc.analysis.named import UnknownNames, declared_at
 from rapc.analysis.renaming import renaming
@@ -145,7 +145,7 @@ def _unknown(run: Pass, index: Index) -> None:
     unknown.report(run)
 
 
-def _named(index: Index) -> Iterator[tuple[str, Span, nodes.Node]]:
+def _named(index: Index) -> Iterator[tuple[str, Span, Form]]:
     """The places where a kind is named, each with its top-level form."""
     for argument in index.of(nodes.Argument):
         if argument.node.kind is not None:

@@ -83,6 +83,7 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(INPUT, UNREACHED),
+    of_all=True,
     needs_whole="form",
 )
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.census import CENSUS, Census, FormKey, Found, key_of, sort_of
 from rapc.analysis.index import INDEX, Form, Occurrence
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
 from rapc.analysis.place_kinds import PlaceKinds
-from rapc.analysis.places import PLACES, Filled, Place
+from rapc.analysis.places import PLACES, Place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -59,37 +60,24 @@ anything will do, write a bare `?`, or another name; then nothing is reported.""
 
 def _run(run: Pass) -> None:
     kinds = PlaceKinds(run.signatures, run.result(INFERRED))
-    constants: dict[tuple[Place | str, object], list[Filled]] = {}
-    places: dict[int, Place] = {}
-    for filled in run.result(PLACES).filled:
-        if isinstance(filled.form, nodes.DefineTest):
-            continue  # a test names its things as it likes
-        if isinstance(filled.term, nodes.Const):
-            keys: tuple[Place | str, ...] = (
-                filled.place,
-                *kinds.of((filled.place,)),
-            )
-            for key in keys:
-                there = constants.setdefault((key, filled.term.value), [])
-                if len(there) < _ENOUGH:
-                    there.append(filled)
-        else:
-            places[id(filled.term)] = filled.place
+    places = {id(one.term): one.place for one in run.result(PLACES).filled}
     missing = run.result(BINDINGS).missing
-    unmarked = run.result(CONSTANTS)
+    constants = run.result(CONSTANTS)
+    census = run.result(CENSUS)
+    own = [(form, name) for (_, name), form in constants.items()]
+    unmarked = {*census.unmarked, *own}
     for variable, owner in _used_once(run):
         place = places.get(id(variable))
-        word = variable.name[1:]
-        if place is None or (owner, variable.name) in unmarked:
+        if place is None or (id(owner), variable.name) in constants:
             continue
-        if any(m.variable is variable for m in missing.get(owner, ())):
+        if any(m.variable is variable for m in missing.get(id(owner), ())):
             continue
-        keys = (place, *kinds.of((place,)))
-        others = [one for key in keys for one in constants.get((key, word), ())]
-        others = [o for o in others if (id(o.form), variable.name) not in unmarked]
-        if _are_sure(others, owner):
-            run.report(_finding(variable, others[0].term.span))
-        elif any(_lists(run, kind, word) for kind in keys[1:]):
+        wanted = kinds.of((place,))
+        others = list(_others(census, kinds, variable.name[1:], place))
+        others = [o for o in others if (o.form, variable.name) not in unmarked]
+        if _are_sure(others, key_of(owner)):
+            run.report(_finding(variable, others[0].span))
+        elif any(_lists(run, kind, variable.name[1:]) for kind in wanted):
             run.report(_finding(variable, None))
 
 
@@ -97,7 +85,7 @@ ANALYZER = Analyzer(
     name="marked-constant",
     doc="Finds variables used once that are named like a constant of their place.",
     run=_run,
-    needs=(INDEX, BINDINGS, CONSTANTS, INFERRED, PLACES),
+    needs=(INDEX, BINDINGS, CENSUS, CONSTANTS, INFERRED, PLACES),
     rules=(MARKED,),
     needs_whole="form",
 )
@@ -107,16 +95,27 @@ _ENOUGH = 4
 """So many constants of a place are kept of those that are the same."""
 
 
-def _used_once(run: Pass) -> Iterator[tuple[nodes.Var, int]]:
-    """Yield variables that occur once in a form with a body, with the form's id."""
+def _others(
+    census: Census, kinds: PlaceKinds, word: str, place: Place
+) -> Iterator[Found]:
+    """Yield constants of a name at a place, and at places of its kinds."""
+    every = census.standing(word) if sort_of(word) not in ("number", "text") else ()
+    told = [one for one in every if one.filled and not one.in_test]
+    yield from [one for one in told if place in one.places][:_ENOUGH]
+    for kind in kinds.of((place,)):
+        yield from [one for one in told if kind in kinds.of(one.places)][:_ENOUGH]
+
+
+def _used_once(run: Pass) -> Iterator[tuple[nodes.Var, Form]]:
+    """Yield variables that occur once in a form with a body, with the form."""
     once: dict[tuple[int, str], Occurrence[nodes.Var] | None] = {}
     for use in run.result(INDEX).of(nodes.Var):
         if isinstance(use.owner, _BODIES):
             key = (id(use.owner), use.node.name)
             once[key] = use if key not in once else None
-    for (owner, name), only in once.items():
+    for (_, name), only in once.items():
         if only is not None and name != "?" and not _is_declared(only):
-            yield only.node, owner
+            yield only.node, only.owner
 
 
 _BODIES = (nodes.DefineRap, nodes.DefineQuery, nodes.MemoryRule, nodes.EventRule)
@@ -128,15 +127,14 @@ def _is_declared(use: Occurrence[nodes.Var]) -> bool:
     return use.parent is own or isinstance(use.parent, nodes.Argument | nodes.Resource)
 
 
-def _are_sure(constants: Sequence[Filled], owner: int) -> bool:
+def _are_sure(constants: Sequence[Found], owner: FormKey) -> bool:
     """Whether constants are more than one word that may itself lack its mark."""
-    elsewhere = any(id(one.form) != owner for one in constants)
-    return elsewhere or len({id(one.term) for one in constants}) > 1
+    elsewhere = any(one.form != owner for one in constants)
+    return elsewhere or len({one.span for one in constants}) > 1
 
 
-def _lists(run: Pass, kind: Place | str, word: str) -> bool:
-    values = run.signatures.kinds.values(kind) if isinstance(kind, str) else None
-    return word in (values or ())
+def _lists(run: Pass, kind: str, word: str) -> bool:
+    return word in (run.signatures.kinds.values(kind) or ())
 
 
 def _finding(variable: nodes.Var, other: Span | None) -> Diagnostic:

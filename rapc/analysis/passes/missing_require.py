@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from os.path import basename, dirname
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.census import CENSUS
 from rapc.analysis.index import INDEX, NameUse
 from rapc.base.diagnostics import (
     Applicability,
@@ -68,18 +69,19 @@ def _run(run: Pass) -> None:
             continue
         if form.span.file in brought.by(here):
             continue
+        run.watch(use.owner)  # of a file there is one finding, at the first place
         known = first.setdefault((here, form.span.file), (use, form))
         if use.span.start < known[0].span.start:
             first[here, form.span.file] = use, form
     for use, form in first.values():
-        run.report(_finding(library, use, form))
+        run.report(_finding(run, use, form))
 
 
 ANALYZER = Analyzer(
     name="missing-require",
     doc="Finds names of files that a file does not require.",
     run=_run,
-    needs=(INDEX,),
+    needs=(CENSUS, INDEX),
     rules=(MISSING,),
 )
 
@@ -173,14 +175,15 @@ class _Brought:
         return found
 
 
-def _finding(library: Library, use: NameUse, form: nodes.TopForm) -> Diagnostic:
+def _finding(run: Pass, use: NameUse, form: nodes.TopForm) -> Diagnostic:
+    library = run.library
     here, there = use.span.file, form.span.file
     fix = None
     help_ = "require that file"
     if dirname(here) == dirname(there) and there.endswith(SUFFIX):
         word = f'(require "{basename(there).removesuffix(SUFFIX)}")'
         help_ = f"write `{word}`"
-        fix = Fix(Applicability.UNSAFE, help_, tuple(_edits(library, here, word)))
+        fix = Fix(Applicability.UNSAFE, help_, tuple(_edits(run, here, word)))
     return Diagnostic(
         rule=MISSING.name,
         message=f"`{use.name}` is defined in `{basename(there)}`, which "
@@ -192,13 +195,13 @@ def _finding(library: Library, use: NameUse, form: nodes.TopForm) -> Diagnostic:
     )
 
 
-def _edits(library: Library, here: str, word: str) -> Iterator[Edit]:
+def _edits(run: Pass, here: str, word: str) -> Iterator[Edit]:
     """Yield what puts a `require` behind the others, or before the first form."""
-    own = [form for form in library.forms if form.span.file == here]
+    own = [form for form in run.library.forms if form.span.file == here]
     last = [form for form in own if isinstance(form, nodes.Require)][-1:]
     if last:
         end = last[0].span.end
         yield Edit(Span(here, end, end), f"\n{word}")
     else:
-        start = own[0].span.start if own else 0
+        start = run.result(CENSUS).files[here].first
         yield Edit(Span(here, start, start), f"{word}\n\n")

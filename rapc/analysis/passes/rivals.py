@@ -102,6 +102,7 @@ ANALYZER = Analyzer(
     doc="Finds standing tasks of an agenda that get in each other's way.",
     run=_run,
     rules=(RIVALS, UNDOING),
+    by_agendas=True,
 )
 
 

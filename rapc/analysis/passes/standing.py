@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, asked_through, is_computed
+from rapc.analysis.census import CENSUS, Census
 from rapc.analysis.certain import fact_name
-from rapc.analysis.endless import endless, is_never
-from rapc.analysis.index import INDEX, Index
+from rapc.analysis.endless import below_agendas, endless, is_never
+from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.literals import literals
 from rapc.analysis.passes.settled import Always
 from rapc.base.diagnostics import (
@@ -153,16 +154,15 @@ def _run(run: Pass) -> set[int]:
     """Report, and return the ids of the monitors that nothing ever changes."""
     library = run.library
     unheard: set[int] = set()
-    never_done = endless(library.raps) if library.agendas else {}
+    never_done = endless(below_agendas(library))
     for agenda in library.agendas.values():
         for task in agenda.tasks:
             cause = never_done.get(task.goal.name)
             if cause is not None and not task.background and task.deadline is None:
                 run.report(_endless(task, cause))
-    index = run.result(INDEX)
     if run.complete and is_described(library):
-        changed = _changed(library, index)
-        idle = _never_asked_for(library, index)
+        changed = _Changed(library, run.result(CENSUS), run.result(INDEX))
+        idle = _never_asked_for(library, run.result(CENSUS), run.result(INDEX))
         always = Always(run.signatures)
         for rap in library.raps.values():
             if rap.monitor_state is not None and rap.monitor_time is None:
@@ -181,7 +181,7 @@ ANALYZER = Analyzer(
     name="standing",
     doc="Finds tasks that never end where they should, and monitors of what never is.",
     run=_run,
-    needs=(INDEX,),
+    needs=(CENSUS, INDEX),
     rules=(ENDLESS, UNHEARD, UNREADY, FAILING),
 )
 
@@ -216,22 +216,27 @@ _MOST, _OF = 3, 4
 """So many of so many primitives have to say what they do."""
 
 
-def _changed(library: Library, index: Index) -> set[str]:
+class _Changed:
     """The names of all facts that anything in the library brings or takes away."""
-    found = {one.name for use in ("asserted", "erased") for one in _used(index, use)}
-    for call in library.functions.values():
-        found.add(call.name)
-    return found
+
+    def __init__(self, library: Library, census: Census, index: Index) -> None:
+        self._others = {*library.functions, *(name for name, _ in _told(index))}
+        self._census = census
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._others or self._census.is_changed(name)
 
 
-def _used(index: Index, use: str) -> Iterator[nodes.Pattern]:
+def _told(index: Index) -> Iterator[tuple[str, Form]]:
+    """Yield the facts that forms other than RAPs bring or take away."""
     for one in index.uses():
-        if one.use == use and isinstance(one.node, nodes.Pattern):
-            yield one.node
+        is_rap = type(one.owner) is nodes.DefineRap
+        if one.use in ("asserted", "erased") and not is_rap:
+            yield one.name, one.owner
 
 
 def _unready(
-    library: Library, rap: nodes.DefineRap, changed: set[str]
+    library: Library, rap: nodes.DefineRap, changed: _Changed
 ) -> Iterator[Diagnostic]:
     """Yield a fact that all methods ask for, though the monitor does not."""
     if rap.monitor_state is None or rap.succeed is None or not is_never(rap.succeed):
@@ -256,7 +261,7 @@ def _unready(
 
 
 def _failing(
-    library: Library, rap: nodes.DefineRap, changed: set[str], always: Always
+    library: Library, rap: nodes.DefineRap, changed: _Changed, always: Always
 ) -> Iterator[Diagnostic]:
     """Yield a condition of a standing task that its monitor does not ask for."""
     monitor = rap.monitor_state
@@ -268,7 +273,7 @@ def _failing(
     for one in (one for formula in conditions for one in literals(formula)):
         asked = asked_through(library, one.formula)
         facts = set() if asked is None else asked - library.queries.keys()
-        if not facts & changed or facts & heard:
+        if not any(name in changed for name in facts) or facts & heard:
             continue
         if one.holds and always.holds(one.formula, given):
             continue
@@ -282,42 +287,36 @@ def _failing(
         return
 
 
-def _never_asked_for(library: Library, index: Index) -> Mapping[str, str]:
+def _never_asked_for(
+    library: Library, census: Census, index: Index
+) -> Mapping[str, str]:
     """Return what only primitives do that no RAP asks for: by fact, the primitive."""
-    wanted = {
-        one.node.name
-        for one in index.of(nodes.Request)
-        if type(one.owner) is nodes.DefineRap
-    }
-    idle = [form for name, form in library.primitives.items() if name not in wanted]
+    primitives = library.primitives
+    wanted = {name for name in primitives if census.is_requested(name)}
+    idle = [form for name, form in primitives.items() if name not in wanted]
     found: dict[str, str] = {}
     for form in idle:
         data = [library.data[name] for name in form.tells if name in library.data]
         effects = [*(on.effects for on in form.on), *(one.on or () for one in data)]
         for effect in (one for there in effects for one in there):
             found.setdefault(effect.pattern.name, form.name)
+    told = {name for one in wanted for name in primitives[one].tells}
     own = {id(form) for form in idle} | {
         id(library.data[name])
         for form in idle
         for name in form.tells
-        if name in library.data and not _told_by_others(library, wanted, name)
+        if name in library.data and name not in told
     }
-    for one in index.uses() if found else ():
-        if one.use in ("asserted", "erased") and id(one.owner) not in own:
-            found.pop(one.name, None)
-    return found
-
-
-def _told_by_others(library: Library, wanted: set[str], datum: str) -> bool:
-    return any(
-        datum in library.primitives[n].tells for n in wanted & library.primitives.keys()
-    )
+    for name, owner in _told(index) if found else ():
+        if id(owner) not in own:
+            found.pop(name, None)
+    return {name: by for name, by in found.items() if not census.is_changed(name)}
 
 
 def _unheard(
     library: Library,
     monitor: nodes.Formula,
-    changed: set[str],
+    changed: _Changed,
     idle: Mapping[str, str],
 ) -> Iterator[Diagnostic]:
     asked = asked_through(library, monitor)
@@ -328,14 +327,14 @@ def _unheard(
     if not facts or not known.issuperset(facts):
         return
     names = ", ".join(f"`{name}`" for name in facts)
-    if changed.isdisjoint(facts):
+    if not any(name in changed for name in facts):
         yield Diagnostic(
             rule=UNHEARD.name,
             message=f"nothing in the library ever changes {names}",
             span=monitor.span,
             help="ask for what a primitive, a datum or a rule changes, or declare that",
         )
-    elif changed.intersection(facts) <= idle.keys():
+    elif all(name in idle for name in facts if name in changed):
         first = next(name for name in facts if name in idle)
         yield Diagnostic(
             rule=UNHEARD.name,

@@ -11,10 +11,10 @@ forms that hand a variable to `enter` have it from the second place of `at`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import permutations
+from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.census import CENSUS, MOST_PLACES, Census
 from rapc.analysis.index import INDEX, Form, NameUse
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.places import PLACES, SPACES, Place, Places
@@ -59,107 +59,83 @@ is needed.""",
     better=_BOXES.format("?thing ?box"),
 )
 
-_MOST_PLACES = 12
-"""A variable with more places in a form is held against the first so many."""
-
 _MOST_ARGUMENTS = 6
 """Of a name with more arguments only the first so many are held against each other."""
-
-_Point = Place | tuple[str, object]
-"""A place, or a constant."""
 
 _PLAIN = ("unknown", "true", "false", "nil", "t")
 """Constants that stand anywhere."""
 
+_Point = Place | str
+"""A place, or a constant as it is written."""
+
 
 class _Links:
-    """In how many forms two places, or a constant and a place, go together.
+    """In how many forms two places, or a constant and a place, go together."""
 
-    A declaration counts as two RAPs do. Places and constants are told by numbers, and
-    what goes together by a pair of these.
-    """
+    def __init__(self, places: Places, census: Census) -> None:
+        self._places = places
+        self._census = census
+        self._rows: dict[tuple[int, str], tuple[Place, ...]] = {}
+        self._own: dict[int, list[tuple[Place, ...]]] = {}
+        self._constants: dict[int, set[tuple[str, Place]]] = {}
+        for one in places.filled:
+            if isinstance(one.term, nodes.Const):
+                there = self._constants.setdefault(id(one.form), set())
+                there.add((format_term(one.term), one.place))
 
-    def __init__(self, places: Places) -> None:
-        self._numbers: dict[_Point, int] = {}
-        self._forms: dict[tuple[int, int], int] = {}
-        self._rows: dict[int, dict[str, tuple[int, ...]]] = {}
-        self._own: dict[int, list[set[int]]] = {}
-        self._places: dict[tuple[str, str], list[int]] = {}
-        for form, variables in places.forms():
-            rows = self._rows[id(form)] = {
-                name: tuple(dict.fromkeys(map(self._number, found)))[:_MOST_PLACES]
-                for name, found in variables.items()
-            }
-            self._own[id(form)] = [set(row) for row in rows.values()]
-            weight = 1 if isinstance(form, nodes.DefineRap | nodes.DefineTest) else 2
-            pairs = {pair for row in rows.values() for pair in permutations(row, 2)}
-            self._add(pairs, weight)
-        for form, constants in _constants(places):
-            pairs = set()
-            for value, found in constants.items():
-                own = self._number(("constant", value))
-                there = {self._number(place) for place in found}
-                pairs.update((own, place) for place in there)
-                self._own.setdefault(id(form), []).append({own, *there})
-            self._add(pairs, 1)
-
-    def _number(self, point: _Point) -> int:
-        return self._numbers.setdefault(point, len(self._numbers))
-
-    def _add(self, pairs: Iterable[tuple[int, int]], weight: int) -> None:
-        for pair in pairs:
-            self._forms[pair] = self._forms.get(pair, 0) + weight
-
-    def places(self, space: str, name: str) -> Sequence[int]:
-        """Return the numbers of the first places of a name."""
-        found = self._places.get((space, name))
-        if found is None:
-            places = (Place(space, name, at) for at in range(_MOST_ARGUMENTS))
-            found = self._places[space, name] = [self._number(at) for at in places]
-        return found
-
-    def points(self, form: Form, term: nodes.Term, places: Sequence[int]) -> list[int]:
+    def points(
+        self, form: Form, term: nodes.Term, places: Sequence[Place]
+    ) -> list[_Point]:
         """Return what speaks for a term of a form: its other places, or itself."""
         if isinstance(term, nodes.Const):
-            plain = term.value in _PLAIN or not isinstance(term.value, str)
-            return [] if plain else [self._number(("constant", term.value))]
+            word = term.value
+            return [word] if isinstance(word, str) and word not in _PLAIN else []
         if not isinstance(term, nodes.Var):
             return []
-        row = self._rows.get(id(form), {}).get(term.name, ())
-        return [place for place in row if place not in places]
+        return [one for one in self._row(form, term.name) if one not in places]
 
-    def alike(self, one: int, other: int) -> bool:
+    def alike(self, one: Place, other: Place) -> bool:
         """Whether one variable stands at both places: what fits one fits the other."""
-        return (one, other) in self._forms
+        return self._census.together(one, other) > 0
 
-    def elsewhere(self, form: Form, points: Sequence[int], place: int) -> int:
-        """Return in how many other forms one of the points goes with a place."""
+    def elsewhere(self, form: Form, points: Sequence[_Point], place: Place) -> int:
+        """Return in how many other forms one of the points goes with a place.
+
+        More than `_OFTEN` are not counted.
+        """
         most = 0
         for point in points:
-            count = self._forms.get((point, place), 0)
+            if isinstance(point, str):
+                count = self._census.beside(point, place)
+            else:
+                count = self._census.together(point, place)
             if count > most:
-                own = any(
-                    point in there and place in there
-                    for there in self._own.get(id(form), ())
-                )
-                most = max(most, count - own)
+                most = max(most, count - self._is_own(form, point, place))
+                if most >= _OFTEN:
+                    break
         return most
 
+    def _is_own(self, form: Form, point: _Point, place: Place) -> bool:
+        """Whether a form itself has the two together."""
+        if isinstance(point, str):
+            return (point, place) in self._constants.get(id(form), ())
+        rows = self._own.get(id(form))
+        if rows is None:
+            names = self._places.variables(form)
+            rows = self._own[id(form)] = [self._row(form, name) for name in names]
+        return any(point in row and place in row for row in rows)
 
-def _constants(
-    places: Places,
-) -> Iterator[tuple[Form, Mapping[object, Sequence[Place]]]]:
-    """Yield the forms that have constants, with the places of each."""
-    found: dict[int, tuple[Form, dict[object, list[Place]]]] = {}
-    for one in places.filled:
-        if isinstance(one.term, nodes.Const):
-            _, there = found.setdefault(id(one.form), (one.form, {}))
-            there.setdefault(one.term.value, []).append(one.place)
-    return iter(found.values())
+    def _row(self, form: Form, name: str) -> tuple[Place, ...]:
+        """Return the places of a variable, each once."""
+        row = self._rows.get((id(form), name))
+        if row is None:
+            every = dict.fromkeys(self._places.of(form, name))
+            row = self._rows[id(form), name] = tuple(every)[:MOST_PLACES]
+        return row
 
 
 def _run(run: Pass) -> None:
-    links = _Links(run.result(PLACES))
+    links = _Links(run.result(PLACES), run.result(CENSUS))
     told = run.result(KINDS)
     best: dict[int, tuple[int, Diagnostic]] = {}
     for used in run.result(INDEX).uses():
@@ -177,7 +153,7 @@ ANALYZER = Analyzer(
     name="swapped-arguments",
     doc="Finds arguments that stand in each other's places.",
     run=_run,
-    needs=(INDEX, KINDS, PLACES),
+    needs=(CENSUS, INDEX, KINDS, PLACES),
     rules=(SWAPPED,),
 )
 
@@ -185,7 +161,8 @@ ANALYZER = Analyzer(
 def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
     """Yield two arguments that were swapped, with how much speaks for that."""
     terms = used.node.args[:_MOST_ARGUMENTS]
-    places = links.places(SPACES[used.use], used.name)
+    space = SPACES[used.use]
+    places = [Place(space, used.name, at) for at in range(len(terms))]
     for one in range(len(terms)):
         for other in range(one + 1, len(terms)):
             pair = (terms[one], terms[other])
@@ -199,7 +176,7 @@ def _support(
     links: _Links,
     used: NameUse,
     terms: tuple[nodes.Term, nodes.Term],
-    places: tuple[int, int],
+    places: tuple[Place, Place],
 ) -> int:
     """Return how many other places say that two arguments were swapped."""
     form = used.owner

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, Index
+from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_kind
 from rapc.base.diagnostics import Rule, Severity
 from rapc.base.source import Span
@@ -83,7 +83,7 @@ ANALYZER = Analyzer(
 )
 
 
-def _further(index: Index) -> Iterator[tuple[str, Span, nodes.Node]]:
+def _further(index: Index) -> Iterator[tuple[str, Span, Form]]:
     """Predicates named outside of propositions."""
     for row in index.of(nodes.ComparatorRow):
         yield row.node.property, row.node.span, row.owner

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, Index
+from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.named import UnknownNames, declared_at
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -93,7 +93,7 @@ def _declared(library: Library) -> Iterator[str]:
         yield name.removeprefix(":")
 
 
-def _asked(index: Index) -> Iterator[tuple[nodes.Const, nodes.Node]]:
+def _asked(index: Index) -> Iterator[tuple[nodes.Const, Form]]:
     """Every constant that stands for a result, with its top-level form."""
     bound: set[tuple[int, str]] = set()
     for use in index.of(nodes.HistoryTest):

@@ -1,0 +1,415 @@
+"""Which forms of a library have to be looked at again when some of them have changed.
+
+A finding may depend on its form and on all that this leads to, so a RAP that shows
+something else than before has all that ask for it looked at again, directly or not.
+Of what forms tell about places and constants (`rapc.analysis.census`) passes ask how
+often something is so, up to `ENOUGH`: where a change leaves such an answer as it was,
+nobody is concerned; else all forms are that may have asked.
+
+Where the answer would be long, or something has changed on which everything depends,
+there is none: the library is checked as a whole.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
+
+import msgspec
+
+from rapc.analysis.census import ENOUGH, Census, FormKey, sort_of
+from rapc.analysis.close_names import is_one_slip
+from rapc.analysis.kept import AGENDAS, FileState, FormState, State, form_at
+from rapc.analysis.places import Place
+from rapc.base.diagnostics import Diagnostic
+from rapc.base.source import SourceFile, Span
+
+MOST = 400
+"""So many forms are looked at again; of more the whole library is."""
+
+
+class Change(msgspec.Struct, frozen=True):
+    """What has become of the forms of a library, told by file and beginning."""
+
+    #: The files with another text, or none, or that were not there before.
+    files: frozenset[str]
+    #: The forms whose text is another, or that are not there any more.
+    gone: Mapping[FormKey, FormState]
+    #: The forms with a new text.
+    fresh: Mapping[FormKey, FormState]
+    #: Where forms of changed files begin now whose text is as before.
+    moved: Mapping[FormKey, FormKey]
+
+
+def change_of(old: State, files: Mapping[str, FileState]) -> Change | None:
+    """Return what has changed; None if it is more than the texts of some RAPs.
+
+    Args:
+        old: the library as it was.
+        files: its files now, in the order in which they are read.
+    """
+    before = {one.name: one for one in old.files}
+    both = [name for name in before if name in files]
+    if both != [name for name in files if name in before]:
+        return None
+    gone: dict[FormKey, FormState] = {}
+    fresh: dict[FormKey, FormState] = {}
+    moved: dict[FormKey, FormKey] = {}
+    changed = [
+        name
+        for name in dict.fromkeys((*before, *files))
+        if name not in before or name not in files or before[name] is not files[name]
+    ]
+    for name in changed:
+        was = before[name].forms if name in before else ()
+        now = files[name].forms if name in files else ()
+        if [*_declared(was)] != [*_declared(now)]:
+            return None
+        pairs = _same(was, now)
+        if pairs is None:
+            return None
+        moved.update(((name, a.start), (name, b.start)) for a, b in pairs)
+        kept = {id(one) for pair in pairs for one in pair}
+        gone.update(((name, one.start), one) for one in was if id(one) not in kept)
+        fresh.update(((name, one.start), one) for one in now if id(one) not in kept)
+    if any(one.is_entangled for one in (*gone.values(), *fresh.values())):
+        return None
+    return Change(frozenset(changed), gone, fresh, moved)
+
+
+def _declared(forms: Iterable[FormState]) -> Iterator[bytes]:
+    return (one.digest for one in forms if not one.rap and one.sort != "require")
+
+
+def requires_the_same(
+    was: Mapping[str, tuple[str, ...]],
+    now: Mapping[str, tuple[str, ...]],
+    files: Container[str],
+) -> bool:
+    """Whether some files require, and are required, as they were.
+
+    Args:
+        was: what files required themselves.
+        now: what they require.
+        files: those that were there and still are.
+    """
+    return _of(was, files) == _of(now, files)
+
+
+def _of(
+    required: Mapping[str, tuple[str, ...]], files: Container[str]
+) -> tuple[object, object]:
+    own = {name: there for name, there in required.items() if name in files}
+    return own, {one for there in required.values() for one in there if one in files}
+
+
+def _same(
+    was: Sequence[FormState], now: Sequence[FormState]
+) -> list[tuple[FormState, FormState]] | None:
+    """Return the forms with the text they had; None if their order is another."""
+    known: dict[bytes, list[FormState]] = {}
+    for one in was:
+        known.setdefault(one.digest, []).append(one)
+    pairs = []
+    for one in now:
+        there = known.get(one.digest)
+        if there:
+            pairs.append((there.pop(0), one))
+    starts = [one.start for one, _ in pairs]
+    return pairs if starts == sorted(starts) else None
+
+
+class Affected:
+    """The forms that have to be looked at again.
+
+    Args:
+        old: the library as it was.
+        files: its files now, in the order in which they are read.
+        change: what has changed.
+        census: what the files tell now.
+        sources: their texts.
+    """
+
+    def __init__(
+        self,
+        old: State,
+        files: Mapping[str, FileState],
+        change: Change,
+        census: Census,
+        sources: Mapping[str, SourceFile],
+    ) -> None:
+        self._old = old
+        self._files = files
+        self._change = change
+        self._census = census
+        self._texts = {name: source.text.lower() for name, source in sources.items()}
+        self._before = {one.name: one for one in old.files}
+        self._users: dict[tuple[str, str], frozenset[FormKey]] = {}
+        self._fresh = frozenset(change.fresh)
+
+    def all(self) -> set[FormKey] | None:
+        """Return them, with `AGENDAS` if all agendas are; None for everything."""
+        if self._told_apart() or self._changes_known():
+            return None
+        found = set(self._fresh)
+        found.update(self._callers())
+        for one in (*self._labelled(), *self._old.watched):
+            found.update(self._now(one))
+        found.update(self._believing())
+        found.update(self._by_constants())
+        found.update(self._by_places())
+        return found if len(found) <= MOST else None
+
+    def _now(self, key: FormKey) -> Iterator[FormKey]:
+        """Yield where a form is now, unless its text is another."""
+        if key[0] not in self._change.files:
+            yield key
+        elif key in self._change.moved:
+            yield self._change.moved[key]
+
+    def _told_apart(self) -> bool:
+        """Whether two RAPs have one name."""
+        names = [f.rap for file in self._files.values() for f in file.forms if f.rap]
+        return len(names) != len(set(names))
+
+    def _changes_known(self) -> bool:
+        """Whether other facts or primitives than before are wanted of RAPs."""
+        return _wanted(self._old.files) != _wanted(self._files.values())
+
+    # --- downwards --------------------------------------------------------------------
+
+    def _callers(self) -> Iterator[FormKey]:
+        """Yield the forms that lead to a RAP that shows something else than before."""
+        was, now = self._shown(self._change.gone), self._shown(self._change.fresh)
+        waiting = [name for name in {*was, *now} if was.get(name) != now.get(name)]
+        if not waiting:
+            return
+        callers: dict[str, list[tuple[FormKey, str]]] = {}
+        places = {
+            form.rap: (name, form.start)
+            for name, file in self._files.items()
+            for form in file.forms
+        }
+        for _, one in self._census.asking():
+            for callee in one.calls:
+                callers.setdefault(callee, []).append((places[one.rap], one.rap))
+        seen = set(waiting)
+        while waiting:
+            for key, rap in callers.get(waiting.pop(), ()):
+                yield key
+                if rap not in seen:
+                    seen.add(rap)
+                    waiting.append(rap)
+        yield from self._mentioning(seen)
+
+    def _shown(
+        self, forms: Mapping[FormKey, FormState]
+    ) -> Mapping[str, tuple[str, bytes]]:
+        return {one.rap: (key[0], one.shown) for key, one in forms.items() if one.rap}
+
+    def _mentioning(self, raps: set[str]) -> Iterator[FormKey]:
+        """Yield the forms that are no RAPs and have a word among some."""
+        for name, file in self._files.items():
+            for form in file.forms:
+                if not form.rap:
+                    text = self._texts[name][form.start : form.end]
+                    if not raps.isdisjoint(words_of(text)):
+                        yield AGENDAS if form.sort == "agenda" else (name, form.start)
+
+    def _labelled(self) -> Iterator[FormKey]:
+        """Yield the forms of which is said what shows a place that has changed."""
+        for owner, one in self._old.found:
+            for span in spans_of(one):
+                if span.file in self._change.files:
+                    key = span.file, self._form_before(span)
+                    if key not in self._change.moved:
+                        yield owner
+
+    def _form_before(self, span: Span) -> int:
+        forms = self._before[span.file].forms
+        return form_at([(one.start, one.end) for one in forms], span)
+
+    def _believing(self) -> Iterator[FormKey]:
+        """Yield the forms that ask how old a belief is, if it is sensed otherwise."""
+        was, now = (
+            {
+                one.asked()
+                for name in self._change.files & files.keys()
+                for one in files[name].census.asking
+            }
+            for files in (self._before, self._files)
+        )
+        if was != now:
+            yield from self._with_text("believe")
+
+    # --- sideways: constants ----------------------------------------------------------
+
+    def _by_constants(self) -> Iterator[FormKey]:
+        turned: Counter[tuple[str, bool, tuple[str, ...]]] = Counter()
+        for sign, files, keys in (
+            (-1, self._before, self._change.gone),
+            (1, self._files, self._change.fresh),
+        ):
+            for name in self._change.files:
+                for one in files[name].census.constants if name in files else ():
+                    if (name, one.form) in keys:
+                        turned[one.written, one.filled, one.places] += sign
+        sorts: dict[str, Counter[str]] = {}
+        words: dict[str, list[tuple[bool, tuple[str, ...]]]] = {}
+        for (written, filled, places), number in turned.items():
+            sort = sort_of(written)
+            if number and sort != "number":
+                words.setdefault(written, []).append((filled, places))
+            for place in places if sort else ():
+                sorts.setdefault(place, Counter())[sort] += number
+        for written, where in words.items():
+            yield from self._by_word(written, where)
+        for word, counts in sorts.items():
+            yield from self._by_sorts(place_of(word), counts)
+
+    def _by_word(
+        self, written: str, where: Iterable[tuple[bool, tuple[str, ...]]]
+    ) -> Iterator[FormKey]:
+        yield from self._with_text(f"?{written.lower()}")
+        there = self._census.standing(written)
+        rest = [one for one in there if one.form not in self._fresh]
+        first = bool(there) and there[0].form in self._fresh
+        if not first and all(
+            _is_enough(
+                [
+                    one.form
+                    for one in rest
+                    if one.filled is filled and set(one.places).issuperset(places)
+                ]
+            )
+            for filled, words in where
+            for places in [{place_of(word) for word in words}]
+        ):
+            return
+        twins = (written, f'"{written}"', *self._close_to(written))
+        for twin in twins:
+            for one in self._census.standing(twin):
+                yield one.form
+
+    def _close_to(self, written: str) -> Iterator[str]:
+        if sort_of(written) == "word":
+            for other in self._census.written():
+                if other[:1] == written[:1] and is_one_slip(written, other):
+                    yield other
+
+    def _by_sorts(self, place: Place, counts: Mapping[str, int]) -> Iterator[FormKey]:
+        """Yield the forms with constants at a place, if sorts there have changed."""
+        there = self._census.at(place)
+        for sort, number in counts.items():
+            if not number:
+                continue
+            rest = (
+                one
+                for file, one in there
+                if sort_of(one.written) == sort and (file, one.form) not in self._fresh
+            )
+            if len(list(islice(rest, ENOUGH))) < ENOUGH:
+                yield from [(file, one.form) for file, one in there]
+                return
+
+    def mentions(self, text: str, but: Container[FormKey]) -> bool:
+        """Whether any form has a text in it, besides some."""
+        return any(key not in but for key in self._with_text(text.lower()))
+
+    def _with_text(self, text: str) -> Iterator[FormKey]:
+        for name, whole in self._texts.items():
+            if text in whole and name in self._files:
+                for form in self._files[name].forms:
+                    if text in whole[form.start : form.end]:
+                        yield name, form.start
+
+    # --- sideways: places -------------------------------------------------------------
+
+    def _by_places(self) -> Iterator[FormKey]:
+        turned: Counter[tuple[str, str]] = Counter()
+        for sign, files, keys in (
+            (-1, self._before, self._change.gone),
+            (1, self._files, self._change.fresh),
+        ):
+            for pairs in _pairs(files, self._change.files, keys):
+                for pair in pairs:
+                    turned[pair] += sign
+        for (one, other), number in turned.items():
+            if number:
+                first, second = place_of(one), place_of(other)
+                rest = self._census.together(first, second, self._fresh)
+                if rest < ENOUGH:
+                    yield from self._with(first) & self._with(second)
+
+    def _with(self, place: Place) -> frozenset[FormKey]:
+        """Return the forms that use the name of a place."""
+        name = (place.space, place.name)
+        users = self._users.get(name)
+        if users is None:
+            every = (Place(*name, at) for at in range(_MOST_ARGUMENTS))
+            forms = [form for at in every for form in self._census.forms_with(at)]
+            users = self._users[name] = frozenset(forms)
+        return users
+
+
+_MOST_ARGUMENTS = 64
+"""Arguments further behind are held against nothing."""
+
+_WORD = re.compile(r"[^\s()\";']+")
+
+
+def words_of(text: str) -> list[str]:
+    """Return the words of a text as symbols are read: in small letters."""
+    return _WORD.findall(text.lower())
+
+
+def _wanted(files: Iterable[FileState]) -> tuple[set[str], set[str]]:
+    changed: set[str] = set()
+    requested: set[str] = set()
+    for file in files:
+        changed.update(file.census.changed)
+        for one in file.census.asking:
+            requested.update(one.requests)
+    return changed, requested
+
+
+def _is_enough(forms: Sequence[FormKey]) -> bool:
+    return len(set(forms)) >= ENOUGH
+
+
+def place_of(word: str) -> Place:
+    """Return a place by the words of its parts, as a census has it."""
+    space, name, position = word.split(" ")
+    return Place(space, name, int(position))
+
+
+def _pairs(
+    files: Mapping[str, FileState], changed: Iterable[str], forms: Iterable[FormKey]
+) -> Iterator[set[tuple[str, str]]]:
+    """Yield for each of some forms the pairs of places that it puts together."""
+    wanted = frozenset(forms)
+    for name in changed:
+        census = files[name].census if name in files else None
+        groups: dict[int, list[str]] = {}
+        for place, there in census.groups.items() if census else ():
+            for group in there:
+                assert census is not None
+                if (name, census.owners[group]) in wanted:
+                    groups.setdefault(group, []).append(place)
+        by_form: dict[int, set[tuple[str, str]]] = {}
+        for group, places in groups.items():
+            assert census is not None
+            found = by_form.setdefault(census.owners[group], set())
+            found.update((a, b) for a in places for b in places if a < b)
+        yield from by_form.values()
+
+
+def spans_of(found: Diagnostic) -> Iterator[Span]:
+    """Yield every place that a finding tells of."""
+    yield found.span
+    for label in found.labels:
+        yield label.span
+    for edit in found.fix.edits if found.fix is not None else ():
+        yield edit.span

@@ -1,0 +1,347 @@
+"""Check a library again of which little has changed since it was checked.
+
+The forms that have to be looked at again (`rapc.analysis.affected`) and all that they
+lead to are a small library of their own: its forms are read from where they stand, and
+the passes run over it as over any other. Passes that hold a form against all others ask
+the census (`rapc.analysis.census`), which is of the whole library. What was found in
+other forms is kept, and shown where these forms are now.
+
+Findings are those of a whole check, byte for byte. Where that is not certain there is
+no answer, and the library is checked as a whole.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+import msgspec
+
+from rapc.analysis.affected import (
+    Affected,
+    Change,
+    change_of,
+    requires_the_same,
+    spans_of,
+    words_of,
+)
+from rapc.analysis.analyzer import never
+from rapc.analysis.census import CENSUS, Census, FileCensus, FormKey, gather, key_of
+from rapc.analysis.driver import (
+    Analysis,
+    CheckReport,
+    Written,
+    analyzed,
+    needed_for,
+    reported,
+)
+from rapc.analysis.index import Index
+from rapc.analysis.kept import (
+    AGENDAS,
+    FileState,
+    FormState,
+    State,
+    file_state,
+    form_at,
+)
+from rapc.analysis.named import MISUSES
+from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
+from rapc.analysis.places import Places
+from rapc.analysis.selection import Selection
+from rapc.base.diagnostics import Diagnostic
+from rapc.base.gc_paused import gc_paused
+from rapc.base.source import SourceFile, Span
+from rapc.library import library
+from rapc.library.library import Library
+from rapc.library.loader import Loaded, Parse
+from rapc.parser.parse import parse
+from rapc.parser.unit import SourceUnit
+
+
+class Again(msgspec.Struct, frozen=True):
+    """What a check of a part has come to."""
+
+    report: CheckReport
+    #: What to keep for the next check.
+    state: State
+
+
+@gc_paused()
+def check_again(
+    old: State,
+    sketched: Loaded,
+    parser: Parse,
+    chosen: Selection,
+    digest: Callable[[SourceFile], str],
+) -> Again | None:
+    """Return the report on a library, and what to keep; None if all is to be checked.
+
+    Args:
+        old: what was kept of it.
+        sketched: the library now, of which files and what they require are known.
+        parser: makes units of files.
+        chosen: the rules that may report, the same as before.
+        digest: tells the text of a file from others.
+    """
+    if not old.is_open or any(one.of_all for one in needed_for(chosen.enabled)):
+        return None
+    sources = sketched.files
+    both = {one.name for one in old.files} & sources.keys()
+    if not requires_the_same(old.required, sketched.required, both):
+        return None
+    files = _files(old, sources, parser, digest)
+    change = None if files is None else change_of(old, files)
+    if files is None or change is None:
+        return None
+    return _Part(old, files, change, sketched, parser).checked(chosen)
+
+
+def _files(
+    old: State,
+    sources: Mapping[str, SourceFile],
+    parser: Parse,
+    digest: Callable[[SourceFile], str],
+) -> Mapping[str, FileState] | None:
+    """Return what the files tell now; None if they cannot be read without a slip."""
+    known = {one.name: one for one in old.files}
+    files: dict[str, FileState | None] = {}
+    units: dict[str, tuple[SourceUnit, str]] = {}
+    for name, source in sources.items():
+        told = digest(source)
+        one = known.get(name)
+        files[name] = one if one is not None and one.digest == told else None
+        if files[name] is None:
+            unit = parser(source)
+            if unit.diagnostics or unit.partial or unit.tests:
+                return None
+            units[name] = unit, told
+    written = Written.of(unit for unit, _ in units.values())
+    censuses = _censuses([unit for unit, _ in units.values()])
+    return {
+        name: file_state(*units[name], censuses.get(name, FileCensus()), written)
+        if one is None
+        else one
+        for name, one in files.items()
+    }
+
+
+def _censuses(units: Sequence[SourceUnit]) -> Mapping[str, FileCensus]:
+    linked, _ = library.link(units)
+    index = Index(linked)
+    return gather(linked, index, Places(index, ()))
+
+
+class _Part:
+    """The part of a library that is looked at again.
+
+    Args:
+        old: the library as it was.
+        files: what its files tell now.
+        change: what has changed.
+        sketched: the library now.
+        parser: makes units of files.
+    """
+
+    def __init__(
+        self,
+        old: State,
+        files: Mapping[str, FileState],
+        change: Change,
+        sketched: Loaded,
+        parser: Parse,
+    ) -> None:
+        self._old = old
+        self._files = files
+        self._change = change
+        self._sources = sketched.files
+        self._required = sketched.required
+        self._parser = parser
+        censuses = {name: one.census for name, one in files.items()}
+        self._census = Census(censuses)
+        self._affected = Affected(old, files, change, self._census, sketched.files)
+        self._ranges_before = {
+            one.name: [(form.start, form.end) for form in one.forms]
+            for one in old.files
+            if one.name in change.files
+        }
+        self._forms = {
+            (name, one.start): one for name, file in files.items() for one in file.forms
+        }
+        self._raps = {one.rap: key for key, one in self._forms.items() if one.rap}
+
+    def checked(self, chosen: Selection) -> Again | None:
+        """Return what a whole check would find; None if that is not certain."""
+        dirty = self._affected.all()
+        below = None if dirty is None else self._below(self._with_agendas(dirty))
+        if dirty is None or below is None:
+            return None
+        part = self._library(below, agendas=AGENDAS in dirty)
+        self._census.unmarked = frozenset(
+            [(key, name) for key, name in self._unmarked() if key not in dirty]
+        )
+        wanted = needed_for(chosen.enabled)
+        known = {CENSUS.name: self._census}
+        analysis = analyzed(part, wanted, True, never, self._required, known)
+        if not self._is_certain(analysis, dirty):
+            return None
+        found = [*self._kept(dirty), *self._new(analysis, dirty)]
+        state = State(
+            tuple(self._files.values()),
+            tuple(found),
+            tuple(sorted(dirty & analysis.watched)),
+            tuple(sorted(self._unmarked_now(analysis, dirty))),
+            self._required,
+        )
+        return Again(self._report([one for _, one in found], chosen), state)
+
+    def _with_agendas(self, dirty: set[FormKey]) -> set[FormKey]:
+        """Add all agendas to some forms if one of them is concerned."""
+        agendas = [key for key, one in self._forms.items() if one.sort == "agenda"]
+        if AGENDAS in dirty or not dirty.isdisjoint(agendas):
+            dirty.update((AGENDAS, *agendas))
+        return dirty
+
+    # --- what is looked at ------------------------------------------------------------
+
+    def _below(self, dirty: Iterable[FormKey]) -> set[FormKey] | None:
+        """Return the RAPs among some forms and all that these lead to.
+
+        None if one of them may be entangled with forms that it does not lead to.
+        """
+        waiting: list[str] = []
+        for key in dirty:
+            form = self._forms.get(key)
+            if form is not None and form.rap:
+                waiting.append(form.rap)
+            elif form is not None:
+                words = words_of(self._sources[key[0]].text[form.start : form.end])
+                waiting += [word for word in words if word in self._raps]
+        calls = {one.rap: one.calls for _, one in self._census.asking()}
+        found: set[FormKey] = set()
+        seen = set(waiting)
+        while waiting:
+            at = self._raps.get(waiting.pop())
+            if at is None or self._forms[at].is_entangled:
+                return None
+            found.add(at)
+            new = [name for name in calls[self._forms[at].rap] if name not in seen]
+            seen.update(new)
+            waiting += new
+        return found
+
+    def _library(self, raps: set[FormKey], *, agendas: bool) -> Library:
+        """Return the library of some RAPs and of all declarations and rules."""
+        units = []
+        for name, file in self._files.items():
+            wanted = [
+                one
+                for one in file.forms
+                if (name, one.start) in raps
+                or (not one.rap and (agendas or one.sort != "agenda"))
+            ]
+            if all(one.sort == "require" for one in wanted):
+                wanted = []
+            units.append(self._unit(self._sources[name], wanted))
+        linked, _ = library.link(units)
+        return linked
+
+    def _unit(self, source: SourceFile, wanted: Sequence[FormState]) -> SourceUnit:
+        """Return a unit with some forms of a file, each in its place."""
+        starts = {one.start for one in wanted}
+        if not starts:
+            return SourceUnit(source)
+        if source.name in self._change.files:
+            whole = self._parser(source)
+        else:
+            pieces, at = [], 0
+            for one in wanted:
+                pieces += [" " * (one.start - at), source.text[one.start : one.end]]
+                at = one.end
+            whole = parse(SourceFile(source.name, "".join(pieces)))
+        forms = tuple([one for one in whole.forms if one.span.start in starts])
+        return SourceUnit(source, forms)
+
+    # --- what is found ----------------------------------------------------------------
+
+    def _is_certain(self, analysis: Analysis, dirty: set[FormKey]) -> bool:
+        """Whether no name is at fault, and no form left out needs to know more.
+
+        A form with a variable would, for which a constant stands now, or does no more.
+        """
+        wrong = {key_of(one.used.owner) for one in analysis.result(MISUSES).found}
+        if not dirty.isdisjoint(wrong):
+            return False
+        now = {(k, n) for (_, n), k in analysis.result(CONSTANTS).items() if k in dirty}
+        turned = now ^ {(key, name) for key, name in self._unmarked() if key in dirty}
+        others = {name for _, name in turned}
+        others.update(n for key, n in self._old.unmarked if key in self._change.gone)
+        return not any(self._affected.mentions(name, dirty) for name in others)
+
+    def _unmarked(self) -> Iterator[tuple[FormKey, str]]:
+        for key, name in self._old.unmarked:
+            for now in self._now(key):
+                yield now, name
+
+    def _unmarked_now(
+        self, analysis: Analysis, dirty: set[FormKey]
+    ) -> Iterator[tuple[FormKey, str]]:
+        for key, name in self._unmarked():
+            if key not in dirty:
+                yield key, name
+        for (_, name), key in analysis.result(CONSTANTS).items():
+            if key in dirty:
+                yield key, name
+
+    def _now(self, key: FormKey) -> Iterator[FormKey]:
+        """Yield where a form is now, unless its text is another."""
+        if key[0] not in self._change.files:
+            yield key
+        elif key in self._change.moved:
+            yield self._change.moved[key]
+
+    def _kept(self, dirty: set[FormKey]) -> Iterator[tuple[FormKey, Diagnostic]]:
+        for owner, one in self._old.found:
+            for now in self._now(owner):
+                if now not in dirty:
+                    yield now, self._moved(one)
+
+    def _new(
+        self, analysis: Analysis, dirty: set[FormKey]
+    ) -> Iterator[tuple[FormKey, Diagnostic]]:
+        ranges = {
+            name: [(one.start, one.end) for one in file.forms]
+            for name, file in self._files.items()
+        }
+        for analyzer, one in analysis.found:
+            there = one.span.file, form_at(ranges[one.span.file], one.span)
+            owner = AGENDAS if analyzer.by_agendas else there
+            if owner in dirty:
+                yield owner, one
+
+    def _moved(self, one: Diagnostic) -> Diagnostic:
+        """Return a finding with its places as they are now."""
+        if not any(span.file in self._change.files for span in spans_of(one)):
+            return one
+        replace, at = msgspec.structs.replace, self._place
+        labels = [replace(label, span=at(label.span)) for label in one.labels]
+        fix = one.fix
+        if fix is not None:
+            edits = [replace(edit, span=at(edit.span)) for edit in fix.edits]
+            fix = replace(fix, edits=tuple(edits))
+        return replace(one, span=at(one.span), labels=tuple(labels), fix=fix)
+
+    def _place(self, span: Span) -> Span:
+        if span.file not in self._change.files:
+            return span
+        start = form_at(self._ranges_before[span.file], span)
+        _, now = self._change.moved[span.file, start]
+        return Span(span.file, span.start - start + now, span.end - start + now)
+
+    def _report(self, found: Sequence[Diagnostic], chosen: Selection) -> CheckReport:
+        written = Written(
+            {name: one.suppressions for name, one in self._files.items()},
+            {name: one.wrong for name, one in self._files.items()},
+        )
+        left = written.applied(found, self._sources, chosen, never)
+        raps = Counter(key[0] for key in self._raps.values())
+        return reported(left, self._sources, raps, chosen)

@@ -1,0 +1,168 @@
+"""Random libraries whose forms depend on each other, and edits of single RAPs in them.
+
+Names are declared, and used with as many arguments as they have, so that what is found
+is found by what forms say to each other: constants spelled almost alike, arguments that
+stand in each other's places, effects and goals, priorities, kinds.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping, Sequence
+
+DECLARATIONS = """\
+(declare-kind door (front back side))
+(declare-kind room)
+(declare-memory-property door-state ((?door door) ?state) unknown)
+(declare-memory-property location (?thing ?place) unknown)
+(declare-memory-property battery (?level) unknown)
+(declare-memory-proposition at ((?room room)))
+(declare-memory-proposition seen (?thing))
+(declare-memory-proposition beside (?thing ?other))
+(declare-memory-function near (?thing ?other))
+(declare-primitive push ((?door door)) (okay jammed)
+  :on (okay (door-state ?door open)))
+(declare-primitive drive ((?room room)) (okay blocked) :on (okay (at ?room)))
+(declare-primitive look () (okay) :on (okay (seen box)))
+(declare-primitive grab (?thing ?place) (okay dropped)
+  :on (okay (not (location ?thing ?place))))
+(define-query (reachable ?thing) (or (seen ?thing) (location ?thing shelf)))
+(define-memory-rule (r1 ?one ?other) :finish
+  (match-result
+    (succeed (rule (true (mem-add (beside ?one ?other)))))
+    (jammed (rule (true (mem-del (seen ?one)))))))
+(define-agenda day
+  (task (r0 front hall) :priority 4 :background true)
+  (task (r2 front hall) :priority 3 :background true)
+  (task (r4 back yard)))
+"""
+
+WORDS = (
+    *("open", "opened", "shut", "shutt", "jammed", "jamed", "front", "back", "box"),
+    *("boxes", "shelf", "shelff", "hall", "yard", "unknown", "3", "40", "true"),
+)
+VARIABLES = ("?one", "?other", "?state", "?stat", "?place", "?open", "?shelf", "?box")
+FACTS = (
+    *("(door-state {} {})", "(location {} {})", "(beside {} {})", "(seen {})"),
+    *("(at {})", "(battery {})", "(reachable {})", "(near {} {})", "(door-state {})"),
+    *("(= {} {})", "(> {} 3)", "(believe (seen {}) 4)", "(last-result {})"),
+)
+REQUESTS = ("(push {})", "(drive {})", "(look)", "(grab {} {})")
+
+
+class Maker:
+    """Makes RAPs at random; `r0` to `rN` ask for each other.
+
+    Args:
+        dice: where chance comes from.
+        names: how many RAPs there are.
+    """
+
+    def __init__(self, dice: random.Random, names: int) -> None:
+        self._dice = dice
+        self._names = names
+
+    def files(self, count: int) -> dict[str, str]:
+        """Return the texts of a library by the names of its files."""
+        texts = {"a.rap": DECLARATIONS}
+        for file in range(count):
+            numbers = range(file, self._names, count)
+            texts[f"p{file}.rap"] = "".join(map(self.rap, numbers))
+        return texts
+
+    def rap(self, number: int) -> str:
+        """Return the text of a RAP by its number."""
+        clauses = [
+            f"  ({clause} {self._formula()})\n"
+            for clause, often in _CLAUSES.items()
+            if self._dice.random() < often
+        ]
+        if self._dice.random() < _SELDOM:
+            clauses = [f"  (succeed nil)\n  (monitor-state {self._formula()})\n"]
+        methods = [self._method(at) for at in range(self._dice.randrange(1, 3))]
+        index = f"(index (r{number} ?one ?other))"
+        return f"(define-rap {index}\n{''.join(clauses)}{''.join(methods)})\n"
+
+    def _method(self, at: int) -> str:
+        context = f"(context {self._formula()}) " * (self._dice.random() < _OFTEN)
+        if self._dice.random() < _OFTEN:
+            body = f"(primitive {self._filled(self._dice.choice(REQUESTS))})"
+        else:
+            count = self._dice.randrange(1, 4)
+            steps = [self._step(step, last=step + 1 == count) for step in range(count)]
+            body = f"(task-net {' '.join(steps)})"
+        return f"  (method m{at} {context}{body})\n"
+
+    def _step(self, at: int, *, last: bool) -> str:
+        goal = self._filled(f"(r{self._dice.randrange(self._names)} {{}} {{}})")
+        notes = ""
+        if not last and self._dice.random() < _OFTEN:
+            notes += f" ({self._fact()} for t{at + 1})"
+        high = f"{self._dice.randrange(9)} " * (self._dice.random() < _SELDOM)
+        return f"(t{at} {high}{goal}{notes})"
+
+    def _formula(self) -> str:
+        parts = [self._fact() for _ in range(self._dice.randrange(1, 4))]
+        return parts[0] if len(parts) == 1 else f"(and {' '.join(parts)})"
+
+    def _fact(self) -> str:
+        fact = self._filled(self._dice.choice(FACTS))
+        return f"(not {fact})" if self._dice.random() < _SELDOM else fact
+
+    def _filled(self, pattern: str) -> str:
+        terms = [self._term() for _ in range(pattern.count("{}"))]
+        return pattern.format(*terms)
+
+    def _term(self) -> str:
+        words = VARIABLES if self._dice.random() < _OFTEN else WORDS
+        return self._dice.choice(words)
+
+
+_OFTEN, _SELDOM = 0.6, 0.2
+_CLAUSES = {"preconditions": 0.2, "monitor-state": 0.2, "succeed": 0.5}
+
+
+def edited(
+    dice: random.Random, maker: Maker, files: Mapping[str, str]
+) -> dict[str, str]:
+    """Return a library with a change in one of its files."""
+    texts = dict(files)
+    name = dice.choice([name for name in texts if name != "a.rap"])
+    forms = _forms(texts[name])
+    at = dice.randrange(len(forms))
+    kind = dice.randrange(10)
+    number = int(forms[at].split("(r", 1)[1].split(" ", 1)[0])
+    if kind < 4:
+        forms[at] = maker.rap(number)
+    elif kind == 4:
+        forms[at] = f"; rapc: ignore[{dice.choice(_RULES)}] an edit\n{forms[at]}"
+    elif kind == 5:
+        forms[at] = forms[at].replace("  (", "\n  (", 1)
+    elif kind == 6:
+        forms[at] = _with_another_word(dice, forms[at])
+    elif kind == 7:
+        forms.insert(at, maker.rap(100 + dice.randrange(9)))
+    elif kind == 8 and len(forms) > 1 and number > 99:
+        del forms[at]
+    else:
+        texts["a.rap"] = texts["a.rap"].replace("shelf))", "hall))", 1)
+    texts[name] = "".join(forms)
+    return texts
+
+
+_RULES = ("misspelt-constant", "swapped-arguments", "unbound-variable")
+
+
+def _forms(text: str) -> list[str]:
+    pieces = text.split("(define-rap")
+    head = pieces[0]
+    forms = [f"(define-rap{piece}" for piece in pieces[1:]]
+    forms[0] = head + forms[0]
+    return forms
+
+
+def _with_another_word(dice: random.Random, text: str) -> str:
+    there: Sequence[str] = [word for word in (*WORDS, *VARIABLES) if word in text]
+    if not there:
+        return text
+    return text.replace(dice.choice(there), dice.choice(WORDS), 1)

@@ -1,0 +1,224 @@
+"""After a change what is found is found by looking at a part of the library alone."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bench.parse import DECLARATIONS, DEFINITION
+from rapc.analysis import cache as keeping
+from rapc.analysis.again import Again, check_again
+from rapc.analysis.cache import Cache
+from rapc.analysis.check_files import check_files
+from rapc.analysis.driver import CheckReport
+from rapc.analysis.selection import Selection, by_default, rule_names
+from rapc.base.source import SourceFile
+from rapc.library.units import Units
+from rapc.parser.unit import SourceUnit
+from tests.analysis.libraries import Maker, edited
+
+
+class Seen(Units):
+    """Units that know which files were parsed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: list[str] = []
+
+    def __call__(self, source: SourceFile) -> SourceUnit:
+        self.names.append(source.name)
+        return super().__call__(source)
+
+
+@pytest.fixture
+def parts(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """For each library with another state than before: whether a part was enough."""
+    found: list[bool] = []
+
+    def noted(*given: Any) -> Again | None:
+        made = check_again(*given)
+        found.append(made is not None)
+        return made
+
+    monkeypatch.setattr(keeping, "check_again", noted)
+    return found
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder for a library, in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lib").mkdir()
+    return tmp_path / "lib"
+
+
+def _write(folder: Path, texts: Mapping[str, str]) -> None:
+    for file in folder.iterdir():
+        if file.name not in texts:
+            file.unlink()
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+
+
+def _kept(units: Units | None = None, rules: frozenset[str] | None = None) -> object:
+    selection = Selection(rules or by_default())
+    cache = Cache(Path("kept", "x.checked"), ("lib",), selection, units or Units())
+    return _told(check_files(("lib",), selection, cache=cache))
+
+
+def _plain(rules: frozenset[str] | None = None) -> object:
+    return _told(check_files(("lib",), Selection(rules or by_default())))
+
+
+def _told(report: CheckReport) -> object:
+    texts = [(name, source.text) for name, source in report.files.items()]
+    return report.findings, texts, dict(report.raps_in)
+
+
+# --- the same findings ----------------------------------------------------------------
+
+SIZES = [
+    (20, 6),
+    *[
+        pytest.param(raps, 200, marks=pytest.mark.slow)
+        for raps in (20, 30, 40, 50, 60, 80, 120)
+    ],
+]
+
+
+@pytest.mark.parametrize(("raps", "edits"), SIZES)
+def test_a_part_tells_what_the_whole_does(
+    raps: int, edits: int, here: Path, parts: list[bool]
+) -> None:
+    dice = random.Random(raps * edits)
+    maker, units = Maker(dice, raps), Units()
+    first = texts = maker.files(5)
+    for _ in range(edits):
+        _write(here, texts)
+        assert _kept(units) == _plain()
+        texts = first if dice.random() < 0.1 else edited(dice, maker, texts)
+    assert sum(parts) > edits / 5  # a part often is enough
+
+
+LIBRARY = {
+    "a.rap": DECLARATIONS,
+    **{
+        f"p{part}.rap": "".join(
+            DEFINITION.format(n=n, other=n // 2)
+            for n in range(part * 6 + 1, part * 6 + 7)
+        )
+        for part in range(6)
+    },
+}
+
+EDITS = {
+    "a number in a context": ("p4.rap", "(> ?size 26)", "(> ?size 99)", ["p4.rap"]),
+    "another step": ("p4.rap", "(pickup-14 ", "(pickup-3 ", ["p4.rap"]),
+    "a method more": (
+        "p1.rap",
+        "  (method m8",
+        "  (method again (primitive (arm-grasp ?arm ?thing)))\n  (method m8",
+        ["p1.rap"],
+    ),
+    "an unbound variable": (
+        "p2.rap",
+        "(go-to ?place) ((at ?place) for t2)",
+        "(go-to ?spot) ((at ?place) for t2)",
+        ["p2.rap"],
+    ),
+    "another goal": ("p0.rap", "(arm-holding ?arm ?thing)", "(at ?arm)", ["p0.rap"]),
+    "a comment": ("p3.rap", ";;; Number 20", ";;; No. 20", ["p3.rap"]),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_of_a_small_change_one_file_is_read_anew(
+    edit: str, here: Path, parts: list[bool]
+) -> None:
+    name, before, after, read = EDITS[edit]
+    _write(here, LIBRARY)
+    _kept()
+    assert before in LIBRARY[name]
+    _write(here, {**LIBRARY, name: LIBRARY[name].replace(before, after, 1)})
+    seen = Seen()
+    assert _kept(seen) == _plain()
+    assert parts == [True]
+    assert sorted(set(seen.names)) == [f"lib/{file}" for file in read]
+
+
+def test_files_may_come_and_go(here: Path, parts: list[bool]) -> None:
+    _write(here, LIBRARY)
+    _kept()
+    more = DEFINITION.format(n=99, other=5) + DEFINITION.format(n=98, other=99)
+    _write(here, {**LIBRARY, "p31.rap": more})
+    assert _kept() == _plain()
+    _write(here, LIBRARY)
+    assert _kept() == _plain()
+    assert parts == [True, True]
+
+
+def test_findings_move_with_their_forms(here: Path, parts: list[bool]) -> None:
+    text = LIBRARY["p2.rap"].replace("(t1 (go-to ?place)", "(t1 (go-to ?spot)", 1)
+    _write(here, {**LIBRARY, "p2.rap": text})
+    before = _kept()
+    _write(here, {**LIBRARY, "p2.rap": f"; a comment\n\n{text}"})
+    assert _kept() == _plain() != before
+    assert parts == [True]
+
+
+def test_suppressions_hold_for_what_is_kept(here: Path, parts: list[bool]) -> None:
+    text = LIBRARY["p2.rap"].replace("(t1 (go-to ?place)", "(t1 (go-to ?spot)", 1)
+    wrong = {**LIBRARY, "p2.rap": text}
+    _write(here, wrong)
+    _kept()
+    ignored = "; rapc: file-ignore[unbound-variable] so it is\n"
+    _write(here, {**wrong, "p2.rap": ignored + text})
+    assert _kept() == _plain()
+    _write(here, {**LIBRARY, "p2.rap": ignored + LIBRARY["p2.rap"]})
+    assert _kept() == _plain()
+    assert parts == [True, True]
+
+
+# --- where a part is not enough -------------------------------------------------------
+
+WHOLE = {
+    "a declaration": ("a.rap", "(?place) (okay road-closed)", "(?place) (okay)"),
+    "an unknown name": ("p4.rap", "(pickup-14 ", "(pickup-400 "),
+    "a parenthesis": ("p4.rap", "(task-net", "task-net"),
+    "forms in another order": (
+        "p4.rap",
+        LIBRARY["p4.rap"],
+        "".join(DEFINITION.format(n=n, other=n // 2) for n in range(30, 24, -1)),
+    ),
+    "a set": ("p4.rap", "(method m26", "(resources (set ?s))\n  (method m26"),
+}
+
+
+@pytest.mark.parametrize("edit", WHOLE)
+def test_the_whole_is_checked_where_more_has_changed(
+    edit: str, here: Path, parts: list[bool]
+) -> None:
+    name, before, after = WHOLE[edit]
+    _write(here, LIBRARY)
+    _kept()
+    changed = {**LIBRARY, name: LIBRARY[name].replace(before, after, 1)}
+    assert changed != LIBRARY
+    _write(here, changed)
+    assert _kept() == _plain()
+    assert parts == [False]
+    _write(here, LIBRARY)
+    assert _kept() == _plain()  # from what was known before
+
+
+def test_rules_about_everybody_need_everybody(here: Path, parts: list[bool]) -> None:
+    rules = frozenset((*by_default(), *rule_names(["unused-declaration"])))
+    _write(here, LIBRARY)
+    _kept(rules=rules)
+    lost = LIBRARY["a.rap"] + "(declare-memory-proposition lost ())"
+    _write(here, {**LIBRARY, "a.rap": lost})
+    assert _kept(rules=rules) == _plain(rules)
+    assert parts == [False]
