@@ -76,8 +76,7 @@ def _write(folder: Path, raps: int) -> None:
     for first in range(1, raps + 1, IN_A_FILE):
         numbers = range(first, min(first + IN_A_FILE, raps + 1))
         forms = [DEFINITION.format(n=n, other=n // 2) for n in numbers]
-        text = '(require "a")\n' + "".join(forms)
-        _file(folder, first).write_text(text, encoding="utf-8")
+        _file(folder, first).write_text("".join(forms), encoding="utf-8")
 
 
 def _file(folder: Path, number: int) -> Path:

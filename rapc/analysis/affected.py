@@ -17,108 +17,16 @@ from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
-import msgspec
-
 from rapc.analysis.census import ENOUGH, Census, FormKey, sort_of
+from rapc.analysis.change import Change
 from rapc.analysis.close_names import is_one_slip
-from rapc.analysis.kept import AGENDAS, FileState, FormState, State, form_at
+from rapc.analysis.kept import AGENDAS, FileState, State, form_at
 from rapc.analysis.places import Place
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 
 MOST = 400
 """So many forms are looked at again; of more the whole library is."""
-
-
-class Change(msgspec.Struct, frozen=True):
-    """What has become of the forms of a library, told by file and beginning."""
-
-    #: The files with another text, or none, or that were not there before.
-    files: frozenset[str]
-    #: The forms whose text is another, or that are not there any more.
-    gone: Mapping[FormKey, FormState]
-    #: The forms with a new text.
-    fresh: Mapping[FormKey, FormState]
-    #: Where forms of changed files begin now whose text is as before.
-    moved: Mapping[FormKey, FormKey]
-
-
-def change_of(old: State, files: Mapping[str, FileState]) -> Change | None:
-    """Return what has changed; None if it is more than the texts of some RAPs.
-
-    Args:
-        old: the library as it was.
-        files: its files now, in the order in which they are read.
-    """
-    before = {one.name: one for one in old.files}
-    both = [name for name in before if name in files]
-    if both != [name for name in files if name in before]:
-        return None
-    gone: dict[FormKey, FormState] = {}
-    fresh: dict[FormKey, FormState] = {}
-    moved: dict[FormKey, FormKey] = {}
-    changed = [
-        name
-        for name in dict.fromkeys((*before, *files))
-        if name not in before or name not in files or before[name] is not files[name]
-    ]
-    for name in changed:
-        was = before[name].forms if name in before else ()
-        now = files[name].forms if name in files else ()
-        if [*_declared(was)] != [*_declared(now)]:
-            return None
-        pairs = _same(was, now)
-        if pairs is None:
-            return None
-        moved.update(((name, a.start), (name, b.start)) for a, b in pairs)
-        kept = {id(one) for pair in pairs for one in pair}
-        gone.update(((name, one.start), one) for one in was if id(one) not in kept)
-        fresh.update(((name, one.start), one) for one in now if id(one) not in kept)
-    if any(one.is_entangled for one in (*gone.values(), *fresh.values())):
-        return None
-    return Change(frozenset(changed), gone, fresh, moved)
-
-
-def _declared(forms: Iterable[FormState]) -> Iterator[bytes]:
-    return (one.digest for one in forms if not one.rap and one.sort != "require")
-
-
-def requires_the_same(
-    was: Mapping[str, tuple[str, ...]],
-    now: Mapping[str, tuple[str, ...]],
-    files: Container[str],
-) -> bool:
-    """Whether some files require, and are required, as they were.
-
-    Args:
-        was: what files required themselves.
-        now: what they require.
-        files: those that were there and still are.
-    """
-    return _of(was, files) == _of(now, files)
-
-
-def _of(
-    required: Mapping[str, tuple[str, ...]], files: Container[str]
-) -> tuple[object, object]:
-    own = {name: there for name, there in required.items() if name in files}
-    return own, {one for there in required.values() for one in there if one in files}
-
-
-def _same(
-    was: Sequence[FormState], now: Sequence[FormState]
-) -> list[tuple[FormState, FormState]] | None:
-    """Return the forms with the text they had; None if their order is another."""
-    known: dict[bytes, list[FormState]] = {}
-    for one in was:
-        known.setdefault(one.digest, []).append(one)
-    pairs = []
-    for one in now:
-        there = known.get(one.digest)
-        if there:
-            pairs.append((there.pop(0), one))
-    starts = [one.start for one, _ in pairs]
-    return pairs if starts == sorted(starts) else None
 
 
 class Affected:
@@ -160,6 +68,9 @@ class Affected:
         found.update(self._believing())
         found.update(self._by_constants())
         found.update(self._by_places())
+        crowded = {file for file, _ in found}.intersection(self._old.watched_files)
+        for name in crowded:
+            found.update((name, form.start) for form in self._files[name].forms)
         return found if len(found) <= MOST else None
 
     def _now(self, key: FormKey) -> Iterator[FormKey]:
@@ -182,7 +93,10 @@ class Affected:
 
     def _callers(self) -> Iterator[FormKey]:
         """Yield the forms that lead to a RAP that shows something else than before."""
-        was, now = self._shown(self._change.gone), self._shown(self._change.fresh)
+        was, now = (
+            {one.rap: one.shown for one in forms.values() if one.rap}
+            for forms in (self._change.gone, self._change.fresh)
+        )
         waiting = [name for name in {*was, *now} if was.get(name) != now.get(name)]
         if not waiting:
             return
@@ -203,11 +117,6 @@ class Affected:
                     seen.add(rap)
                     waiting.append(rap)
         yield from self._mentioning(seen)
-
-    def _shown(
-        self, forms: Mapping[FormKey, FormState]
-    ) -> Mapping[str, tuple[str, bytes]]:
-        return {one.rap: (key[0], one.shown) for key, one in forms.items() if one.rap}
 
     def _mentioning(self, raps: set[str]) -> Iterator[FormKey]:
         """Yield the forms that are no RAPs and have a word among some."""

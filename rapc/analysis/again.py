@@ -17,16 +17,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.affected import (
-    Affected,
-    Change,
-    change_of,
-    requires_the_same,
-    spans_of,
-    words_of,
-)
+from rapc.analysis.affected import Affected, spans_of, words_of
 from rapc.analysis.analyzer import never
 from rapc.analysis.census import CENSUS, Census, FileCensus, FormKey, gather, key_of
+from rapc.analysis.change import Change, change_of, requires_the_same
 from rapc.analysis.driver import (
     Analysis,
     CheckReport,
@@ -189,6 +183,7 @@ class _Part:
             tuple(self._files.values()),
             tuple(found),
             tuple(sorted(dirty & analysis.watched)),
+            tuple(sorted(self._watched_files(analysis, dirty))),
             tuple(sorted(self._unmarked_now(analysis, dirty))),
             self._required,
         )
@@ -276,6 +271,11 @@ class _Part:
         others = {name for _, name in turned}
         others.update(n for key, n in self._old.unmarked if key in self._change.gone)
         return not any(self._affected.mentions(name, dirty) for name in others)
+
+    def _watched_files(self, analysis: Analysis, dirty: set[FormKey]) -> set[str]:
+        looked_at = {file for file, _ in dirty}
+        kept = set(self._old.watched_files) - looked_at
+        return kept | (analysis.watched_files & looked_at)
 
     def _unmarked(self) -> Iterator[tuple[FormKey, str]]:
         for key, name in self._old.unmarked:

@@ -94,7 +94,9 @@ class Pass:
         self.unsure = unsure
         self.found: list[Diagnostic] = []
         #: The forms that are to be checked each time, by file and beginning.
-        self.watched: dict[tuple[str, int], None] = {}
+        self.watched: set[tuple[str, int]] = set()
+        #: The files of which all forms are to be checked if one is.
+        self.watched_files: set[str] = set()
         self._analyzer = analyzer
         self._results = results
         self._rules = frozenset(rule.name for rule in analyzer.rules)
@@ -113,7 +115,11 @@ class Pass:
 
     def watch(self, form: Spanned) -> None:
         """Have a form checked each time, for what is told of it depends on others."""
-        self.watched[form.span.file, form.span.start] = None
+        self.watched.add((form.span.file, form.span.start))
+
+    def watch_file(self, name: str) -> None:
+        """Have all forms of a file checked if one is, for they share a finding."""
+        self.watched_files.add(name)
 
     def result(self, analyzer: Analyzer[T]) -> T:
         """Return what a needed analyzer returned.

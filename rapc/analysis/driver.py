@@ -213,6 +213,8 @@ class Analysis(msgspec.Struct, frozen=True):
     results: Mapping[str, object]
     #: The forms that are to be checked each time, by file and beginning.
     watched: frozenset[FormKey]
+    #: The files of which all forms are to be checked if one is.
+    watched_files: frozenset[str]
 
     def result(self, analyzer: Analyzer[T]) -> T:
         """Return what a pass that ran has returned."""
@@ -241,19 +243,21 @@ def analyzed(
     found: list[tuple[Analyzer[Any], Diagnostic]] = []
     seen: set[tuple[str, Span, str]] = set()
     watched: set[FormKey] = set()
+    watched_files: set[str] = set()
     signatures = Signatures.of(library)
     for analyzer in wanted:
         if analyzer.name in results:
             continue
         run = Pass(analyzer, library, signatures, results, complete, unsure, required)
         results[analyzer.name] = analyzer.run(run)
-        watched.update(run.watched)
+        watched |= run.watched
+        watched_files |= run.watched_files
         for one in run.found:
             key = (one.rule, one.span, one.message)
             if key not in seen:
                 seen.add(key)
                 found.append((analyzer, one))
-    return Analysis(found, results, frozenset(watched))
+    return Analysis(found, results, frozenset(watched), frozenset(watched_files))
 
 
 class Written(msgspec.Struct, frozen=True):

@@ -67,6 +67,8 @@ class State(msgspec.Struct, array_like=True, frozen=True):
     found: tuple[tuple[FormKey, Diagnostic], ...]
     #: The forms that are to be looked at each time.
     watched: tuple[FormKey, ...]
+    #: The files of which all forms are to be looked at if one is.
+    watched_files: tuple[str, ...]
     #: The variables for which constants stand, with their forms.
     unmarked: tuple[tuple[FormKey, str], ...]
     #: The files that files require themselves, by their names.
@@ -118,7 +120,8 @@ def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
             ]
         ),
         tuple(found),
-        tuple(analysis.watched),
+        tuple(sorted(analysis.watched)),
+        tuple(sorted(analysis.watched_files)),
         tuple([(key, name) for (_, name), key in unmarked.items()]),
         loaded.required,
     )
