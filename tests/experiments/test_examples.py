@@ -23,12 +23,13 @@ FILES = sorted(
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_an_experiment_among_the_examples_runs(file: Path) -> None:
-    made = msgspec.structs.replace(reading.read(file), until=700)
+    made = msgspec.structs.replace(reading.read(file), until=250)
     points = Batch(made, file.parent, checked).points
     run = measure(points[0].config, 0)
     assert (run.reason, run.disaster) == ("until", None)
-    assert run.completed + run.given_up + run.pending == 9
-    assert run.effector > 50
+    orders = 1 if file.stem == "worn" else 9
+    assert run.completed + run.given_up + run.pending == orders
+    assert run.effector > 20
 
 
 def test_there_are_such_experiments() -> None:

@@ -127,3 +127,19 @@ def test_drums_are_brought(goal: tuple[str, ...], where: str, many: int) -> None
     items = made.world.state.items.values()
     lying = [item for item in items if (item.kind, item.place) == ("fuel-drum", where)]
     assert len(lying) == many
+
+
+WORN: Mapping[str, Atom | bool] = {
+    "map": Text((EXAMPLES / "truck-maps" / "junk-yard.json").read_text("utf-8")),
+    "wear": 30,
+}
+
+
+@pytest.mark.parametrize("seed", first(1, range(10)))
+def test_a_machine_that_breaks_is_mended_and_the_hospital_gets_its_ice(
+    seed: int,
+) -> None:
+    made = run(*given("ice-from-worn-machines"), seed=seed, options=WORN)
+    assert made.reason == "done"
+    assert made.moves["ice", "hospital"] == 4
+    assert made.answers["arm-toggle", "arm-cant-toggle"] == 0

@@ -113,6 +113,7 @@ WORKSHOP: dict[str, Any] = {
         "fixed": True,
         "machine": {"makes": "ice", "every": 12, "uses": 2},
     },
+    "wrench": {"size": 2, "mends": ["ice-machine"]},
     "bandage": {"size": 1},
     "kit": {"size": 4},
     "assembler": {

@@ -134,3 +134,63 @@ def test_memory_knows_whether_a_machine_runs_until_it_is_toggled() -> None:
     assert not one.knows("machine-state ice-machine-1 ?")
     one.do("arm-examine arm1 ice-machine-1")
     assert one.knows("machine-state ice-machine-1 running")
+
+
+MENDED = (
+    "arm-move arm1 external",
+    "arm-move arm1 wrench-1",
+    "arm-grasp arm1 wrench-1",
+    "arm-move arm1 ice-machine-1",
+    "arm-toggle arm1 ice-machine-1",
+)
+"""With a wrench in hand a broken machine is made whole, and left switched off."""
+
+
+def test_a_machine_wears_out_and_can_be_mended() -> None:
+    driver = workshop(
+        thing("tank"), thing("jug"), thing("ice-machine"), thing("wrench"), wear=100
+    )
+    driver.do(*ICE)
+    driver.world.advance(500)
+    assert count(driver, "ice") == 1
+    assert looks(driver, "ice-machine-1")[2] == "broken"
+    assert driver.do("arm-toggle arm1 ice-machine-1") == "arm-cant-toggle"
+    driver.do("arm-move arm1 external", "arm-ungrasp arm1 jug-1")
+    driver.do(*MENDED)
+    assert looks(driver, "ice-machine-1")[2] == "idle"
+    assert count(driver, "wrench") == 1
+    driver.do("arm-toggle arm1 ice-machine-1")
+    assert looks(driver, "ice-machine-1")[2] == "running"
+    driver.world.advance(1000)
+    assert count(driver, "ice") == 2
+    assert looks(driver, "ice-machine-1")[2] == "broken"
+
+
+def test_how_often_machines_break_is_chance_of_its_own() -> None:
+    made = []
+    for seed in range(8):
+        driver = icy(wear=50, seed=seed, item_limit=100)
+        luck = driver.world.save()
+        driver.do(*ICE)
+        driver.world.advance(500)
+        made.append((count(driver, "ice"), looks(driver, "ice-machine-1")[2]))
+        driver.world.restore(luck)
+        driver.do(*ICE)
+        driver.world.advance(500)
+        assert made[-1][0] == count(driver, "ice")
+    assert {state for _, state in made} == {"broken", "idle"}
+    assert {ice for ice, _ in made} == {1, 2}
+
+
+def test_a_machine_may_lie_there_broken_and_only_what_mends_it_helps() -> None:
+    broken = {**thing("ice-machine"), "broken": True}
+    driver = workshop(broken, thing("bandage"), thing("wrench"))
+    one = Robot(driver.world, truck_words())
+    one.do("eye-scan external", "eye-examine external ice-machine-1")
+    assert one.knows("machine-state ice-machine-1 broken")
+    bandaged = [request.replace("wrench", "bandage") for request in MENDED]
+    assert one.do(*bandaged) == "arm-cant-toggle"
+    one.do("arm-move arm1 external", "arm-ungrasp arm1 bandage-1", *MENDED)
+    assert not one.knows("machine-state ice-machine-1 ?")
+    one.do("eye-examine external ice-machine-1")
+    assert one.knows("machine-state ice-machine-1 idle")

@@ -129,18 +129,32 @@ def arm_ladle(scene: Scene, name: Atom, thing: Atom) -> Reply:
 
 
 def arm_toggle(scene: Scene, name: Atom, thing: Atom) -> Reply:
-    """Switch a machine on or off; a gun in its bay fires at enemies."""
+    """Switch a machine on or off; a gun in its bay fires at enemies.
+
+    An arm that holds what mends a broken machine makes it whole instead; else one that
+    is broken cannot be switched (T B.1).
+    """
     item = scene.item(thing)
     if item is None or item is not scene.at(name):
         return NOT_AT
     kind = scene.kind(item)
-    if kind.machine is not None:
+    if item.broken and not _mends(scene, name, item):
+        return Reply("arm-cant-toggle")
+    if item.broken:
+        item.broken = False
+    elif kind.machine is not None:
         switch(scene, item, kind.machine)
     elif kind.rounds and item.place == "weapon-bay":
         fire(scene, item)
     else:
         return Reply("arm-cant-toggle")
     return Reply(OKAY)
+
+
+def _mends(scene: Scene, name: Atom, broken: Item) -> bool:
+    """Whether an arm holds something to mend an item with."""
+    held = scene.items_at(str(name))
+    return any(broken.kind in scene.kind(tool).mends for tool in held)
 
 
 def arm_examine(scene: Scene, name: Atom, thing: Atom) -> Reply:

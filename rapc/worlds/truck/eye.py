@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rapc.base.values import Atom, Fact
 from rapc.world import OKAY, Reply
-from rapc.worlds.truck.machines import running
+from rapc.worlds.truck.machines import doing
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import EXTERNAL, Item
 from rapc.worlds.truck.weather import overlooked, sky
@@ -71,7 +71,7 @@ def contents(scene: Scene, item: Item) -> Iterator[Fact]:
     if kind.holds:
         yield ("holds", name, kind.holds)
     if kind.machine is not None:
-        yield ("machine", name, "running" if running(scene, item) else "idle")
+        yield ("machine", name, doing(scene, item))
 
 
 def _looks(scene: Scene, item: Item) -> Iterator[Fact]:

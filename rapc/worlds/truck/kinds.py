@@ -26,7 +26,8 @@ class Machine(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     Every `every` time units it uses up `uses` of the liquid in it and of the items in
     it those that it `needs`, and makes one item of a kind. Without them, or without
     room for what it makes, it switches itself off. If it wants `daylight` it rests in
-    the dark.
+    the dark. With the option `wear` it may break in a round, and does nothing more then
+    until it is mended.
     """
 
     makes: str
@@ -44,7 +45,8 @@ class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     refilled with another, or `rounds` for a weapon. `holds` is the size of the items
     that it can contain. `tool` is the class an arm must hold to grasp it. An item has
     one sensor name for life, one of an `indistinct` kind a new one at each visit. The
-    shuffling demon leaves alone what is `fixed`.
+    shuffling demon leaves alone what is `fixed`. With what `mends` machines of some
+    classes an arm that holds it makes a broken one whole.
     """
 
     size: Size
@@ -57,6 +59,7 @@ class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     indistinct: bool = False
     fixed: bool = False
     machine: Machine | None = None
+    mends: tuple[str, ...] = ()
 
 
 ENEMY = "enemy-unit"

@@ -18,6 +18,13 @@ def running(scene: Scene, item: Item) -> bool:
     return any((d.job, d.place) == ("machine", item.name) for d in scene.state.demons)
 
 
+def doing(scene: Scene, item: Item) -> str:
+    """Return what a machine is: `running`, `idle` or `broken`."""
+    if item.broken:
+        return "broken"
+    return "running" if running(scene, item) else "idle"
+
+
 def switch(scene: Scene, item: Item, machine: Machine) -> None:
     """Switch a machine on, or off if it is on."""
     state = scene.state
@@ -47,7 +54,9 @@ def work(scene: Scene, demon: Demon) -> Number | None:
     for each in used:
         scene.remove(each)
     scene.make(machine.makes, item.place)
-    return machine.every
+    wear = scene.settings.wear
+    item.broken = bool(wear) and 100 * scene.chance["wear"].random() < wear
+    return None if item.broken else machine.every
 
 
 def _room(scene: Scene, place: str, kind: str) -> bool:

@@ -89,6 +89,8 @@ class Lying(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     place: str
     count: Annotated[int, msgspec.Meta(ge=1, le=10_000)] = 1
     color: Color | None = None
+    #: Whether they are machines that do not work.
+    broken: bool = False
 
 
 class Leg(msgspec.Struct, frozen=True):

@@ -80,6 +80,10 @@ def _bad_kind(name: str, kind: Kind, kinds: Mapping[str, Kind]) -> Iterator[str]
         yield f"`{name}` is a vessel or a weapon, not both"
     if kind.tool not in (None, "gun-tool"):
         yield f"a `{name}` can only need a `gun-tool` (the robot knows no other tool)"
+    for one in kind.mends:
+        yield from _unknown(one, kinds, f"what a `{name}` mends")
+        if one in kinds and kinds[one].machine is None:
+            yield f"a `{name}` mends machines, and a `{one}` is none"
     if kind.machine is not None:
         yield from _bad_machine(name, kind, kind.machine, kinds)
 
@@ -107,6 +111,8 @@ def _misplaced(made: Map, kinds: Mapping[str, Kind]) -> Iterator[str]:
     for lying in made.items:
         yield from _unknown(lying.kind, kinds, "an item's kind")
         kind = kinds[lying.kind]
+        if lying.broken and kind.machine is None:
+            yield f"only machines can be broken, not a `{lying.kind}`"
         where = f"the place of a `{lying.kind}`"
         yield from _unknown(lying.place, (*made.spots(), *room), where)
         if lying.place in room:

@@ -109,6 +109,10 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
         Number, _row("%", "rounds that drive one enemy unit off", 100)
     ] = 60
 
+    wear: Annotated[
+        Number, _row("%", "rounds of work in which a machine breaks", 100)
+    ] = 0
+
     rain: Annotated[Number, _row("%", "of the time it rains in a sector", 100)] = 0
     weather_interval: Annotated[
         Number, _row(_TIME, "between changes of a sector's weather")
@@ -134,7 +138,7 @@ ADJUSTABLE = frozenset(
         *("truck_turn_time", "truck_speed_time", "truck_move_time"),
         *("eye_examine_time", "eye_scan_time", "eye_monitor_time"),
         *("shuffle_efficiency", "shuffle_until", "shuffle_tools"),
-        *("enemy_stay", "capture_time", "gun_burst", "gun_hits"),
+        *("enemy_stay", "capture_time", "gun_burst", "gun_hits", "wear"),
         *("rain_time", "rain_fuel", "day_length", "night", "dark_time", "dark_misses"),
     }
 )

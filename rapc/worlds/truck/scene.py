@@ -23,7 +23,7 @@ from rapc.worlds.truck.state import (
     State,
 )
 
-STREAMS = ("shuffle", "enemies", "weapon", "weather", "dark")
+STREAMS = ("shuffle", "enemies", "weapon", "weather", "dark", "wear")
 """The random streams beside the world's first one."""
 
 

@@ -16,7 +16,7 @@ FOLDED = "folded"
 class Item(msgspec.Struct):
     """A thing. `place` is a place or road of the map, a bay, an arm or a container.
 
-    `liquid` and `amount` are what a vessel or weapon holds.
+    `liquid` and `amount` are what a vessel or weapon holds; a machine may be `broken`.
     """
 
     name: str
@@ -25,6 +25,7 @@ class Item(msgspec.Struct):
     color: str | None = None
     liquid: str | None = None
     amount: Number = 0
+    broken: bool = False
 
 
 class Arm(msgspec.Struct):

@@ -88,6 +88,7 @@ class TruckWorld(World):
         item = self._scene.make(lying.kind, lying.place, lying.color)
         if self._scene.kind(item).rounds:
             item.amount = self._scene.settings.gun_rounds
+        item.broken = lying.broken
 
     def facts(self) -> Iterable[Fact]:
         """The map and the truck's own body; no item."""
