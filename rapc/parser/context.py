@@ -62,6 +62,10 @@ class Readers(Protocol):
     def __getitem__(self, rule: str, /) -> Read:
         """Return the reader of a rule."""
 
+    @property
+    def formulas(self) -> dict[str, Read]:
+        """Return the readers of formulas by the words that head them."""
+
     def group(self, rule: str) -> dict[str, Read]:
         """Return the readers of the lists in a group by the words that head them."""
 
@@ -116,7 +120,7 @@ class Context:
         self.damaged = damaged
         self.surplus = surplus
         self.readers = readers
-        self.formulas = readers.group("formula")
+        self.formulas = readers.formulas
         self.diagnostics = []
         self.lost = set()
         self.clause = ANY_CLAUSE

@@ -16,6 +16,7 @@ are lists themselves report what is wrong in them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import msgspec
@@ -74,6 +75,11 @@ class Readers(dict[str, Read]):
             made = self._choice(rule)
         self[rule] = made
         return made
+
+    @cached_property
+    def formulas(self) -> dict[str, Read]:
+        """Return the readers of formulas by the words that head them."""
+        return self.group("formula")
 
     def group(self, rule: str) -> dict[str, Read]:
         """Return the readers of the lists in a group by the words that head them."""

@@ -217,9 +217,11 @@ class ReadLog:
         found = sorted(self.diagnostics, key=lambda d: d.span.start)
         damage = sorted(self.damage)
         surplus = sorted(self.surplus)
-        top = tuple(
-            TopLevel(form, _hit(form, damage), _hit(form, surplus)) for form in forms
-        )
+        if damage or surplus:
+            hits = ((one, _hit(one, damage), _hit(one, surplus)) for one in forms)
+            top = tuple([TopLevel(*hit) for hit in hits])
+        else:
+            top = tuple([TopLevel(form, False, False) for form in forms])
         return Reading(self.source, top, tuple(self.comments), tuple(found))
 
     def _number_like(self, raw: str, start: int, end: int) -> Datum:

@@ -18,7 +18,14 @@ from rapc.ir import nodes
 from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
 from rapc.ir.walk import subformulas
-from rapc.parser.context import ANY_CLAUSE, PARENTHESES, Context, head_of, kind_of
+from rapc.parser.context import (
+    ANY_CLAUSE,
+    PARENTHESES,
+    Context,
+    Read,
+    head_of,
+    kind_of,
+)
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.parser.special.formulas import formula
@@ -47,6 +54,7 @@ def parse(source: SourceFile) -> SourceUnit:
     """Read a file and make IR of it; never raises."""
     reading = read(source)
     known = readers()
+    known_forms = known.group("_form")
     forms: list[nodes.TopForm] = []
     tests: list[DefineTest] = []
     defaults: DefineTest | None = None
@@ -55,14 +63,15 @@ def parse(source: SourceFile) -> SourceUnit:
     for top in reading.forms:
         room = MAX_FINDINGS - len(found)
         ctx = Context(source, room, known, damaged=top.damaged, surplus=top.surplus)
-        form = _form(ctx, top.datum)
-        if isinstance(form, DefineTest) and not form.name:
-            if tests or defaults is not None:
-                _misplaced_defaults(ctx, top.datum)
-            defaults = defaults or form
-        elif isinstance(form, DefineTest):
-            form = form if defaults is None else with_defaults(form, defaults)
-            tests.append(form)
+        form = _form(ctx, top.datum, known_forms)
+        if isinstance(form, DefineTest):
+            if form.name:
+                form = form if defaults is None else with_defaults(form, defaults)
+                tests.append(form)
+            else:
+                if tests or defaults is not None:
+                    _misplaced_defaults(ctx, top.datum)
+                defaults = defaults or form
         elif form is not None:
             forms.append(form)
         found.extend(ctx.diagnostics)
@@ -84,7 +93,9 @@ def parse(source: SourceFile) -> SourceUnit:
     )
 
 
-def _form(ctx: Context, datum: Datum) -> nodes.TopForm | DefineTest | None:
+def _form(
+    ctx: Context, datum: Datum, forms: Mapping[str, Read]
+) -> nodes.TopForm | DefineTest | None:
     name = head_of(datum)
     if not isinstance(datum, List) or name is None:
         ctx.report(
@@ -94,14 +105,13 @@ def _form(ctx: Context, datum: Datum) -> nodes.TopForm | DefineTest | None:
             help="a form is a list that begins with a word such as `define-rap`",
         )
         return None
-    forms = ctx.readers.group("_form")
-    meant: str | None = name
     if name not in forms:
         word = cast(Symbol, datum.items[0])
         meant = ctx.unknown("unknown-form", "top-level form", word, forms)
-    made: nodes.TopForm | DefineTest | None = None
-    if meant is not None:
-        made = forms[meant](ctx, datum)
+        if meant is None:
+            return None
+        name = meant
+    made: nodes.TopForm | DefineTest | None = forms[name](ctx, datum)
     return made
 
 

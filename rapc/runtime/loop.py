@@ -58,17 +58,18 @@ class Loop:
         to_test, host_timers = monitors.to_test, machine.host_timers
         changed, gone = machine.things.changed, state.activations.off
         cost, patience, cycle = self._cost, self._patience, recorder.cycle
+        clock, receive = world.now, world.messages
         last = -1 if most is None else cycle + most
         # The last cycle that the clock may stand still; it moved `patience` before.
         limit = cycle - state.idle + patience
         while cycle != last and not state.over:
-            now = world.now()
+            now = clock()
             if now != recorder.time and machine.set_clock(now):
                 return "until"
             if host_timers or unsettled:
                 machine.run_host_timers()
                 machine.access.recognise()
-            messages = world.messages()
+            messages = receive()
             if messages or gone or messages is None:
                 take_in(machine, messages)
             if to_test or changed or recorder.time >= monitors.next_look:

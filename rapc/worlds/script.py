@@ -102,6 +102,8 @@ class Declarations(Protocol):
 
 def fill(row: Row, bound: Bindings) -> Row:
     """A row with its variables put into its effects."""
+    if not bound:
+        return row
 
     def one(part: Atom) -> Atom:
         value: Atom = bound.get(str(part), part)

@@ -75,8 +75,10 @@ def read_clauses(
     ctx: Context, kept: Mapping[str, Sequence[List]], group: str
 ) -> dict[str, list[Any]]:
     """Return what the readers of a group make of clauses, by name; None if lost."""
-    readers = ctx.readers.group(group)
     read: dict[str, list[Any]] = {}
+    if not kept:
+        return read
+    readers = ctx.readers.group(group)
     outer = ctx.clause
     for name, rows in kept.items():
         reader = readers[name]

@@ -34,6 +34,8 @@ class DeclaredOperand(msgspec.Struct, frozen=True):
     leaf: str
     #: Whether it may be left out.
     optional: bool
+    #: Whether one comes behind it that may not.
+    aside: bool
 
 
 class Declaration(msgspec.Struct, frozen=True):
@@ -60,10 +62,19 @@ def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
     wanted = [
         part.shape for part in known if not part.field and not is_word(part.shape)
     ]
-    operands = [
-        DeclaredOperand(name, next(leaves(shape)), shape[0] == "?")
+    rows = [
+        (name, shape)
         for name, shape in zip(names, wanted[1:], strict=False)
         if name != "doc"
+    ]
+    operands = [
+        DeclaredOperand(
+            field=name,
+            leaf=next(leaves(shape)),
+            optional=shape[0] == "?",
+            aside=any(later[0] != "?" for _, later in rows[at:]),
+        )
+        for at, (name, shape) in enumerate(rows, start=1)
     ]
     options = {heads(str(p.shape))[0]: str(p.shape) for p in known if p.field}
     many = {word for word, one in options.items() if one in _REPEATED}
@@ -106,10 +117,11 @@ def _operands(ctx: Context, found: Parts, told: Declaration) -> dict[str, Any]:
     given: dict[str, Any] = {}
     data = list(found.operands)
     last, missed = found.place, False
-    for at, one in enumerate(told.operands):
-        later = any(not other.optional for other in told.operands[at + 1 :])
-        aside = one.optional and later and data and not isinstance(data[0], List)
-        if data and not aside:
+    for one in told.operands:
+        wanted = bool(data)
+        if one.optional and one.aside and data:
+            wanted = isinstance(data[0], List)
+        if wanted:
             last = data.pop(0)
             given[one.field] = ctx.readers[one.leaf](ctx, last)
         elif one.optional:

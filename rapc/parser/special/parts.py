@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import msgspec
 
+from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
@@ -124,40 +125,30 @@ def parameters(
     ctx: Context, data: Iterable[Datum], seen: dict[str, Datum]
 ) -> tuple[nodes.Argument, ...]:
     """Variables in a row, with kinds or without, none of them among those `seen`."""
-    made = [_argument(ctx, one, seen) for one in data]
-    return tuple([one for one in made if one])
+    return tuple(filter(None, [_argument(ctx, one, seen) for one in data]))
 
 
 def _argument(
     ctx: Context, datum: Datum, seen: dict[str, Datum]
 ) -> nodes.Argument | None:
-    kind = None
-    first = datum
-    if isinstance(datum, List) and datum.items:
-        first = datum.items[0]
-        kind = symbol(ctx, datum.items[1], "a kind") if len(datum.items) == 2 else None
-        if len(datum.items) != 2:
-            message = "an argument in parentheses is a variable and its kind"
-            ctx.report("malformed-form", message, datum)
-    variable = parameter(ctx, first, seen)
+    if type(datum) is not List or not datum.items:
+        variable = parameter(ctx, datum, seen)
+        return nodes.Argument(variable, None, variable.span) if variable else None
+    kind = symbol(ctx, datum.items[1], "a kind") if len(datum.items) == 2 else None
+    if len(datum.items) != 2:
+        message = "an argument in parentheses is a variable and its kind"
+        ctx.report("malformed-form", message, datum)
+    variable = parameter(ctx, datum.items[0], seen)
     return nodes.Argument(variable, kind, ctx.span(datum)) if variable else None
 
 
 def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
     """A variable with a name that is not yet among those `seen`."""
-    if isinstance(datum, Symbol):
-        ctx.report_fixable(
-            "malformed-form",
-            f"the variable `?{datum.name}` lacks its `?`",
-            datum,
-            fix=ctx.replace(datum, f"?{datum.name}"),
-        )
-        datum = Variable(f"?{datum.name}", datum.start, datum.end)
     if type(datum) is not Variable or datum.name == "?":
-        what = "a bare `?`" if isinstance(datum, Variable) else kind_of(datum)
-        message = f"a variable with a name is wanted here, not {what}"
-        ctx.report("malformed-form", message, datum)
-        return None
+        named = _named(ctx, datum)
+        if named is None:
+            return None
+        datum = named
     first = seen.setdefault(datum.name, datum)
     if first is not datum:
         ctx.report(
@@ -166,7 +157,23 @@ def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var |
             datum,
             labels=[(first, "the first is here")],
         )
-    return nodes.Var(datum.name, ctx.span(datum))
+    return nodes.Var(datum.name, Span(ctx.file, datum.start, datum.end))
+
+
+def _named(ctx: Context, datum: Datum) -> Variable | None:
+    """Return the variable that a symbol was meant for; report whatever it is."""
+    if isinstance(datum, Symbol):
+        ctx.report_fixable(
+            "malformed-form",
+            f"the variable `?{datum.name}` lacks its `?`",
+            datum,
+            fix=ctx.replace(datum, f"?{datum.name}"),
+        )
+        return Variable(f"?{datum.name}", datum.start, datum.end)
+    what = "a bare `?`" if isinstance(datum, Variable) else kind_of(datum)
+    message = f"a variable with a name is wanted here, not {what}"
+    ctx.report("malformed-form", message, datum)
+    return None
 
 
 def symbol(ctx: Context, datum: Datum, what: str) -> str | None:

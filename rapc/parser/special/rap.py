@@ -124,11 +124,8 @@ def _rap(
     outputs = parameters(ctx, after, seen)
     rows = found.pop("method", ())
     fields = filled(_SLOTS, read_clauses(ctx, found, "_rap_clause"))
-    ctx.clause = "method"
-    methods = [method(ctx, row, at) for at, row in enumerate(rows, start=1)]
-    if len(rows) > 1:
-        _check_method_names(ctx, methods, rows)
-    ctx.clause = ANY_CLAUSE
+    if rows:
+        fields["methods"] = _methods(ctx, rows)
     return nodes.DefineRap(
         name=name.name,
         inputs=tuple([one.variable for one in inputs]),
@@ -140,10 +137,19 @@ def _rap(
                 if one.kind is not None
             ]
         ),
-        **(fields | {"methods": tuple(methods)}),
         name_span=ctx.span(name),
         span=ctx.span(datum),
+        **fields,
     )
+
+
+def _methods(ctx: Context, rows: Sequence[List]) -> tuple[nodes.Method, ...]:
+    ctx.clause = "method"
+    methods = [method(ctx, row, at) for at, row in enumerate(rows, start=1)]
+    if len(rows) > 1:
+        _check_method_names(ctx, methods, rows)
+    ctx.clause = ANY_CLAUSE
+    return tuple(methods)
 
 
 _SLOTS = slots("define_rap", nodes.DefineRap)
