@@ -62,8 +62,8 @@ def _functions(tree: ast.AST) -> list[Function]:
 
 def _statements(tree: ast.AST) -> Iterator[ast.AST]:
     """Yield what stands below a tree, but for expressions: most nodes are such."""
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.stmt | ast.excepthandler | ast.match_case):
+    for block in ("body", "orelse", "finalbody", "handlers", "cases"):
+        for node in getattr(tree, block, ()):
             yield node
             yield from _statements(node)
 
@@ -107,6 +107,7 @@ def test_no_import_hides_in_a_function(modules: Sequence[Module]) -> None:
         f"{module.name}: {function.name}, line {node.lineno}"
         for module in modules
         if not module.name.startswith("rapc/cli/")
+        if re.search(r"^ +(from|import)\b", module.text, re.M)
         for function in module.functions
         for node in _statements(function)
         if isinstance(node, ast.Import | ast.ImportFrom)
