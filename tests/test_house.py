@@ -119,7 +119,7 @@ def test_no_two_helpers_of_tests_have_one_name() -> None:
     helpers = Counter(
         path.name
         for path in TESTS.rglob("*.py")
-        if not path.name.startswith(("test_", "__"))
+        if not path.name.startswith(("test_", "__", "conftest."))
     )
     assert len(helpers) > 20
     assert [name for name, count in helpers.items() if count > 1] == []

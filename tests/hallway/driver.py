@@ -20,6 +20,9 @@ from rapc.worlds.skills.runtime import Told
 STILL = HallwaySettings(doors=0, people=0, lift=0, drift=0, usage=0)
 """Nothing moves but the robot, which reckons well."""
 
+NORTH, EAST, SOUTH, WEST = math.pi / 2, 0.0, -math.pi / 2, math.pi
+"""Headings, in radians."""
+
 
 class Outcome(msgspec.Struct):
     """What came of an activation."""

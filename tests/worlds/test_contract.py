@@ -43,7 +43,7 @@ from rapc.worlds.hallway.world import HallwayWorld
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 from rapc.worlds.truck import TruckWorld
-from tests.worlds.test_broken_worlds import (
+from tests.worlds.broken_worlds import (
     ARITIES,
     LIBRARY,
     OFFER,
@@ -141,13 +141,13 @@ def test_worlds_that_do_not_keep_to_the_port_are_found_out(case: str) -> None:
     world, _ = TYPES[case]
     found = tried(world)
     assert found
-    assert "comparator" in case or "test_broken_worlds.py:" in " ".join(found)
+    assert "comparator" in case or "broken_worlds.py:" in " ".join(found)
 
 
 @pytest.mark.parametrize("case", [case for case in RAISING if case != "a function"])
 def test_worlds_whose_code_raises_are_found_out(case: str) -> None:
     world, whose = RAISING[case]
-    assert f"{whose} failed at test_broken_worlds.py:" in " ".join(tried(world))
+    assert f"{whose} failed at broken_worlds.py:" in " ".join(tried(world))
 
 
 @pytest.mark.parametrize("case", ARITIES)

@@ -16,6 +16,7 @@ from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.declarations import Ports, Skill
 from rapc.worlds.skills.runtime import SkillRuntime, Told
 from rapc.worlds.skills.world import SkillWorld, offer
+from tests.worlds.broken_worlds import Good
 from tests.worlds.skills.tank import (
     FLOW,
     LEVEL,
@@ -28,7 +29,6 @@ from tests.worlds.skills.tank import (
     Smooth,
 )
 from tests.worlds.skills.test_world import Water
-from tests.worlds.test_broken_worlds import Good
 
 
 class Humming(Good):

@@ -1,0 +1,193 @@
+"""`rapc experiment` where something is wrong: what is told, and what is kept."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import rapc
+
+from .small_experiment import TRUCK, rows
+
+pytestmark = pytest.mark.xdist_group("experiment")
+
+NAPS = """\
+world = "naps:Naps"
+library = "naps.rap"
+tasks = ["(nap-well)"]
+until = 100
+seeds = 1
+time-limit = 4
+[[part]]
+name = "naps"
+vary = "naps.how"
+values = ["well", "killed", "for-ever", "error"]
+"""
+
+NAPS_RAP = """\
+(declare-primitive nap () (okay))
+(define-rap (nap-well) (method (primitive (nap))))
+"""
+
+NAPS_PY = '''\
+import os, signal
+from rapc.world import Handlers, Kit, Offer, Option, Reply, World
+
+class Naps(World):
+    """Naps, from some of which nobody wakes."""
+    name = "naps"
+    def __init__(self, rng, options):
+        self.time, self.how = 0, options["how"]
+    kit = Kit(
+        Offer({"nap": (0, ("okay",))}),
+        options=(Option("how", "symbol", "well", "", "how it goes"),),
+    )
+    def now(self): return self.time
+    def perform(self, ticket, request):
+        self.time += 2
+        if self.how == "killed": os.kill(os.getpid(), signal.SIGKILL)
+        if self.how == "error": raise KeyError("pillow")
+        while self.how == "for-ever": pass
+        return Reply("okay")
+    def next_time(self): return None
+    def advance(self, to): self.time = to
+    def messages(self): return []
+'''
+
+
+@pytest.fixture
+def naps(tmp_path: Path) -> Path:
+    for name, text in (("toml", NAPS), ("rap", NAPS_RAP), ("py", NAPS_PY)):
+        (tmp_path / f"naps.{name}").write_text(text)
+    return tmp_path
+
+
+@pytest.mark.slow
+def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
+    done = rapc("experiment", "naps.toml", "--jobs", "2", cwd=naps)
+    assert done.returncode == 1
+    assert re.search(r"^well +1 +0 +2 +1\.0 ", done.stdout, re.M)
+    assert re.search(r"^killed +0/1 +0 +- ", done.stdout, re.M)
+    faults = re.findall(
+        r"^error: a run has no result: part `naps`, naps.how (\S+), seed 0: (.*)\n"
+        r"  to see it again: (.*)$",
+        done.stderr,
+        re.M,
+    )
+    reasons = {how: reason for how, reason, _ in faults}
+    assert sorted(reasons) == ["error", "for-ever", "killed"]
+    told = "PortError: the world `naps` failed at naps.py:17: KeyError: 'pillow'"
+    assert reasons["error"] == told
+    assert reasons["for-ever"] == "it took longer than the time limit"
+    assert reasons["killed"].startswith("its worker was lost 3 times, at last with ")
+    [command] = [command for how, _, command in faults if how == "error"]
+    again = rapc(*shlex.split(command)[1:], cwd=naps)
+    assert again.returncode == 2
+    assert "KeyError: 'pillow'" in again.stderr
+    assert [seed for _, seed, _ in rows(naps / "naps-results")] == [0]
+
+
+@pytest.mark.slow
+def test_without_matplotlib_there_are_tables(truck: Path) -> None:
+    """A module that cannot be imported stands in for one that is not installed."""
+    blocked = "raise ModuleNotFoundError(name='matplotlib')\n"
+    (truck / "matplotlib.py").write_text(blocked)
+    args = ("experiment", "truck.toml", "--part", "usual", "--seeds", "1")
+    done = rapc(*args, cwd=truck, PYTHONPATH=str(truck))
+    assert (done.returncode, done.stderr) == (
+        0,
+        "no plots: install `rapc[viz]` to have them drawn\n",
+    )
+    assert (truck / "truck-results" / "tables.md").exists()
+
+
+@pytest.mark.slow
+def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
+    args = ("experiment", "truck.toml", "--out", "out", "--jobs", "1")
+    file = copied / "out" / "results.sqlite"
+    base = sqlite3.connect(file)
+    base.execute("delete from result where seed = 4")
+    base.execute(
+        "create trigger full before insert on result "
+        "begin select raise(abort, 'no room'); end"
+    )
+    base.commit()
+    done = rapc(*args, cwd=copied)
+    assert done.returncode == 1
+    assert done.stderr == (
+        "error: `out/results.sqlite` cannot be used: no room: "
+        "0 of 4 runs are done, the same command does the others\n"
+    )
+    base.execute("drop trigger full")
+    base.execute("update result set counts = '3'")
+    base.commit()
+    base.close()
+    done = rapc(*args, cwd=copied)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: `out/results.sqlite` cannot be used: Expec")
+
+
+@pytest.mark.parametrize(
+    ("args", "told"),
+    [
+        (
+            ["chapter"],
+            "error: there is no experiment `chapter`\n  did you mean `chapter6`?\n",
+        ),
+        (["none.toml"], "error: cannot read `none.toml`: no such file or directory\n"),
+        (
+            ["truck.toml", "--part", "drop"],
+            "error: the experiment `truck` has no part `drop`\n"
+            "  did you mean `drops`?\n",
+        ),
+        (["truck.toml", "--seeds", "0"], "error: invalid value for '--seeds': "),
+        (["truck.toml", "--out", "truck.toml/x"], "error: cannot make `truck.toml/x`"),
+        (["bad.toml"], "error: bad.toml: there is no key `worlds`\n  did you mean"),
+        (
+            ["truck.toml", "--out", "base"],
+            "error: `base/results.sqlite` cannot be used",
+        ),
+        (
+            ["truck.toml", "--cluster", "tcp://127.0.0.1:1"],
+            "error: no Dask scheduler answers at `tcp://127.0.0.1:1`\n",
+        ),
+        (
+            ["truck.toml", "--cluster", "x", "--jobs", "1"],
+            "error: --jobs is for this machine, --cluster for others\n",
+        ),
+    ],
+)
+def test_what_cannot_be_tried_exits_2(truck: Path, args: list[str], told: str) -> None:
+    (truck / "bad.toml").write_text(TRUCK.replace("world =", "worlds ="))
+    (truck / "base").mkdir()
+    (truck / "base" / "results.sqlite").write_text("no database at all" * 100)
+    done = rapc("experiment", *args, cwd=truck)
+    assert done.returncode == 2
+    assert done.stderr.startswith(told)
+    assert done.stdout == ""
+
+
+def test_a_library_with_errors_is_not_run(truck: Path) -> None:
+    (truck / "bad.rap").write_text("(define-rap (x) (method (primitive (y))))")
+    library = re.sub(r"library = .*", 'library = "bad.rap"', TRUCK)
+    (truck / "bad.toml").write_text(library)
+    done = rapc("experiment", "bad.toml", cwd=truck)
+    assert done.returncode == 2
+    assert "bad.rap:1:" in done.stdout
+
+
+@pytest.mark.slow
+def test_tables_that_cannot_be_written_are_printed_all_the_same(copied: Path) -> None:
+    (copied / "out" / "tables.md").unlink()
+    (copied / "out" / "tables.md").mkdir()
+    done = rapc("experiment", "truck.toml", "--out", "out", cwd=copied)
+    assert done.returncode == 2
+    assert done.stderr == "error: cannot write in `out`: is a directory\n"
+    printed = (copied / "printed").read_text()
+    assert done.stdout == printed.removesuffix(
+        "Results, tables and plots are in `out`.\n"
+    )
