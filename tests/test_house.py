@@ -101,6 +101,15 @@ def test_modules_and_functions_are_short(modules: Sequence[Module]) -> None:
     assert long == []
 
 
+def test_files_of_tests_are_short() -> None:
+    long = [
+        path.relative_to(CHECKOUT).as_posix()
+        for path in TESTS.rglob("*.py")
+        if path.read_text(encoding="utf-8").count("\n") > LONGEST_MODULE
+    ]
+    assert long == []
+
+
 def test_no_import_hides_in_a_function(modules: Sequence[Module]) -> None:
     """A command may import late what it needs, for the start-up time of the others."""
     hidden = [

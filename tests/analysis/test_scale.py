@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from types import FrameType
-from typing import Any
 
 import pytest
 
@@ -14,6 +11,7 @@ from rapc.ir import nodes
 from rapc.ir.fields import CHILDREN
 from rapc.library.loader import load_text
 from tests.effort import first
+from tests.work import lines
 
 
 def _found(text: str) -> list[str]:
@@ -174,17 +172,4 @@ def test_work_of_a_check_is_in_proportion_to_its_text(shape: str, size: int) -> 
 def _work(text: str) -> int:
     """How many lines of Python are run to check a text, once it is read."""
     loaded = load_text(text)
-    lines = 0
-
-    def step(frame: FrameType, event: str, _: object) -> Callable[..., Any]:
-        nonlocal lines
-        lines += event == "line"
-        return step
-
-    before = sys.gettrace()
-    sys.settrace(step)
-    try:
-        check_library(loaded)
-    finally:
-        sys.settrace(before)
-    return lines
+    return lines(lambda: check_library(loaded))

@@ -21,15 +21,16 @@ from .walking import TEXT, Step, Walk
 
 STEPS = 250 if thorough() else 80
 
+_ONE = st.integers(0, 99)
+
+
+def _walks(steps: int) -> st.SearchStrategy[list[Step]]:
+    """Walks of so many steps."""
+    return st.lists(st.tuples(_ONE, _ONE, _ONE), min_size=steps, max_size=steps)
+
 
 @examples(40, share=20, suppress_health_check=list(HealthCheck))
-@given(
-    st.lists(
-        st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
-        min_size=STEPS,
-        max_size=STEPS,
-    )
-)
+@given(_walks(STEPS))
 def test_sets_stay_sound_through_ten_thousand_steps(steps: list[Step]) -> None:
     walk = Walk()
     for step in steps:
@@ -52,13 +53,7 @@ def _pairs(memory: MemoryBench) -> set[tuple[str, str]]:
 
 
 @examples(25, suppress_health_check=list(HealthCheck))
-@given(
-    st.lists(
-        st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
-        min_size=80,
-        max_size=80,
-    )
-)
+@given(_walks(80))
 def test_a_merge_keeps_the_newest_value_of_each_property(steps: list[Step]) -> None:
     walk = Walk()
     walk.memory.events.clear()
@@ -108,13 +103,7 @@ def test_the_outcome_does_not_depend_on_the_order_of_sets_and_dictionaries() -> 
 
 
 @examples(25, suppress_health_check=list(HealthCheck))
-@given(
-    st.lists(
-        st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
-        min_size=80,
-        max_size=80,
-    )
-)
+@given(_walks(80))
 def test_only_what_leaves_a_set_makes_properties_unknown(steps: list[Step]) -> None:
     walk = Walk()
     for step in steps:
@@ -133,13 +122,7 @@ def _by_ten(one: Described, other: Described) -> int:
 
 
 @examples(25, suppress_health_check=list(HealthCheck))
-@given(
-    st.lists(
-        st.tuples(st.integers(0, 99), st.integers(0, 99), st.integers(0, 99)),
-        min_size=100,
-        max_size=100,
-    )
-)
+@given(_walks(100))
 def test_comparing_only_what_shares_something_changes_nothing(
     steps: list[Step],
 ) -> None:

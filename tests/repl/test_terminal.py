@@ -56,8 +56,9 @@ def test_ctrl_c_clears_the_line_and_twice_leaves(tmp_path: Path) -> None:
 
 
 def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
+    """The run takes some 40,000 cycles: Ctrl-C is not too late on a busy machine."""
     orders = [word for _ in range(60) for word in ("--task", "(rock-order red 4)")]
-    terminal = Terminal(100, tmp_path, *orders)
+    terminal = Terminal(100, tmp_path, *orders, "--set", "truck.fuel-use=0")
     terminal.see("Ctrl-D leaves")
     terminal.ask(":show none", "after a step is shown: none")
     terminal.clear()

@@ -6,15 +6,13 @@ machine. Twice the tasks may take little more than twice the lines.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from types import FrameType
-from typing import Any
 
 import pytest
 
 from rapc.runtime.events import events
 from tests.effort import first
+from tests.work import lines
 
 from .helpers import Play, at
 
@@ -28,24 +26,6 @@ NEST = """
 WAIT = "(define-rap (wait ?x) (monitor-state (p ?x)) (method (primitive (act ?x))))"
 USE = "(define-rap (use ?x) (method (primitive (act ?x))))"
 FIND = "(define-rap (find => ?x) (succeed (p ?x)))"
-
-
-def lines(run: Callable[[], object]) -> int:
-    """How many lines of Python something executes."""
-    count = 0
-
-    def step(frame: FrameType, event: str, arg: Any) -> Any:
-        nonlocal count
-        count += event == "line"
-        return step
-
-    before = sys.gettrace()
-    sys.settrace(step)
-    try:
-        run()
-    finally:
-        sys.settrace(before)
-    return count
 
 
 def nested(size: int) -> Play:
