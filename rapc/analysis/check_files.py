@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rapc.analysis import suppressions
@@ -46,14 +47,15 @@ def check_files(
     """
     check = partial(check_library, selection=selection)
     reports: list[CheckReport] = []
-    for load in _loads(paths, texts):
+    given = list(paths)
+    for load in _loads(given, texts):
         if cache is None:
             reports += map(check, load(parser))
         else:
             reports += cache.reports(load)
     if cache is not None:
         cache.save()
-    return reports[0] if len(reports) == 1 else _joined(reports)
+    return _judged(reports[0] if len(reports) == 1 else _joined(reports), given)
 
 
 def _loads(
@@ -73,6 +75,29 @@ def _of_tests(
     source: SourceFile, texts: Mapping[str, str] | None, parser: Parse
 ) -> Sequence[Loaded]:
     return load_tests(source, texts, parser).libraries
+
+
+def _judged(report: CheckReport, given: Sequence[str]) -> CheckReport:
+    """Return a report without what it says of suppressions in files that it requires.
+
+    What they silence may be due to files that nobody has named.
+    """
+    left = [
+        one
+        for one in report.findings
+        if one.rule.name != suppressions.UNUSED.name
+        or _is_given(one.diagnostic.span.file, given)
+    ]
+    if len(left) == len(report.findings):
+        return report
+    return CheckReport(tuple(left), report.files, report.raps_in)
+
+
+def _is_given(file: str, given: Sequence[str]) -> bool:
+    """Whether a file is among the paths that were named, or below one of them."""
+    return file == loader.STANDARD_INPUT or any(
+        Path(file).is_relative_to(path) for path in given
+    )
 
 
 def _joined(reports: Iterable[CheckReport]) -> CheckReport:

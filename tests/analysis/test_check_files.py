@@ -113,6 +113,22 @@ def test_a_suppression_is_used_if_one_of_the_tests_has_a_use_for_it(
     assert [one.rule.name for one in check_files([str(file)]).findings] == []
 
 
+def test_a_suppression_in_a_file_that_is_required_may_serve_another_library(
+    tmp_path: Path,
+) -> None:
+    """What it silences may be due to an agenda that the tests do not require."""
+    file = _put(tmp_path, TESTS[:1])
+    lamps = tmp_path / "lamps.rap"
+    comment = (
+        "; rapc: ignore[priority-out-of-band] it is no reaction\n(define-rap (light"
+    )
+    text = lamps.read_text(encoding="utf-8").replace("(define-rap (light", comment)
+    lamps.write_text(text, encoding="utf-8")
+    assert check_files([str(file)]).findings == ()
+    found = check_files([str(file), str(lamps)]).findings
+    assert [one.rule.name for one in found] == ["unused-suppression"]
+
+
 def test_a_library_named_beside_its_tests_is_checked_once(tmp_path: Path) -> None:
     file = _put(tmp_path, [TESTS[-3]])
     found = check_files([str(tmp_path / "bad.rap"), str(file)])
