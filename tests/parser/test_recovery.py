@@ -14,6 +14,22 @@ from rapc.analysis.driver import check_library
 from rapc.library.loader import load_text
 from tests.parser.reading import fixed, only, parsed, rules, shown
 
+PARTS = {
+    "a method": (
+        "(method\n  (context (p))\n  (task-net\n    (t1 (bar)))))\n",
+        (4, 17),
+    ),
+    "a context and a task-net": (
+        "(context (p ?x))\n(task-net\n  (t1 (bar))\n  (t2 (baz)))))\n",
+        (4, 14),
+    ),
+    "a method with a primitive": (
+        "(method\n  (context (and (p)\n                (q)))\n  (primitive (go))))\n",
+        (4, 20),
+    ),
+}
+"""Parts of a RAP alone, as books print them, with parentheses too many at the end."""
+
 BEFORE = "(define-rap (before) (succeed true))\n"
 AFTER = "\n(define-rap (after) (succeed true))\n"
 
@@ -67,6 +83,15 @@ CASES = [
         *(4, 18, (3, 5)),
         "(define-rap\n  (index (foo))\n  (method\n    (context (p))\n"
         "    (task-net (t1 (bar)))))",
+    ),
+    Case(
+        "method indented as if in the one before it, one too many at the end",
+        "(define-rap\n  (index (foo))\n  (method\n    (task-net (t1 (bar))))\n"
+        "    (method\n      (task-net (t1 (baz))))))",
+        "surplus-parenthesis",
+        *(6, 30, (1,)),
+        "(define-rap\n  (index (foo))\n  (method\n    (task-net (t1 (bar))))\n"
+        "    (method\n      (task-net (t1 (baz)))))",
     ),
     Case(
         "clauses outside of their form",
@@ -289,3 +314,13 @@ def test_names_are_not_looked_up_where_parentheses_were_guessed_at(text: str) ->
     assert {one.diagnostic.rule for one in found} <= {
         *("surplus-parenthesis", "duplicate-method", "unknown-clause")
     }
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_part_alone_is_put_right_where_it_goes_on_too_long(part: str) -> None:
+    text, (row, column) = PARTS[part]
+    unit = parsed(text)
+    (found,) = [d for d in unit.diagnostics if d.rule.endswith("-parenthesis")]
+    assert found.rule == "surplus-parenthesis"
+    place = unit.file.position(found.span.start)
+    assert (place.row, place.column) == (row, column)

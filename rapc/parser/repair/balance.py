@@ -68,6 +68,8 @@ def plain(tokens: Sequence[Token]) -> Repair:
 class _Guided:
     """The repair that indentation and words suggest.
 
+    `above` says in how many lists the text stands of which these tokens are a part: a
+    method alone, say, as books print one.
     `open` holds the lists open (a list without its parenthesis by its first token),
     `closed` those closed since the last line began, each with its closing parenthesis;
     `places` the row and column of every token. `strays` is true once a clause would
@@ -85,6 +87,7 @@ class _Guided:
         self.opens: list[int] = []
         self.extra: list[int] = []
         self.strays = False
+        self.above = self._above()
         firsts = [i for i in range(len(tokens)) if self._begins_line(i)]
         left = [i for i in firsts if self.places[i].column == 1]
         self.indented = 2 * len(left) <= len(firsts)
@@ -127,7 +130,12 @@ class _Guided:
             self.open.append(index)
 
     def _reopen(self, index: int, depth: int | None) -> None:
-        """Take back what the line before has closed but this line stands inside of."""
+        """Take back what the line before has closed but this line stands inside of.
+
+        A clause that stands where its word has it is left there, however indented.
+        """
+        if depth is not None and len(self.open) >= depth and self._is_sure(index):
+            return
         column = self.places[index].column
         while self.closed:
             opener, closer = self.closed[-1]
@@ -148,12 +156,30 @@ class _Guided:
                 return
             self.closes.append((index, self.open.pop()))
 
+    def _above(self) -> int:
+        if not self.tokens or self.tokens[0][0] != OPEN:
+            return 0
+        return self._depth_of(self._word(0)) or 0
+
+    def _is_sure(self, index: int) -> bool:
+        """Whether the word of a line tells of one place alone where it may stand."""
+        word = self._word(index)
+        return not (word in RAP_CLAUSES and word in METHOD_CLAUSES)
+
     def _depth(self, index: int) -> int | None:
-        """In how many lists a form or clause stands that a line begins with."""
+        """In how many of these lists a form or clause stands that begins a line."""
+        depth = self._depth_of(self._word(index))
+        return None if depth is None else max(0, depth - self.above)
+
+    def _word(self, index: int) -> str:
+        """Return the word that a line begins with, behind its parenthesis if any."""
         kind, start, end = self.tokens[index]
         if kind == OPEN and index + 1 < len(self.tokens):
             _, start, end = self.tokens[index + 1]
-        word = self.source.text[start:end].lower()
+        return self.source.text[start:end].lower()
+
+    @staticmethod
+    def _depth_of(word: str) -> int | None:
         if word in RAP_CLAUSES or word in ("facts", "script", "expect"):
             return 1
         if word in METHOD_CLAUSES:
