@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from bench.mutation import KINDS, LIBRARIES, NOT_SURE, Bench, Outcome, outcomes
+from bench.mutation_runs import Runs
+from rapc.base.source import SourceFile
 
 PAGE = Path(__file__).parents[1] / "docs" / "slips.md"
 
@@ -24,6 +26,44 @@ def test_there_are_many_kinds_of_slips_and_the_page_has_them_all() -> None:
     assert set(NOT_SURE) < set(KINDS)
     rows = re.findall(r"^\| \w+ \| (.*?) \| \d+ \|", PAGE.read_text("utf-8"), re.M)
     assert rows == list(KINDS)
+
+
+_LAMP = """\
+(declare-memory-proposition lit (?lamp))
+(declare-primitive press (?lamp) (okay) :on (okay (lit ?lamp)))
+(define-rap (light ?lamp)
+  (succeed (lit ?lamp))
+  (method (primitive (press ?lamp))))
+(define-test it-lights
+  (script ((press ?lamp) okay :asserts ((lit ?lamp))))
+  (task (light hall))
+  (expect (succeeds (light hall))))
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "same"),
+    [
+        ("(lit ?lamp))\n  (method", "(and (lit ?lamp) (lit hall)))\n  (method", True),
+        ("(primitive (press ?lamp))", "(primitive (press attic))", False),
+        ("(succeed (lit ?lamp))", "(succeed (lit attic))", False),
+        ("(succeed (lit ?lamp))", "(succed (lit ?lamp))", False),
+    ],
+)
+def test_a_slip_that_changes_no_trace_is_told_from_others(
+    tmp_path: Path, old: str, new: str, same: bool
+) -> None:
+    file = tmp_path / "lamp.test.rap"
+    file.write_text(_LAMP, encoding="utf-8")
+    assert _LAMP.count(old) == 1
+    changed = SourceFile(str(file), _LAMP.replace(old, new))
+    assert Runs(tmp_path).are_the_same(changed) is same
+
+
+def test_without_tests_nobody_can_tell_what_a_slip_changes(tmp_path: Path) -> None:
+    file = tmp_path / "lamp.rap"
+    file.write_text("(define-rap (wait))\n", encoding="utf-8")
+    assert Runs(tmp_path).are_the_same(SourceFile(str(file), "")) is None
 
 
 @pytest.mark.slow
