@@ -72,7 +72,8 @@ def read(file: Path) -> tuple[Known, ...]:
     try:
         found = msgspec.json.decode(content, type=_File)
     except (msgspec.DecodeError, RecursionError) as error:
-        raise BaselineError(f"`{file}` holds no baseline: {error}") from error
+        message = f"`{file}` holds no baseline: `--write-baseline` writes one"
+        raise BaselineError(message) from error
     if found.rapc_baseline != FORMAT:
         message = (
             f"`{file}` holds a baseline of format {found.rapc_baseline}, not {FORMAT}"

@@ -96,7 +96,8 @@ def test_a_configuration_can_be_named(folder: Path) -> None:
         ),
         ("ignore = 3", "`ignore`: expected a list, got a whole number"),
         ("ignore = [3]", "`ignore 1`: expected text, got a whole number"),
-        ('fail-level = "grave"', "`fail-level`: invalid enum value 'grave'"),
+        ('fail-level = "grave"', "`fail-level`: there is no value `grave` here"),
+        ('select = "RAP013"', "`select`: expected a list, got text"),
         ("ignore = [", None),
         ('output-format = "pdf"', "there is no output format `pdf`"),
     ],
@@ -149,6 +150,7 @@ def test_what_is_no_baseline_is_refused(text: str, folder: Path) -> None:
     done = rapc("check", "lib", "--baseline", "known.json", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: `known.json` h")
+    assert "`object`" not in done.stderr
 
 
 # --- what is kept for the next check --------------------------------------------------
