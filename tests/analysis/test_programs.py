@@ -7,12 +7,10 @@ folders in `tests/analysis/several` are libraries of several files each.
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 
 import pytest
 
-from rapc.analysis import suite
 from rapc.analysis.driver import check_library
 from rapc.analysis.selection import Selection, by_default, rule_names
 from rapc.library.loader import load
@@ -54,14 +52,3 @@ def test_program_has_the_findings_it_names(program: Path) -> None:
     assert actual == sorted(
         (name, *found) for name, text in texts.items() for found in expected(text)
     )
-
-
-def test_each_rule_of_a_pass_has_three_triggers() -> None:
-    texts = [text for program in PROGRAMS for text in _texts(program).values()]
-    often = Counter(name for text in texts for _, name in expected(text))
-    rules = [rule.name for analyzer in suite.ANALYZERS for rule in analyzer.rules]
-    few = {name: often[name] for name in rules if often[name] < _LEAST}
-    assert few == {}
-
-
-_LEAST = 3

@@ -22,7 +22,6 @@ from rapc.analysis.passes.standing import ANALYZER as STANDING
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import subformulas
 from rapc.library.library import Library
 
 _WORLD = """\
@@ -124,7 +123,8 @@ def _run(run: Pass) -> None:
         wanted = rap.succeed or rap.effects
         if not run.complete or not rap.methods or not wanted or id(rap) in told:
             continue
-        for found in _against_succeed(rap):
+        denied = list(_against_succeed(rap))
+        for found in denied:
             run.report(found)
         done = effects.of(rap.name)
         if done is not None:
@@ -132,7 +132,8 @@ def _run(run: Pass) -> None:
             if lost is not None:
                 hopeless[rap.name] = lost
                 continue
-            for found in (*_endless(run, rap, done), *_empty(run, rap, done)):
+            promised = () if denied else _empty(run, rap, done)
+            for found in (*_endless(run, rap, done), *promised):
                 run.report(found)
     for name in _causes(run.library, hopeless) if hopeless else ():
         run.report(hopeless[name])
@@ -192,7 +193,7 @@ def _endless(
     asked = asked_through(run.library, monitor)
     if not asked or id(monitor) in run.result(STANDING):
         return
-    if not any(_touches(run.library, monitor, asked, effect) for effect in done):
+    if not _ends(run.library, monitor, done):
         yield Diagnostic(
             rule=ENDLESS.name,
             message=f"nothing that `{rap.name}` does ends the state that wakes it",
@@ -208,33 +209,12 @@ def _endless(
         )
 
 
-def _touches(
-    library: Library, monitor: nodes.Formula, asked: Container[str], effect: Effect
-) -> bool:
-    """Whether an effect may have to do with a fact that a monitor asks for.
-
-    Constants tell facts apart where the monitor itself names them, not where a query
-    or a function asks for them; another value of a property is the same fact.
-    """
-    if effect.name not in asked:
-        return False
-    facts = [
-        part for part in subformulas(monitor) if isinstance(part, nodes.Proposition)
-    ]
-    if any(is_computed(library, fact.name) for fact in facts):
-        return True
-    named = [fact for fact in facts if fact.name == effect.name]
-    return not named or any(_may_be_one(library, effect, fact.args) for fact in named)
-
-
-def _may_be_one(library: Library, effect: Effect, args: Sequence[nodes.Term]) -> bool:
-    """Whether no constants tell what an effect changes from a fact with `args`."""
-    pairs = list(zip(effect.values, args, strict=False))
-    if effect.name in library.properties and len(pairs) == len(args):
-        pairs.pop()
-    return all(
-        value is None or not isinstance(term, nodes.Const) or value == term.value
-        for value, term in pairs
+def _ends(library: Library, monitor: nodes.Formula, done: Sequence[Effect]) -> bool:
+    """Whether anything done may keep a part of a monitor from holding."""
+    return any(
+        can_come(library, Literal(one.formula, not one.holds), done)
+        for one in literals(monitor)
+        if not isinstance(one.formula, _BESIDE)
     )
 
 
@@ -326,6 +306,30 @@ def _against_succeed(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
                 span=effect.span,
                 labels=(Label(one.span, "asked here"),),
             )
+    yield from _against_each_way(rap)
+
+
+def _against_each_way(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    """Yield an effect if some effect denies each of the ways to succeed."""
+    ways = rap.succeed.parts if isinstance(rap.succeed, nodes.Or) else ()
+    told = {effect.pattern: effect for effect in rap.effects}
+    denied = [
+        (told[one.formula], one)
+        for way in ways
+        for one in literals(way)
+        if isinstance(one.formula, nodes.Pattern)
+        and one.formula in told
+        and told[one.formula].negated is one.holds
+    ]
+    ways_denied = {way for way in ways for _, one in denied if one in literals(way)}
+    if denied and len(ways_denied) == len(ways):
+        effect, one = denied[0]
+        yield Diagnostic(
+            rule=EMPTY.name,
+            message="every way to succeed asks for the contrary of an effect",
+            span=effect.span,
+            labels=(Label(one.span, "asked here"),),
+        )
 
 
 def _empty(

@@ -14,7 +14,6 @@ from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal
-from rapc.ir.walk import subformulas
 
 _WORLD = """\
 (declare-memory-proposition bay-open ())
@@ -81,17 +80,27 @@ ANALYZER = Analyzer(
 
 
 def _asked(rap: nodes.DefineRap) -> set[str]:
-    """The facts that the clauses of a RAP ask for: they may hold before it begins."""
+    """The facts that the clauses of a RAP ask for: they may hold before it begins.
+
+    Those that the clauses deny surely do not.
+    """
     clauses = [rap.monitor_state, rap.preconditions, rap.constraints, rap.repeat_while]
     for method in rap.methods:
         clauses += [method.context, method.constraints]
-    return {
-        part.name
-        for formula in clauses
-        if formula is not None
-        for part in subformulas(formula)
-        if isinstance(part, nodes.Proposition)
-    }
+    found = set()
+    waiting = [(formula, True) for formula in clauses if formula is not None]
+    while waiting:
+        formula, holds = waiting.pop()
+        match formula:
+            case nodes.And() | nodes.Or():
+                waiting += [(part, holds) for part in formula.parts]
+            case nodes.Not():
+                waiting.append((formula.part, not holds))
+            case nodes.Believe() if holds:
+                found.add(formula.pattern.name)
+            case nodes.Proposition() if holds:
+                found.add(formula.name)
+    return found
 
 
 _ByName = Mapping[str, Sequence[Effect]]

@@ -1,0 +1,96 @@
+"""RAP108: comparisons whose answer stands in the text [L 2]."""
+
+from __future__ import annotations
+
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX
+from rapc.analysis.literals import holds_between, number
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.values import Number
+from rapc.ir import nodes
+from rapc.ir.printer import format_formula
+
+SETTLED_COMPARISON = Rule(
+    code="RAP108",
+    name="settled-comparison",
+    severity=Severity.WARNING,
+    summary="a comparison holds always, or never, as it is written",
+    why="""Two constants, or a variable and the same one with a number added, compare in
+one way whatever happens. Mostly one of the two was to be another variable: a test is
+missing, or stands in the way of all that depends on it.""",
+    ignore="never: write `true` or `nil` if that is meant",
+    source="T 4.1",
+    example="""\
+(declare-memory-property tank (?level) unknown)
+(declare-memory-property room-for (?litres) unknown)
+(define-query (tank-full)
+  (and (tank ?level) (room-for ?litres) (> (+ ?level 5) ?level)))
+""",
+    better="""\
+(declare-memory-property tank (?level) unknown)
+(declare-memory-property room-for (?litres) unknown)
+(define-query (tank-full)
+  (and (tank ?level) (room-for ?litres) (> (+ ?level 5) ?litres)))
+""",
+)
+
+
+def _run(run: Pass) -> None:
+    for use in run.result(INDEX).of(nodes.Compare):
+        holds = _answer(use.node)
+        if holds is not None:
+            run.report(
+                Diagnostic(
+                    rule=SETTLED_COMPARISON.name,
+                    message=f"`{format_formula(use.node)}` "
+                    f"{'always' if holds else 'never'} holds",
+                    span=use.node.span,
+                    help="compare with something else, or leave it out",
+                )
+            )
+
+
+ANALYZER = Analyzer(
+    name="settled-comparison",
+    doc="Finds comparisons whose answer stands in the text.",
+    run=_run,
+    needs=(INDEX,),
+    rules=(SETTLED_COMPARISON,),
+)
+
+
+def _answer(test: nodes.Compare) -> bool | None:
+    """Return what a comparison comes to whatever happens; None if that depends."""
+    one, first = _apart(test.left)
+    other, second = _apart(test.right)
+    if isinstance(one, nodes.Const) and isinstance(other, nodes.Const):
+        equal = one.value == other.value
+        return {"=": equal, "n=": not equal}.get(test.op)
+    if one != other or not (one is None or isinstance(one, nodes.Var)):
+        return None
+    if one is not None and one.anonymous:
+        return None
+    return holds_between(test.op, first, second)
+
+
+def _apart(term: nodes.Term) -> tuple[nodes.Term | None, Number]:
+    """Return a term without a number that is added to it, and that number.
+
+    A number alone is nothing and that number.
+    """
+    alone = number(term)
+    if alone is not None:
+        return None, alone
+    if isinstance(term, nodes.Call) and term.function in _ADDING:
+        left, right = term.args[0], term.args[-1]
+        added = number(right)
+        if added is not None:
+            return left, added if term.function == "+" else -added
+        added = number(left)
+        if added is not None and term.function == "+":
+            return right, added
+    return term, 0
+
+
+_ADDING = ("+", "-")
+"""What adds a number to a term, or takes one away."""
