@@ -14,7 +14,7 @@ import msgspec
 
 from bench.common import Figure
 from rapc.experiments import reading
-from rapc.experiments.config import Config
+from rapc.experiments.config import PointConfig
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import measure
 from rapc.experiments.session import Batch
@@ -29,7 +29,7 @@ class Run(msgspec.Struct, frozen=True):
     measures: Measures
 
 
-def run(config: Config, seed: int) -> Run:
+def run(config: PointConfig, seed: int) -> Run:
     """One run; the first in a process reads the library too."""
     wall, cpu = time.perf_counter(), time.process_time()
     measures = measure(config, seed)

@@ -26,7 +26,7 @@ from unittest.mock import patch
 import msgspec
 
 from bench.chapter6 import session
-from rapc.experiments.config import Config
+from rapc.experiments.config import PointConfig
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import measure
 from rapc.runtime.events.events import Cause
@@ -170,7 +170,7 @@ def _row(*cells: object) -> str:
     return f"| {' | '.join(map(str, told))} |"
 
 
-def _still(tasks: Sequence[str] = (), **options: int) -> Config:
+def _still(tasks: Sequence[str] = (), **options: int) -> PointConfig:
     """The still part of chapter 6, with other options or tasks."""
     config = session().points[0].config
     changed = {name.replace("_", "-"): value for name, value in options.items()}

@@ -174,3 +174,42 @@ def test_nothing_cites_a_paper_that_is_not_here() -> None:
         for found in old.finditer(path.read_text(encoding="utf-8"))
     ]
     assert citing == []
+
+
+SHARED = {
+    "Event": "of a run, and of a network of skills",
+    "Datum": "a form, and the message that it declares",
+    "Signal": "a form, and the message that it declares",
+    "Goal": "in a text, and of a task",
+    "Position": "in a text, and the event of a skill that says where the robot is",
+    "MethodChosen": "what a test expects, and the event",
+    "ResourceChange": "an annotation, and the event",
+    "Map": "of the hallway, and of the truck's roads",
+    "MapError": "of the hallway, and of the truck's roads",
+}
+"""Names of two classes each, one and the same word of the field in two rooms."""
+
+
+def test_a_name_stands_for_one_class(modules: Sequence[Module]) -> None:
+    """Nodes apart: these are called as the grammar has them, and written `nodes.X`."""
+    where: dict[str, list[str]] = {}
+    for module in modules:
+        for name in re.findall(r"^class ([A-Z]\w*)", module.text, re.M):
+            where.setdefault(name, []).append(module.name)
+    twice = {
+        name: places
+        for name, places in where.items()
+        if len([p for p in places if p != "rapc/ir/nodes.py"]) > 1
+    }
+    assert {name: twice[name] for name in twice if name not in SHARED} == {}
+    assert [name for name in SHARED if len(where[name]) != 2] == []
+    bare = [
+        f"{module.name}: {name}"
+        for module in modules
+        for found in re.findall(
+            r"^from rapc\.ir\.nodes import (\([^)]*\)|[^\n]*)", module.text, re.M
+        )
+        for name in re.findall(r"\w+", found)
+        if len(where.get(name, ())) > 1
+    ]
+    assert bare == []

@@ -24,7 +24,7 @@ class BaselineError(Error):
     """A file that holds no baseline of this rapc."""
 
 
-class Known(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class KnownFinding(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One finding that is known."""
 
     fingerprint: str
@@ -35,7 +35,7 @@ class Known(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 class _File(msgspec.Struct, frozen=True, rename="kebab", forbid_unknown_fields=True):
     rapc_baseline: int
-    findings: tuple[Known, ...]
+    findings: tuple[KnownFinding, ...]
 
 
 def text(report: CheckReport, file: str) -> str:
@@ -47,7 +47,7 @@ def text(report: CheckReport, file: str) -> str:
     """
     root = os.path.dirname(os.path.abspath(file))
     rows = [
-        Known(
+        KnownFinding(
             print_,
             seen_from(root, finding.diagnostic.span.file),
             finding.rule.name,
@@ -61,7 +61,7 @@ def text(report: CheckReport, file: str) -> str:
     return msgspec.json.format(data, indent=1).decode() + "\n"
 
 
-def read(file: Path) -> tuple[Known, ...]:
+def read(file: Path) -> tuple[KnownFinding, ...]:
     """Return the findings in a baseline file.
 
     Raises:

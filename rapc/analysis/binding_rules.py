@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping
 
-from rapc.analysis.named_bindings import Summaries, Summary, arguments
+from rapc.analysis.named_bindings import QueryBindings, Summaries, arguments
 from rapc.ir import nodes
 from rapc.ir.operands import operands
 
@@ -45,7 +45,7 @@ class Findings:
         self.ages: list[nodes.Believe] = []
 
 
-class Walker:
+class BindingWalker:
     """Walks formulas and terms of one library.
 
     Args:
@@ -64,9 +64,9 @@ class Walker:
         self.findings = findings
         self.summaries = Summaries(queries, self._summarize)
 
-    def apart(self) -> Walker:
+    def apart(self) -> BindingWalker:
         """Return a walker of the same library with findings of its own."""
-        return Walker(self.functions, self.summaries.queries, Findings())
+        return BindingWalker(self.functions, self.summaries.queries, Findings())
 
     def value(self, term: nodes.Term, bound: Bound) -> None:
         """A place that needs a value: note what is not bound in it."""
@@ -127,7 +127,9 @@ class Walker:
         bound.names.update(fresh)
         return summary.possible
 
-    def _summarize(self, query: nodes.DefineQuery, given: frozenset[str]) -> Summary:
+    def _summarize(
+        self, query: nodes.DefineQuery, given: frozenset[str]
+    ) -> QueryBindings:
         """Walk the formula of a query where some of its arguments have a value."""
         kept, self.findings = self.findings, Findings()
         try:
@@ -137,14 +139,14 @@ class Walker:
         finally:
             self.findings = kept
         names = frozenset(arguments(query))
-        return Summary(names & lacking, names & bound.names, possible)
+        return QueryBindings(names & lacking, names & bound.names, possible)
 
 
-def _truth(walker: Walker, formula: nodes.Truth, bound: Bound) -> bool:
+def _truth(walker: BindingWalker, formula: nodes.Truth, bound: Bound) -> bool:
     return formula.value
 
 
-def _pattern(walker: Walker, formula: nodes.Proposition, bound: Bound) -> bool:
+def _pattern(walker: BindingWalker, formula: nodes.Proposition, bound: Bound) -> bool:
     if formula.name in walker.summaries.queries:
         return walker.query(formula, bound)
     if formula.name in walker.functions:
@@ -154,7 +156,7 @@ def _pattern(walker: Walker, formula: nodes.Proposition, bound: Bound) -> bool:
     return True
 
 
-def _as_declared(walker: Walker, formula: nodes.Formula, bound: Bound) -> bool:
+def _as_declared(walker: BindingWalker, formula: nodes.Formula, bound: Bound) -> bool:
     """A formula of which its operands say all there is to know."""
     inner = operands(formula)
     walker.values(inner.used, bound)
@@ -168,7 +170,7 @@ def _as_declared(walker: Walker, formula: nodes.Formula, bound: Bound) -> bool:
     return possible
 
 
-def _or(walker: Walker, formula: nodes.Or, bound: Bound) -> bool:
+def _or(walker: BindingWalker, formula: nodes.Or, bound: Bound) -> bool:
     common: set[str] | None = None
     for part in formula.parts:
         branch = Bound(bound)
@@ -178,12 +180,12 @@ def _or(walker: Walker, formula: nodes.Or, bound: Bound) -> bool:
     return common is not None
 
 
-def _not(walker: Walker, formula: nodes.Not, bound: Bound) -> bool:
+def _not(walker: BindingWalker, formula: nodes.Not, bound: Bound) -> bool:
     walker.formula(formula.part, Bound(bound))
     return not (type(formula.part) is nodes.Truth and formula.part.value)
 
 
-def _believe(walker: Walker, formula: nodes.Believe, bound: Bound) -> bool:
+def _believe(walker: BindingWalker, formula: nodes.Believe, bound: Bound) -> bool:
     walker.match(formula.pattern.args, bound)
     age = formula.age
     if type(age) is nodes.Var and not age.anonymous and age.name not in bound:

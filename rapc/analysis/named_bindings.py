@@ -19,7 +19,7 @@ Key = tuple[str, frozenset[str]]
 """A query by its name, with those of its arguments that have a value."""
 
 
-class Summary(msgspec.Struct, frozen=True):
+class QueryBindings(msgspec.Struct, frozen=True):
     """What a query comes to where some of its arguments have a value."""
 
     #: The arguments that need a value and do not surely have one.
@@ -38,7 +38,7 @@ class _UnknownError(Exception):
         self.key = key
 
 
-Summarize = Callable[[nodes.DefineQuery, frozenset[str]], Summary]
+Summarize = Callable[[nodes.DefineQuery, frozenset[str]], QueryBindings]
 """Walks the formula of a query once, asking `Summaries.known` for others in it."""
 
 
@@ -55,11 +55,11 @@ class Summaries:
     ) -> None:
         self.queries = queries
         self._summarize = summarize
-        self._known: dict[Key, Summary] = {}
+        self._known: dict[Key, QueryBindings] = {}
         #: What is being worked out, each for the sake of the one before it.
         self._asking: dict[Key, None] = {}
 
-    def known(self, name: str, given: frozenset[str]) -> Summary:
+    def known(self, name: str, given: frozenset[str]) -> QueryBindings:
         """Return what a query comes to where the arguments in `given` have a value."""
         key = (name, given)
         found = self._known.get(key)
@@ -82,7 +82,7 @@ class Summaries:
                 if wanted.key in self._asking:
                     query = self.queries[wanted.key[0]]
                     every = frozenset(arguments(query))
-                    self._known[wanted.key] = Summary(frozenset(), every, True)
+                    self._known[wanted.key] = QueryBindings(frozenset(), every, True)
                 else:
                     self._asking[wanted.key] = None
 

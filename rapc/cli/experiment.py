@@ -14,7 +14,7 @@ import click
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
-from rapc.cli.options import Count, say
+from rapc.cli.options import WholeNumber, say
 from rapc.compiler.program import Program
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
@@ -25,7 +25,7 @@ from rapc.experiments.definition import ExperimentError
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
-from rapc.experiments.summary import Summary
+from rapc.experiments.summary import PartSummary
 
 EXAMPLES = """\b
 Examples:
@@ -57,14 +57,14 @@ _MOST_FAULTS = 10
 )
 @click.option(
     "--seeds",
-    type=Count(definition.MOST_SEEDS),
+    type=WholeNumber(definition.MOST_SEEDS),
     metavar="N",
     help="Runs for each point, from seed 0; as the file says if not given.",
 )
 @click.option(
     "--jobs",
     "processes",
-    type=Count(_MOST_PROCESSES),
+    type=WholeNumber(_MOST_PROCESSES),
     metavar="N",
     help="Processes at work; as many as there are cores if not given.",
 )
@@ -236,7 +236,7 @@ def _tell_faults(faults: Sequence[str]) -> None:
         click.echo(f"error: {more} more runs have no result", err=True)
 
 
-def _write(session: Batch, summaries: Sequence[Summary], folder: Path) -> None:
+def _write(session: Batch, summaries: Sequence[PartSummary], folder: Path) -> None:
     """Write tables, plots and commands beside the results."""
     try:
         drawn = _draw(summaries, folder)
@@ -248,7 +248,7 @@ def _write(session: Batch, summaries: Sequence[Summary], folder: Path) -> None:
         fail(f"cannot write in `{folder}`: {(error.strerror or str(error)).lower()}")
 
 
-def _draw(summaries: Sequence[Summary], folder: Path) -> list[str]:
+def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
     """Draw the parts that vary something; returns their names."""
     try:
         from rapc.console.experiments import plots  # noqa: PLC0415  # an extra
@@ -266,7 +266,7 @@ def _draw(summaries: Sequence[Summary], folder: Path) -> list[str]:
     return drawn
 
 
-def _print(summary: Summary) -> None:
+def _print(summary: PartSummary) -> None:
     width = PIPED_WIDTH
     if sys.stdout.isatty():
         width = shutil.get_terminal_size().columns

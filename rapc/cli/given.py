@@ -37,7 +37,7 @@ from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-class Beginning(NamedTuple):
+class GivenRun(NamedTuple):
     """A run that has not begun, and what it is to begin with."""
 
     interpreter: Interpreter
@@ -115,7 +115,7 @@ def prepare(
     facts: Sequence[str],
     values: Sequence[str],
     faults: Sequence[str],
-) -> Beginning:
+) -> GivenRun:
     """Return a run of a library in a world that can begin; else end the command.
 
     Args:
@@ -135,7 +135,7 @@ def prepare(
     interpreter, options, world = _build(library, world_name, seed, values, failing)
     _refuse(interpreter, requests, known)
     texts = (*map(as_text, first), *tasks)
-    return Beginning(interpreter, world, options, requests, known, texts, tuple(faults))
+    return GivenRun(interpreter, world, options, requests, known, texts, tuple(faults))
 
 
 def _of_agenda(library: Program, name: str | None) -> tuple[TaskRequest, ...]:

@@ -22,7 +22,7 @@ USAGE = 2
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-class Count(click.IntRange):
+class WholeNumber(click.IntRange):
     """An integer from 1 to `most`."""
 
     name = "whole number"

@@ -11,7 +11,7 @@ import click
 
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
-from rapc.cli.given import Beginning, prepare, run_options
+from rapc.cli.given import GivenRun, prepare, run_options
 from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import Beginnings, beginnings, follow
@@ -140,7 +140,7 @@ def _at_hand(begun: Beginnings) -> Program | str:
         return error.message
 
 
-def _again(library: Program, begun: Beginnings) -> Beginning:
+def _again(library: Program, begun: Beginnings) -> GivenRun:
     """Return a run that can be begun as a recorded one was."""
     values = [f"{begun.world}.{name}={_value(v)}" for name, v in begun.options.items()]
     values += [f"rapc.{name}={_value(v)}" for name, v in begun.settings.items()]
@@ -153,7 +153,7 @@ def _value(value: str | float) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _session(begun: Beginning) -> Session:
+def _session(begun: GivenRun) -> Session:
     """Begin the run, and put it under a debugger."""
     log = EventLog()
     begun.interpreter.listen(log)

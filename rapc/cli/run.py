@@ -18,7 +18,7 @@ from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import common_options, fail, same_file, settings
 from rapc.cli.given import prepare, run_options
-from rapc.cli.options import Count
+from rapc.cli.options import WholeNumber
 from rapc.library.library import Library
 from rapc.runtime.authors import blame
 from rapc.runtime.events.events import TaskResult
@@ -65,7 +65,7 @@ _MOST_FRAMES = 1_000_000
 )
 @click.option(
     "--show-every",
-    type=Count(_MOST_FRAMES),
+    type=WholeNumber(_MOST_FRAMES),
     metavar="N",
     help="With --show to a file or a pipe: every Nth frame.",
 )

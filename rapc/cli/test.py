@@ -19,7 +19,7 @@ from rapc.cli.common import (
     settings,
     write_output,
 )
-from rapc.cli.options import Amount, Count
+from rapc.cli.options import Amount, WholeNumber
 from rapc.console.testing import coverage_table, explain
 from rapc.console.testing.junit import as_junit
 from rapc.console.wrapping import wrapped
@@ -60,7 +60,7 @@ _MOST_SEEDS = 100_000
 @click.option("--seed", type=int, default=0, show_default=True, help="First seed.")
 @click.option(
     "--seeds",
-    type=Count(_MOST_SEEDS),
+    type=WholeNumber(_MOST_SEEDS),
     default=1,
     metavar="N",
     help="Run each test under so many seeds: it must hold for all.",

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import msgspec
 
 from rapc.base.values import Fact, format_atom, match
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
 from rapc.runtime.events import events
@@ -58,7 +58,7 @@ class Breakpoint(msgspec.Struct, omit_defaults=True):
         return " ".join(word for word in words if word)
 
 
-Meets = Callable[[Told], bool]
+Meets = Callable[[ToldEvent], bool]
 
 _OF_TASKS = (events.TaskSelected, events.TaskSucceeded, events.TaskFailed)
 
@@ -179,7 +179,7 @@ class Breakpoints:
 
     # --- while the run goes on ------------------------------------------------------
 
-    def _watch(self, told: Told) -> None:
+    def _watch(self, told: ToldEvent) -> None:
         for number, meets in self._meets.items():
             if meets(told):
                 self._pending.append((number, _words(told)))
@@ -269,7 +269,7 @@ def _fits(key: str, pattern: Fact) -> Callable[[Mapping[str, object]], bool]:
     return fits
 
 
-def _words(told: Told) -> str:
+def _words(told: ToldEvent) -> str:
     """Return an event in a few words."""
     keys = told.keys
     tag = told.kind.__struct_config__.tag

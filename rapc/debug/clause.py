@@ -35,7 +35,7 @@ class Support(msgspec.Struct, frozen=True):
     since: Time | None
 
 
-class Part(msgspec.Struct, frozen=True):
+class ConjunctAsked(msgspec.Struct, frozen=True):
     """A conjunct, and how many solutions all up to it have."""
 
     text: str
@@ -44,13 +44,13 @@ class Part(msgspec.Struct, frozen=True):
     solutions: int
 
 
-class Asked(msgspec.Struct, frozen=True):
+class ClauseAsked(msgspec.Struct, frozen=True):
     """What comes of asking a clause."""
 
     #: The clause in words.
     clause: str
     #: The conjuncts, up to the first without a solution.
-    parts: tuple[Part, ...]
+    parts: tuple[ConjunctAsked, ...]
     #: How many conjuncts there are.
     count: int
     #: What the first solution adds; where there is none, what the variables of the
@@ -75,7 +75,7 @@ class Asked(msgspec.Struct, frozen=True):
 
 def ask(
     machine: Machine, clause: str, query: Query, asker: Task | None, env: Env
-) -> Asked:
+) -> ClauseAsked:
     """Ask a clause as a task would, conjunct by conjunct.
 
     Args:
@@ -87,31 +87,31 @@ def ask(
     """
     context = machine.noting
     context.task = asker
-    parts: list[Part] = []
+    parts: list[ConjunctAsked] = []
     solutions: list[dict[str, Value]] = [{}]
     beginnings = query.beginnings()
     for part, up_to_it, text in beginnings:
         context.noted = ""
         found = list(islice(up_to_it.solutions(context, env), MOST))
         place = machine.library.compiler.row(part.span)
-        parts.append(Part(text, place, len(found)))
+        parts.append(ConjunctAsked(text, place, len(found)))
         if not found:
             return _failing(
                 machine, clause, part, parts, len(beginnings), env, solutions
             )
         solutions = found
-    return Asked(clause, tuple(parts), len(beginnings), solutions[0])
+    return ClauseAsked(clause, tuple(parts), len(beginnings), solutions[0])
 
 
 def _failing(
     machine: Machine,
     clause: str,
     part: nodes.Formula,
-    parts: list[Part],
+    parts: list[ConjunctAsked],
     count: int,
     env: Env,
     solutions: list[dict[str, Value]],
-) -> Asked:
+) -> ClauseAsked:
     """Return an answer whose last conjunct fails, with the facts near to it."""
     known = [{**env, **found} for found in solutions]
     negated = isinstance(part, nodes.Not)
@@ -129,7 +129,7 @@ def _failing(
             ground = [_full(pattern) for pattern in patterns]
             missing = tuple(dict.fromkeys([fact for fact in ground if fact]))[:_NEAR]
             near = tuple(_nearest(machine, patterns))
-    return Asked(
+    return ClauseAsked(
         clause=clause,
         parts=tuple(parts),
         count=count,
@@ -243,7 +243,7 @@ def support(machine: Machine, fact: Fact) -> Support:
     return Support(fact, None if stamp is None or stamp == NEVER else stamp)
 
 
-def lines(asked: Asked, indent: str = "  ") -> Iterator[str]:
+def lines(asked: ClauseAsked, indent: str = "  ") -> Iterator[str]:
     """Say in lines how far a clause holds, and what is missing."""
     yield f"{asked.clause}: {'holds' if asked.holds else 'does not hold'}"
     for part in asked.parts:
@@ -266,7 +266,7 @@ def lines(asked: Asked, indent: str = "  ") -> Iterator[str]:
         yield f"{indent}near to it: {format_list(fact)}"
 
 
-def in_a_line(asked: Asked) -> str:
+def in_a_line(asked: ClauseAsked) -> str:
     """Say in one line whether a clause holds, else at which conjunct it fails."""
     if asked.holds:
         pairs = " ".join(f"{n} {format_atom(v)}" for n, v in asked.bindings.items())

@@ -9,8 +9,8 @@ import msgspec
 from rapc.base.resources import Value
 from rapc.base.values import Fact
 from rapc.debug.acts import live_task
-from rapc.debug.clause import Asked, ask
-from rapc.debug.log import Told
+from rapc.debug.clause import ClauseAsked, ask
+from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.why import method_supports
 from rapc.debug.why_not import methods
@@ -35,7 +35,7 @@ class Commitment(msgspec.Struct, frozen=True):
     #: Those of them that are no longer believed.
     gone: tuple[Fact, ...]
     #: The context asked again with what the task was given alone.
-    now: Asked | None
+    now: ClauseAsked | None
     #: The methods that hold now, each with what it would bind.
     would: tuple[tuple[str, Mapping[str, Value]], ...]
 
@@ -86,8 +86,8 @@ def _would(machine: Machine, task: Task) -> Iterable[tuple[str, Mapping[str, Val
             yield answer.name, {} if answer.context is None else answer.context.bindings
 
 
-def _chosen_at(session: Session, number: int) -> Told:
-    def wanted(told: Told) -> bool:
+def _chosen_at(session: Session, number: int) -> ToldEvent:
+    def wanted(told: ToldEvent) -> bool:
         found: bool = told.keys["task"] == number
         return found
 

@@ -15,7 +15,7 @@ from typing import Any
 from rapc.debug.acts import Act
 from rapc.debug.branch import Branch
 from rapc.debug.forced import ForcedWorld, ForceResult
-from rapc.debug.log import EventLog, Told
+from rapc.debug.log import EventLog, ToldEvent
 from rapc.debug.saves import EVERY, Moment, Saves
 from rapc.debug.setup import Setup
 from rapc.debug.stepped import Stepped
@@ -213,15 +213,15 @@ class Course(Stepped):
         self,
         *kinds: type[Any],
         first: int = 0,
-        want: Callable[[Told], bool] | None = None,
-    ) -> list[Told]:
+        want: Callable[[ToldEvent], bool] | None = None,
+    ) -> list[ToldEvent]:
         """Return events of the branch: see `Stepped.scan`.
 
         What is not in the log any more is made again by replay.
         """
-        found: list[Told] = []
+        found: list[ToldEvent] = []
 
-        def take(told: Told) -> None:
+        def take(told: ToldEvent) -> None:
             if (
                 told.cycle >= first
                 and (not kinds or told.kind in kinds)
@@ -244,7 +244,7 @@ class Course(Stepped):
                     return told.serial
         return 0
 
-    def _replay_all(self, first: int, take: Callable[[Told], None]) -> None:
+    def _replay_all(self, first: int, take: Callable[[ToldEvent], None]) -> None:
         """Hand over all events from a cycle up to now, by replay."""
         until, over = self.moment, self.over
         with self.elsewhere(max(first - 1, 0)):
@@ -258,5 +258,5 @@ class Course(Stepped):
                 self.run.step()
 
 
-def _nobody(told: Told) -> None:
+def _nobody(told: ToldEvent) -> None:
     """Hear of an event, and do nothing."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError
 from rapc.runtime.events import events
@@ -15,7 +15,7 @@ from rapc.runtime.events.events import Cause
 from rapc.world import Time
 
 
-class Failure(msgspec.Struct, frozen=True):
+class TaskFailure(msgspec.Struct, frozen=True):
     """How a task or its last method failed."""
 
     task: int
@@ -28,14 +28,14 @@ class Failure(msgspec.Struct, frozen=True):
     because: Cause | None
 
 
-def why_failed(session: Session, number: int | None = None) -> Failure:
+def why_failed(session: Session, number: int | None = None) -> TaskFailure:
     """Return why a task failed, or the last one that did.
 
     Raises:
         ArgumentError: if none has, or this one has not.
     """
 
-    def wanted(told: Told) -> bool:
+    def wanted(told: ToldEvent) -> bool:
         if told.kind is events.TaskFailed:
             return number is None or told.keys["task"] == number
         if told.keys["task"] != number:
@@ -59,7 +59,7 @@ def why_failed(session: Session, number: int | None = None) -> Failure:
         told.kind, "removed"
     )
     result = keys.get("result") or keys.get("cause", "")
-    return Failure(
+    return TaskFailure(
         keys["task"],
         _goal(session, keys),
         told.cycle,

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import msgspec
 
 from rapc.base.names import nearest
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.stepped import Stepped
 from rapc.errors import TextError
 from rapc.runtime.events import events
@@ -56,7 +56,7 @@ class Finder(msgspec.Struct, frozen=True):
                 words.append(one)
         return cls(known[kind], tuple(keys), tuple(words))
 
-    def fits(self, told: Told) -> bool:
+    def fits(self, told: ToldEvent) -> bool:
         """Whether an event is one that is looked for."""
         if told.kind is not self.kind:
             return False
@@ -69,7 +69,7 @@ class Finder(msgspec.Struct, frozen=True):
         return all(word in text for word in self.words)
 
 
-def find(session: Stepped, finder: Finder, *, back: bool = False) -> Told | None:
+def find(session: Stepped, finder: Finder, *, back: bool = False) -> ToldEvent | None:
     """Go to the cycle of the next event that fits, or of the last one before.
 
     Where none is found the session stands where it stood, or at the end of the run if
@@ -87,9 +87,9 @@ def find(session: Stepped, finder: Finder, *, back: bool = False) -> Told | None
             return None
         session.goto(found[-1].cycle)
         return found[-1]
-    met: list[Told] = []
+    met: list[ToldEvent] = []
 
-    def watch(told: Told) -> None:
+    def watch(told: ToldEvent) -> None:
         if not met and finder.fits(told):
             met.append(told)
 

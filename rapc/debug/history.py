@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.values import Fact, format_atom, format_list, match
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
 from rapc.runtime.events import events
@@ -28,7 +28,7 @@ _ITEMS = (
 _CAUSES = (events.PrimitiveEnded, events.DataReceived, events.TaskSelected)
 
 
-class Change(msgspec.Struct, frozen=True):
+class FactChange(msgspec.Struct, frozen=True):
     """A fact that came or went, or what became of an item."""
 
     time: Time
@@ -40,7 +40,7 @@ class Change(msgspec.Struct, frozen=True):
     by: str
 
 
-def of_facts(session: Stepped, pattern: Fact) -> list[Change]:
+def of_facts(session: Stepped, pattern: Fact) -> list[FactChange]:
     """Return when facts that match a pattern came and went.
 
     Args:
@@ -49,14 +49,14 @@ def of_facts(session: Stepped, pattern: Fact) -> list[Change]:
     """
     size = len(pattern)
 
-    def wanted(told: Told) -> bool:
+    def wanted(told: ToldEvent) -> bool:
         fact = told.keys["fact"]
         return len(fact) >= size and match(pattern, fact[:size]) is not None
 
     return _changes(session, wanted, lambda told: False)
 
 
-def of_item(session: Stepped, name: str, predicate: str = "") -> list[Change]:
+def of_item(session: Stepped, name: str, predicate: str = "") -> list[FactChange]:
     """Return what has become of an item under all its names, and the facts about it.
 
     Args:
@@ -66,13 +66,13 @@ def of_item(session: Stepped, name: str, predicate: str = "") -> list[Change]:
     """
     names = _names_of(session, name)
 
-    def about(told: Told) -> bool:
+    def about(told: ToldEvent) -> bool:
         fact = told.keys["fact"]
         if predicate and fact[0] != predicate:
             return False
         return not names.isdisjoint([part for part in fact[1:] if type(part) is str])
 
-    def became(told: Told) -> bool:
+    def became(told: ToldEvent) -> bool:
         return not predicate and (told.keys["item"] in names)
 
     return _changes(session, about, became)
@@ -89,9 +89,9 @@ def _names_of(session: Stepped, name: str) -> set[str]:
     return {name, kept} | {n for n in items.aliases if items.canonical(n) == kept}
 
 
-def _changes(session: Stepped, fact: Any, item: Any) -> list[Change]:
+def _changes(session: Stepped, fact: Any, item: Any) -> list[FactChange]:
     """Return the changes that are wanted, each with what made it."""
-    found: list[Change] = []
+    found: list[FactChange] = []
     open_since = 0
     chooser: int | None = None
     for told in session.scan(*_FACTS, *_ITEMS, *_CAUSES):
@@ -111,22 +111,22 @@ def _changes(session: Stepped, fact: Any, item: Any) -> list[Change]:
     return found
 
 
-def _source(told: Told) -> str:
+def _source(told: ToldEvent) -> str:
     if told.kind is events.DataReceived:
         return f"datum {format_list(told.keys['data'])}"
     task = told.keys["task"]
     return format_list(told.keys["request"]) + ("" if task is None else f" [{task}]")
 
 
-def _of_fact(told: Told, chooser: int | None) -> Change:
+def _of_fact(told: ToldEvent, chooser: int | None) -> FactChange:
     by = told.keys["by"]
     if by == "notation" and chooser is not None:
         by = f"notation [{chooser}]"
     sign = "+" if told.kind is events.FactAsserted else "-"
-    return Change(told.time, told.cycle, sign, format_list(told.keys["fact"]), by)
+    return FactChange(told.time, told.cycle, sign, format_list(told.keys["fact"]), by)
 
 
-def _of_item(told: Told) -> Change:
+def _of_item(told: ToldEvent) -> FactChange:
     keys = told.keys
     what = told.kind.__struct_config__.tag
     assert isinstance(what, str)
@@ -135,7 +135,9 @@ def _of_item(told: Told) -> Change:
         said += f", also {keys['with_']}"
         if keys.get("score") is not None:
             said += f", score {format_atom(keys['score'])}"
-    return Change(told.time, told.cycle, what.removeprefix("item-"), said, "handler")
+    return FactChange(
+        told.time, told.cycle, what.removeprefix("item-"), said, "handler"
+    )
 
 
 # --- retries ------------------------------------------------------------------------
@@ -158,7 +160,7 @@ class Retry(msgspec.Struct, frozen=True):
 
 def retries(session: Stepped) -> list[Retry]:
     """Return the goals that have failed more than once, the most frequent first."""
-    by_goal: dict[str, list[Told]] = {}
+    by_goal: dict[str, list[ToldEvent]] = {}
     for told in session.scan(events.TaskFailed):
         by_goal.setdefault(str(told.keys["goal"]), []).append(told)
     found = [
@@ -177,7 +179,7 @@ def retries(session: Stepped) -> list[Retry]:
     return sorted(found, key=lambda one: -one.failed)
 
 
-def _root(told: Told) -> str:
+def _root(told: ToldEvent) -> str:
     """Return the clause of the first cause of a failure."""
     cause = told.keys["because"]
     while cause is not None and cause.because is not None:

@@ -19,7 +19,7 @@ MOST = 60_000
 """How many events a log keeps."""
 
 
-class Told(NamedTuple):
+class ToldEvent(NamedTuple):
     """An event as it was emitted, before it is made."""
 
     kind: type[Event]
@@ -33,7 +33,7 @@ class Told(NamedTuple):
         return self.kind(n=self.serial, cycle=self.cycle, time=self.time, **self.keys)
 
 
-Watcher = Callable[[Told], None]
+Watcher = Callable[[ToldEvent], None]
 
 
 class EventLog:
@@ -44,9 +44,9 @@ class EventLog:
     """
 
     def __init__(self, most: int = MOST) -> None:
-        self._kept: deque[Told] = deque(maxlen=most)
+        self._kept: deque[ToldEvent] = deque(maxlen=most)
         #: What was told before the first cycle: it cannot be replayed, so it stays.
-        self.opening: list[Told] = []
+        self.opening: list[ToldEvent] = []
         #: Called with each event besides, if set: what stops a run.
         self.watcher: Watcher | None = None
         #: Gets the events while a run is replayed for a question; then nothing is kept.
@@ -67,7 +67,7 @@ class EventLog:
         keys: dict[str, Any],
     ) -> None:
         """Keep an event that has not been made: see `Recorder.listen`."""
-        told = Told(kind, serial, cycle, time, keys)
+        told = ToldEvent(kind, serial, cycle, time, keys)
         if self.elsewhere is not None:
             self.elsewhere(told)
             return
@@ -89,11 +89,11 @@ class EventLog:
             while kept and kept[-1].serial >= serial:
                 kept.pop()
 
-    def backwards(self) -> Iterator[Told]:
+    def backwards(self) -> Iterator[ToldEvent]:
         """Iterate over the events that are kept, the last one first."""
         return chain(reversed(self._kept), reversed(self.opening))
 
-    def since(self, serial: int) -> list[Told]:
+    def since(self, serial: int) -> list[ToldEvent]:
         """Return the events that are kept from a serial number on, in order."""
         found = []
         for told in self.backwards():
@@ -102,6 +102,6 @@ class EventLog:
             found.append(told)
         return found[::-1]
 
-    def last(self, *kinds: type[Event]) -> Told | None:
+    def last(self, *kinds: type[Event]) -> ToldEvent | None:
         """Return the last event of some kinds among those that are kept."""
         return next((told for told in self.backwards() if told.kind in kinds), None)

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from rapc.base.values import Fact, format_atom, format_list, number
 from rapc.debug.acts import live_task
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.errors import ArgumentError
 from rapc.runtime.events import events
 from rapc.runtime.events.events import Cause, Goal
@@ -25,7 +25,7 @@ from rapc.runtime.state.things import format_thing
 from rapc.world import Time
 
 
-class Node(msgspec.Struct, frozen=True):
+class FamilyMember(msgspec.Struct, frozen=True):
     """A live task in its family."""
 
     #: How deep it stands below its top-level task.
@@ -42,20 +42,20 @@ class Node(msgspec.Struct, frozen=True):
     because: Cause | None
 
 
-def tree(run: Interpreter) -> list[Node]:
+def tree(run: Interpreter) -> list[FamilyMember]:
     """Return all live tasks, each behind its parent, by number."""
     entries = {entry.task: entry for entry in run.agenda()}
     below: dict[int | None, list[Task]] = {}
     for task in run.machine.state.live_tasks():
         above = None if task.parent is None else task.parent.number
         below.setdefault(above, []).append(task)
-    found: list[Node] = []
+    found: list[FamilyMember] = []
     stack = [(0, task) for task in reversed(below.get(None, []))]
     while stack:
         depth, task = stack.pop()
         entry = entries[task.number]
         found.append(
-            Node(
+            FamilyMember(
                 depth=depth,
                 task=task.number,
                 goal=entry.goal,
@@ -71,17 +71,17 @@ def tree(run: Interpreter) -> list[Node]:
     return found
 
 
-def tree_told(told: Iterable[Told]) -> list[Node]:
+def tree_told(told: Iterable[ToldEvent]) -> list[FamilyMember]:
     """Return the live tasks that events tell of, each behind its parent, by number.
 
     What a task waits for is known only where it was told that it is blocked.
     """
-    nodes: dict[int, Node] = {}
+    nodes: dict[int, FamilyMember] = {}
     below: dict[int | None, list[int]] = {}
     for one in told:
         number = one.keys.get("task")
         if one.kind is events.TaskCreated:
-            nodes[one.keys["task"]] = Node(
+            nodes[one.keys["task"]] = FamilyMember(
                 0, one.keys["task"], one.keys["goal"], "made", "", None, "", None
             )
             below.setdefault(one.keys["parent"], []).append(one.keys["task"])
@@ -100,7 +100,7 @@ def tree_told(told: Iterable[Told]) -> list[Node]:
     return found
 
 
-def _changed_by(told: Told) -> dict[str, Any]:
+def _changed_by(told: ToldEvent) -> dict[str, Any]:
     """Return what an event makes another of a task in its family."""
     keys = told.keys
     if told.kind is events.TaskSelected:
@@ -171,7 +171,7 @@ def names_with_facts(run: Interpreter) -> list[tuple[str, int]]:
     ]
 
 
-class Known(msgspec.Struct, frozen=True):
+class KnownItem(msgspec.Struct, frozen=True):
     """An item that memory knows."""
 
     name: str
@@ -181,7 +181,7 @@ class Known(msgspec.Struct, frozen=True):
     sensor: str | None
 
 
-def items(run: Interpreter) -> list[Known]:
+def items(run: Interpreter) -> list[KnownItem]:
     """Return the items that memory knows, in the order of their introduction."""
     memory = run.machine.memory
     found = []
@@ -189,7 +189,7 @@ def items(run: Interpreter) -> list[Known]:
         place = memory.facts.asserted(("location", item.name))
         at = "" if place is None else format_atom(place[-1])
         sensor = item.sensor if item.accessible else None
-        found.append(Known(item.name, item.kind, at, sensor))
+        found.append(KnownItem(item.name, item.kind, at, sensor))
     return found
 
 
@@ -260,7 +260,7 @@ def claims(run: Interpreter) -> tuple[list[Claim], tuple[str, ...]]:
     return found, waiting_circles(run.machine)
 
 
-class Request(msgspec.Struct, frozen=True):
+class RequestUnderWay(msgspec.Struct, frozen=True):
     """A request that is under way."""
 
     ticket: int
@@ -268,10 +268,12 @@ class Request(msgspec.Struct, frozen=True):
     request: str
 
 
-def requests(run: Interpreter) -> list[Request]:
+def requests(run: Interpreter) -> list[RequestUnderWay]:
     """Return the requests that the world has not answered yet."""
     return [
-        Request(ticket, None if task is None else task.number, format_list(asked))
+        RequestUnderWay(
+            ticket, None if task is None else task.number, format_list(asked)
+        )
         for ticket, (task, asked) in sorted(run.machine.state.pending.items())
     ]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError
@@ -148,7 +148,7 @@ def parting(session: Stepped, path: Path, *, decisions: bool = False) -> Parting
 
 def _mine(session: Stepped, decisions: bool) -> Iterator[_Event]:
     kinds = (events.TaskSelected, events.MethodChosen) if decisions else ()
-    told: list[Told] = session.scan(*kinds)
+    told: list[ToldEvent] = session.scan(*kinds)
     return (_as_read(record(one.event())) for one in told)
 
 

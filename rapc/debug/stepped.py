@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.values import format_atom
-from rapc.debug.log import EventLog, Told
+from rapc.debug.log import EventLog, ToldEvent
 from rapc.errors import PortError
 from rapc.runtime.events.events import TaskSelected
 from rapc.world import Time
@@ -90,8 +90,8 @@ class Stepped(ABC):
         self,
         *kinds: type[Any],
         first: int = 0,
-        want: Callable[[Told], bool] | None = None,
-    ) -> list[Told]:
+        want: Callable[[ToldEvent], bool] | None = None,
+    ) -> list[ToldEvent]:
         """Return events up to now, in order, from a cycle on.
 
         Args:

@@ -15,7 +15,7 @@ import msgspec
 
 from rapc.base.values import Fact, number
 from rapc.debug.find import kinds
-from rapc.debug.log import EventLog, Told
+from rapc.debug.log import EventLog, ToldEvent
 from rapc.debug.recorded import read
 from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError, TextError
@@ -32,7 +32,7 @@ class Tape(Stepped):
         told: all its events, in order.
     """
 
-    def __init__(self, told: Iterable[Told]) -> None:
+    def __init__(self, told: Iterable[ToldEvent]) -> None:
         self._all = list(told)
         super().__init__(EventLog(most=max(len(self._all), 1)))
         self._end = _beginning_of_end(self._all)
@@ -83,8 +83,8 @@ class Tape(Stepped):
         self,
         *kinds: type[Any],
         first: int = 0,
-        want: Callable[[Told], bool] | None = None,
-    ) -> list[Told]:
+        want: Callable[[ToldEvent], bool] | None = None,
+    ) -> list[ToldEvent]:
         """Return events up to here: see `Stepped.scan`."""
         return [
             told
@@ -123,7 +123,7 @@ class Tape(Stepped):
         self.log.watcher = watcher
 
 
-def _beginning_of_end(told: list[Told]) -> int:
+def _beginning_of_end(told: list[ToldEvent]) -> int:
     """Return the place of the first event of the end of a run, where it is removed."""
     at = len(told)
     while at and (
@@ -142,7 +142,7 @@ def _beginning_of_end(told: list[Told]) -> int:
 
 def _told(
     path: Path, row: int, event: Mapping[str, Any], known: Mapping[str, type[Any]]
-) -> Told:
+) -> ToldEvent:
     """Return an event of a trace as a run would have told it. Raises LoadError."""
     kind = known.get(str(event["event"]))
     if kind is None:
@@ -163,7 +163,7 @@ def _told(
             keys[field.name] = value if read_it is None else read_it(value)
         serial, cycle, time = (keys.pop(name) for name in ("n", "cycle", "time"))
         return (
-            Told(kind, row, int(cycle), number(time), keys)
+            ToldEvent(kind, row, int(cycle), number(time), keys)
             if serial == row
             else (_out_of_order(path, row))
         )
@@ -171,7 +171,7 @@ def _told(
         raise LoadError(f"`{path}` is no trace: line {row + 1}: {error}") from error
 
 
-def _out_of_order(path: Path, row: int) -> Told:
+def _out_of_order(path: Path, row: int) -> ToldEvent:
     raise LoadError(f"`{path}` is no trace: line {row + 1} is out of order")
 
 

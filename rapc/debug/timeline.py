@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import msgspec
 
 from rapc.base.values import Fact, format_list
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.stepped import Stepped
 from rapc.runtime.events import events
 from rapc.world import Time
@@ -98,7 +98,7 @@ class _Reading:
         #: The activation of each task that came on last.
         self._skills: dict[int, _Doing] = {}
 
-    def take(self, told: Told) -> None:
+    def take(self, told: ToldEvent) -> None:
         """Take one event in."""
         keys = told.keys
         if told.kind is events.PrimitiveRequested:

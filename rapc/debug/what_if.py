@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import msgspec
 
 from rapc.debug.acts import Act
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.runtime.events import events
 
@@ -27,8 +27,8 @@ _TOLD = (
 class WhatIf(msgspec.Struct, frozen=True):
     """What happens next as things stand, and what would happen."""
 
-    as_it_is: tuple[Told, ...]
-    would_be: tuple[Told, ...]
+    as_it_is: tuple[ToldEvent, ...]
+    would_be: tuple[ToldEvent, ...]
 
     @property
     def differs(self) -> bool:
@@ -38,7 +38,7 @@ class WhatIf(msgspec.Struct, frozen=True):
         ]
 
 
-def _key(told: Told) -> tuple[object, ...]:
+def _key(told: ToldEvent) -> tuple[object, ...]:
     return told.kind, told.time, tuple(told.keys.items())
 
 
@@ -54,10 +54,10 @@ def what_if(session: Session, acts: Iterable[Act], cycles: int = 1) -> WhatIf:
     )
 
 
-def _next(session: Session, acts: Iterable[Act], cycles: int) -> list[Told]:
-    found: list[Told] = []
+def _next(session: Session, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
+    found: list[ToldEvent] = []
 
-    def take(told: Told) -> None:
+    def take(told: ToldEvent) -> None:
         if told.kind in _TOLD:
             found.append(told)
 

@@ -20,7 +20,7 @@ _READS: tuple[Use, ...] = ("test", "believed")
 _WRITES: tuple[Use, ...] = ("asserted", "erased")
 
 
-class Place(msgspec.Struct, frozen=True):
+class Mention(msgspec.Struct, frozen=True):
     """A place in the library that names the fact."""
 
     place: str
@@ -44,7 +44,7 @@ class Who(msgspec.Struct, frozen=True):
     #: The facts that are believed, with who asserted each last.
     believed: tuple[Origin, ...]
     #: Where the library asks for it or makes it so.
-    places: tuple[Place, ...]
+    places: tuple[Mention, ...]
     listeners: tuple[Listener, ...]
     #: The methods under way that have noted it, by task.
     noted_by: tuple[int, ...]
@@ -93,7 +93,7 @@ def _hears(key: WatchKey, pattern: Fact) -> bool:
     return str(pattern[at]).startswith("?") or pattern[at] == value
 
 
-def _places(session: Session, name: str) -> Iterator[Place]:
+def _places(session: Session, name: str) -> Iterator[Mention]:
     library = session.library.program.library
     compiler = session.library.program.compiler
     index = Index(library)
@@ -101,7 +101,9 @@ def _places(session: Session, name: str) -> Iterator[Place]:
         for one in index.uses_of(use, name):
             head = type(one.owner).__name__
             named = getattr(one.owner, "name", "")
-            yield Place(compiler.row(one.span), use, f"{_words(head)} {named}".strip())
+            yield Mention(
+                compiler.row(one.span), use, f"{_words(head)} {named}".strip()
+            )
 
 
 def _words(name: str) -> str:

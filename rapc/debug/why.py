@@ -17,7 +17,7 @@ from rapc.base.values import Fact, format_list, number
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.acts import live_task
 from rapc.debug.clause import Support, supports
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.why_not import MethodAnswer, last_cycle, methods
 from rapc.errors import ArgumentError
@@ -172,7 +172,7 @@ def _rules(
 
 
 def _doing(
-    session: Session, number: int, settled: Told | None
+    session: Session, number: int, settled: ToldEvent | None
 ) -> tuple[Doing, list[Support]]:
     """Return what a task did, and what that rested on; the run stands before it."""
     machine = session.run.machine
@@ -233,7 +233,7 @@ def origins(
     wanted = {one.fact: one for one in found}
     if not wanted:
         return ()
-    last: dict[Fact, Told] = {}
+    last: dict[Fact, ToldEvent] = {}
     for told in session.log.backwards():
         if len(last) == len(wanted):
             break
@@ -250,14 +250,14 @@ def origins(
     return tuple(_origin(session, one, last.get(one.fact)) for one in wanted.values())
 
 
-def _origin(session: Session, found: Support, told: Told | None) -> Origin:
+def _origin(session: Session, found: Support, told: ToldEvent | None) -> Origin:
     if told is None:
         time = None if found.since is None else number(found.since)
         return Origin(found.fact, time, None, "")
     return Origin(found.fact, told.time, told.cycle, by_whom(session, told))
 
 
-def by_whom(session: Session, told: Told) -> str:
+def by_whom(session: Session, told: ToldEvent) -> str:
     """Return in words who has asserted or erased a fact."""
     by: str = told.keys["by"]
     if told.cycle == 0 or by in ("user", "memory"):
@@ -276,7 +276,7 @@ def by_whom(session: Session, told: Told) -> str:
     return by if chosen_by is None else f"{by} of [{chosen_by}]"
 
 
-def _selected(session: Session, told: Told) -> int | None:
+def _selected(session: Session, told: ToldEvent) -> int | None:
     """Return the task whose cycle an event fell into."""
     for one in session.scan(events.TaskSelected, first=told.cycle):
         if one.cycle == told.cycle:

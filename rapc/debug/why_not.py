@@ -14,7 +14,7 @@ import msgspec
 from rapc.base.names import nearest
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.acts import live_task
-from rapc.debug.clause import Asked, ask
+from rapc.debug.clause import ClauseAsked, ask
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError
 from rapc.parser.parse import parse_formula
@@ -32,7 +32,7 @@ class MethodAnswer(msgspec.Struct, frozen=True):
 
     name: str
     #: Its context, asked; None for a method without one.
-    context: Asked | None
+    context: ClauseAsked | None
     #: Whether an `otherwise` keeps it from holding: a method before it holds.
     otherwise: bool
     #: How often it has ended badly, and how often it was chosen.
@@ -62,13 +62,13 @@ class TaskAnswer(msgspec.Struct, frozen=True):
     #: The tasks that would come up before it, if it could go on.
     before_it: tuple[int, ...]
     #: The clauses of the task, in the order of a cycle.
-    clauses: tuple[Asked, ...]
+    clauses: tuple[ClauseAsked, ...]
     methods: tuple[MethodAnswer, ...]
     #: The method under way, if there is one.
     under_way: str | None
 
 
-def why_not_query(session: Session, text: str) -> Asked:
+def why_not_query(session: Session, text: str) -> ClauseAsked:
     """Ask memory a formula conjunct by conjunct.
 
     Raises:
@@ -150,7 +150,7 @@ def _before(entry: AgendaEntry, entries: Iterable[AgendaEntry]) -> tuple[int, ..
     return tuple(found)
 
 
-def _clauses(machine: Machine, task: Task) -> Iterator[Asked]:
+def _clauses(machine: Machine, task: Task) -> Iterator[ClauseAsked]:
     """Ask the clauses of a task that a cycle asks before methods."""
     plan, env = task.plan, task.env
     if plan.succeed is not None and task.bound:
@@ -193,7 +193,7 @@ def methods(machine: Machine, task: Task) -> Iterator[MethodAnswer]:
 
 
 def _held_by(
-    machine: Machine, task: Task, method: MethodPlan, context: Asked | None
+    machine: Machine, task: Task, method: MethodPlan, context: ClauseAsked | None
 ) -> str:
     """Return what a method would have to wait for, and whose it is."""
     if not method.things or (context is not None and not context.holds):

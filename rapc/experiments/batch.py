@@ -15,7 +15,7 @@ from typing import Protocol
 import msgspec
 
 from rapc.errors import Error
-from rapc.experiments.config import Config
+from rapc.experiments.config import PointConfig
 from rapc.experiments.run import Job, Result
 
 ATTEMPTS = 3
@@ -44,7 +44,7 @@ class Workers(Protocol):
 class BatchResult(msgspec.Struct, frozen=True):
     """Results of runs of one configuration."""
 
-    config: Config
+    config: PointConfig
     results: tuple[Result, ...]
 
 
@@ -53,7 +53,9 @@ class _Dispatch(msgspec.Struct, frozen=True):
     attempt: int
 
 
-def jobs(missing: Iterable[tuple[Config, Sequence[int]]], chunk: int) -> Iterator[Job]:
+def jobs(
+    missing: Iterable[tuple[PointConfig, Sequence[int]]], chunk: int
+) -> Iterator[Job]:
     """Yield jobs of at most `chunk` seeds, one configuration after another in turn.
 
     `missing` has configurations with the seeds that they lack results for.

@@ -33,7 +33,7 @@ _CODE = (".py", ".lark")
 """The endings of files that decide what a package does."""
 
 
-class Config(msgspec.Struct, frozen=True):
+class PointConfig(msgspec.Struct, frozen=True):
     """What is run, and what is counted of it."""
 
     rapc: str
@@ -121,7 +121,7 @@ def by_owner(
     return own, theirs
 
 
-def resolved(config: Config, values: Mapping[str, str]) -> Config:
+def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
     """Return `config` with the values drawn in their places, so that nothing is drawn.
 
     Raises:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.experiments.definition import Experiment, Part
+from rapc.experiments.definition import Experiment, Series
 from rapc.experiments.draws import Between, names_in
 
 
@@ -34,7 +34,7 @@ def contradictions(experiment: Experiment) -> Iterator[str]:
         yield from _misfits(part, told)
 
 
-def _misfits(part: Part, told: str) -> Iterator[str]:
+def _misfits(part: Series, told: str) -> Iterator[str]:
     """Figures from elsewhere that are not one for each value."""
     if part.reference is None:
         return

@@ -43,14 +43,14 @@ class Reference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     least: bool = False
 
 
-class Mark(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class PlotMark(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A value on the axis of what varies that is worth a mark, and why."""
 
     at: int | float
     label: str
 
 
-class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class Series(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One series of points: one option or setting varied, or a single point."""
 
     name: _Name
@@ -66,7 +66,7 @@ class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     set: _Settings = {}
     #: Names of parts that are drawn into the same plot.
     beside: tuple[str, ...] = ()
-    mark: Mark | None = None
+    mark: PlotMark | None = None
     #: Sentences printed below the table.
     notes: tuple[str, ...] = ()
     reference: Reference | None = None
@@ -81,7 +81,7 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     world: str
     #: The time at which a run is stopped.
     until: _Time
-    part: Annotated[tuple[Part, ...], Meta(min_length=1)]
+    part: Annotated[tuple[Series, ...], Meta(min_length=1)]
     title: str = ""
     #: An agenda of the library, and tasks as for `rapc run --task`, given after its.
     agenda: str | None = None
@@ -103,7 +103,7 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     figures: tuple[str, ...] = ()
     set: _Settings = {}
 
-    def given(self, part: Part) -> tuple[str | None, tuple[str, ...]]:
+    def given(self, part: Series) -> tuple[str | None, tuple[str, ...]]:
         """Return the agenda and the tasks of `part`: its own, or the experiment's.
 
         A part that has either of its own has none of the experiment's.
@@ -112,7 +112,7 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             return part.agenda, part.tasks or ()
         return self.agenda, self.tasks
 
-    def part_named(self, name: str) -> Part:
+    def part_named(self, name: str) -> Series:
         """The part of a name.
 
         Raises:

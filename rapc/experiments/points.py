@@ -17,14 +17,14 @@ from rapc.base.version import VERSION
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError, SettingError, TextError, WorldError
 from rapc.experiments.config import (
-    Config,
+    PointConfig,
     by_owner,
     code_of,
     plain_options,
     resolved,
     world_options,
 )
-from rapc.experiments.definition import Experiment, ExperimentError, Part, meant
+from rapc.experiments.definition import Experiment, ExperimentError, Series, meant
 from rapc.experiments.draws import (
     Value,
     drawn,
@@ -52,7 +52,7 @@ class Point(msgspec.Struct, frozen=True):
 
     part: str
     value: Value | None
-    config: Config
+    config: PointConfig
     #: The hash of the configuration.
     digest: str
     #: The settings as the command line takes them, `owner.name` and value.
@@ -139,7 +139,7 @@ def _tasks(texts: Iterable[str]) -> list[TaskRequest]:
     return tasks
 
 
-def _uncounted(config: Config, tasks: Sequence[TaskRequest]) -> None:
+def _uncounted(config: PointConfig, tasks: Sequence[TaskRequest]) -> None:
     """See that there are tasks to be counted."""
     given = [str(task.goal[0]) for task in tasks if not task.background]
     if not given:
@@ -152,7 +152,7 @@ def _uncounted(config: Config, tasks: Sequence[TaskRequest]) -> None:
 
 
 def _unknown(
-    experiment: Experiment, part: Part, library: Program
+    experiment: Experiment, part: Series, library: Program
 ) -> Iterator[ExperimentError]:
     """Yield what is to be counted, or has figures, and is not there."""
     known = [*library.library.raps, *library.library.primitives]
@@ -172,7 +172,7 @@ def _unknown(
 
 
 def _texts(
-    experiment: Experiment, part: Part, value: Value | None, folder: Path
+    experiment: Experiment, part: Series, value: Value | None, folder: Path
 ) -> dict[str, str]:
     """All settings of a point by `owner.name`, as text for the command line."""
     values: dict[str, Value] = {}
@@ -196,7 +196,7 @@ def _config(
     world: type[World],
     texts: Mapping[str, str],
     tasks: tuple[str, ...],
-) -> Config:
+) -> PointConfig:
     names = experiment.draw
     open_ = {
         key: text
@@ -212,7 +212,7 @@ def _config(
         raise ExperimentError(error.message, error.help) from error
     except SettingError as error:
         raise ExperimentError(str(error)) from error
-    return Config(
+    return PointConfig(
         rapc=VERSION,
         code=code_of(world),
         library=library.name,
@@ -230,7 +230,7 @@ def _config(
     )
 
 
-def _try(library: Program, world: type[World], config: Config) -> None:
+def _try(library: Program, world: type[World], config: PointConfig) -> None:
     """See that a world can be made so, and that the tasks can be run in it.
 
     What is drawn is tried with each of its values, of a range with both ends.
@@ -242,7 +242,7 @@ def _try(library: Program, world: type[World], config: Config) -> None:
 def _try_drawn(
     library: Program,
     world: type[World],
-    config: Config,
+    config: PointConfig,
     values: Mapping[str, str],
 ) -> None:
     try:

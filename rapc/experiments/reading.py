@@ -18,9 +18,9 @@ from rapc.experiments.contradictions import contradictions
 from rapc.experiments.definition import (
     Experiment,
     ExperimentError,
-    Mark,
-    Part,
+    PlotMark,
     Reference,
+    Series,
     meant,
 )
 from rapc.experiments.draws import Between
@@ -101,8 +101,8 @@ def _unknown(data: Mapping[str, Any]) -> Iterator[tuple[str, str, list[str]]]:
     yield from look(data, Experiment, "")
     parts = data.get("part")
     for number, part in enumerate(parts if isinstance(parts, list) else (), 1):
-        yield from look(part, Part, f" in part {number}")
-        for key, kind in (("reference", Reference), ("mark", Mark)):
+        yield from look(part, Series, f" in part {number}")
+        for key, kind in (("reference", Reference), ("mark", PlotMark)):
             inner = part.get(key) if isinstance(part, Mapping) else None
             yield from look(inner, kind, f" in `{key}` of part {number}")
     draws = data.get("draw")

@@ -17,7 +17,7 @@ import msgspec
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.errors import Error
-from rapc.experiments.config import Config, code_of, resolved, world_options
+from rapc.experiments.config import PointConfig, code_of, resolved, world_options
 from rapc.experiments.draws import drawn
 from rapc.experiments.measures import Measures, Tally, figures_of, tasks_told
 from rapc.library.loader import load_sources
@@ -30,7 +30,7 @@ from rapc.worlds import registry
 class Job(msgspec.Struct, frozen=True):
     """Runs of one configuration under some seeds."""
 
-    config: Config
+    config: PointConfig
     seeds: tuple[int, ...]
 
 
@@ -60,7 +60,7 @@ def run_job(job: Job) -> tuple[Result, ...]:
     return tuple([_run(job.config, seed) for seed in job.seeds])
 
 
-def _run(config: Config, seed: int) -> Result:
+def _run(config: PointConfig, seed: int) -> Result:
     began = time.process_time()
     try:
         measures = measure(config, seed)
@@ -70,7 +70,7 @@ def _run(config: Config, seed: int) -> Result:
     return Result(seed, measures, seconds=time.process_time() - began)
 
 
-def measure(config: Config, seed: int) -> Measures:
+def measure(config: PointConfig, seed: int) -> Measures:
     """Run a configuration under a seed, as `rapc run` does, and measure it.
 
     Raises:

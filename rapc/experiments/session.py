@@ -7,11 +7,11 @@ from functools import cache
 from pathlib import Path
 
 from rapc.compiler.program import Program
-from rapc.experiments.config import Config
+from rapc.experiments.config import PointConfig
 from rapc.experiments.definition import Experiment
 from rapc.experiments.points import Point, command, points, unit
 from rapc.experiments.store import Store
-from rapc.experiments.summary import Summary, summarize
+from rapc.experiments.summary import PartSummary, summarize
 from rapc.worlds.registry import find_world
 
 
@@ -45,12 +45,12 @@ class Batch:
         first = made.first_seed
         self.seeds = range(first, first + (seeds or made.seeds))
 
-    def missing(self, store: Store) -> list[tuple[Config, list[int]]]:
+    def missing(self, store: Store) -> list[tuple[PointConfig, list[int]]]:
         """Return the configurations of the chosen points with the seeds they lack.
 
         Points of equal configuration are listed once.
         """
-        lacking: dict[str, tuple[Config, list[int]]] = {}
+        lacking: dict[str, tuple[PointConfig, list[int]]] = {}
         for point in self.points:
             if point.part in self.chosen and point.digest not in lacking:
                 there = store.seeds(point.digest)
@@ -58,7 +58,7 @@ class Batch:
                 lacking[point.digest] = point.config, seeds
         return list(lacking.values())
 
-    def summaries(self, store: Store) -> Iterator[Summary]:
+    def summaries(self, store: Store) -> Iterator[PartSummary]:
         """The parts chosen, and those that have all their results from before."""
         world = find_world(self.made.world)
         for part in self.made.part:
@@ -72,7 +72,7 @@ class Batch:
             if part.name in self.chosen or summary.complete:
                 yield summary
 
-    def point_of(self, config: Config) -> Point:
+    def point_of(self, config: PointConfig) -> Point:
         """The first point that a configuration is of."""
         digest = config.digest()
         return next(point for point in self.points if point.digest == digest)

@@ -17,7 +17,7 @@ from types import TracebackType
 import msgspec
 
 from rapc.errors import Error
-from rapc.experiments.config import Config
+from rapc.experiments.config import PointConfig
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import Result
 
@@ -156,7 +156,7 @@ class Store:
             rows = self._base.execute(_SEEDS, (config,))
             return frozenset(seed for (seed,) in rows)
 
-    def add(self, config: Config, results: Iterable[Result]) -> None:
+    def add(self, config: PointConfig, results: Iterable[Result]) -> None:
         """Keep what came of runs; those with a fault are left out."""
         digest = config.digest()
         with self._blamed():

@@ -12,7 +12,7 @@ from statistics import stdev
 
 import msgspec
 
-from rapc.experiments.definition import Part, Reference
+from rapc.experiments.definition import Reference, Series
 from rapc.experiments.draws import Value
 from rapc.experiments.measures import (
     Measures,
@@ -49,7 +49,7 @@ class TaskRow(msgspec.Struct, frozen=True):
     ended: Spread | None
 
 
-class Row(msgspec.Struct, frozen=True):
+class PointSummary(msgspec.Struct, frozen=True):
     """What the runs of one point come to."""
 
     value: Value | None
@@ -73,17 +73,17 @@ class Row(msgspec.Struct, frozen=True):
         return sum(map(len, self.disasters.values()))
 
 
-class Summary(msgspec.Struct, frozen=True):
+class PartSummary(msgspec.Struct, frozen=True):
     """A part with what its points come to."""
 
-    part: Part
+    part: Series
     #: The unit of what the part varies.
     unit: str
     #: What is counted besides, and the world's figures, by name.
     told: tuple[str, ...]
     #: Those of `told` that are counted.
     counted: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[PointSummary, ...]
 
     @property
     def complete(self) -> bool:
@@ -99,12 +99,12 @@ class Summary(msgspec.Struct, frozen=True):
 
 
 def summarize(
-    part: Part,
+    part: Series,
     unit: str,
     points: Sequence[Point],
     found: Callable[[str], Mapping[int, Measures]],
     wanted: int,
-) -> Summary:
+) -> PartSummary:
     """Return what the runs of a part come to.
 
     Args:
@@ -117,10 +117,12 @@ def summarize(
     counted = tuple(points[0].config.count)
     told = (*counted, *points[0].config.figures)
     rows = tuple([_row(p.value, found(p.digest), wanted) for p in points])
-    return Summary(part, unit, told, counted, rows)
+    return PartSummary(part, unit, told, counted, rows)
 
 
-def _row(value: Value | None, found: Mapping[int, Measures], wanted: int) -> Row:
+def _row(
+    value: Value | None, found: Mapping[int, Measures], wanted: int
+) -> PointSummary:
     disasters = _seeds({seed: m.disaster for seed, m in found.items()})
     stopped = _seeds({seed: _stopped(m) for seed, m in found.items()})
     told = [numbers_of(m) for m in found.values() if m.disaster is None]
@@ -130,7 +132,7 @@ def _row(value: Value | None, found: Mapping[int, Measures], wanted: int) -> Row
         figures["time-each"] = _total(figures["time-each"], told)
     kept = [m.tasks for m in found.values() if m.disaster is None]
     why = Counter(task.reason for tasks in kept for task in tasks if task.reason)
-    return Row(
+    return PointSummary(
         value=value,
         runs=len(found),
         wanted=wanted,

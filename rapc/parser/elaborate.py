@@ -30,7 +30,7 @@ from rapc.language.spelling import spelling
 from rapc.language.words import WORDS
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, List, Symbol
-from rapc.parser.terminals import WANTED, Part, is_string, one_word, terminal
+from rapc.parser.terminals import WANTED, OperandWanted, is_string, one_word, terminal
 from rapc.parser.terms import term
 
 
@@ -39,14 +39,14 @@ class Operand(msgspec.Struct, frozen=True):
 
     least: int
     most: int | None
-    part: Part
+    part: OperandWanted
 
 
 Maker = Callable[[Any, Sequence[Any], Span], Any]
 """Makes the node of a list: of its head, its operands and its place."""
 
 
-class Readers(dict[str, Read]):
+class GrammarReaders(dict[str, Read]):
     """Readers by the name of their rule; most are made of the grammar when needed.
 
     Args:
@@ -90,12 +90,14 @@ class Readers(dict[str, Read]):
             self._groups[rule] = found
         return found
 
-    def part(self, shape: Shape) -> Part:
+    def part(self, shape: Shape) -> OperandWanted:
         """Return what reads a single operand of a shape."""
         if isinstance(shape, str):
             if is_word(shape):
                 word = shape[1:-1]
-                return Part(one_word(word), lambda _, d: word.removeprefix(":"), True)
+                return OperandWanted(
+                    one_word(word), lambda _, d: word.removeprefix(":"), True
+                )
             if shape in _PLAIN:
                 return self.part(RULES[shape])
             if is_rule(shape):
@@ -105,15 +107,15 @@ class Readers(dict[str, Read]):
             raise TypeError(f"no single operand has the shape {shape}")
         parts = [self.part(one) for one in shape[1:]]
         if "SYMBOL" in shape and "STRING" in shape:
-            parts[shape.index("STRING") - 1] = Part(is_string, term, True)
+            parts[shape.index("STRING") - 1] = OperandWanted(is_string, term, True)
 
         def read(ctx: Context, datum: Datum) -> Any:
             fitting = next((one for one in parts if one.fits(datum)), parts[-1])
             return fitting.read(ctx, datum)
 
-        return Part(lambda d: any(one.fits(d) for one in parts), read, True)
+        return OperandWanted(lambda d: any(one.fits(d) for one in parts), read, True)
 
-    def _rule_part(self, rule: str) -> Part:
+    def _rule_part(self, rule: str) -> OperandWanted:
         known = frozenset(heads(rule))
 
         def late(ctx: Context, datum: Datum) -> Any:
@@ -121,8 +123,8 @@ class Readers(dict[str, Read]):
 
         read = self.get(rule, late)
         if known and RULES[rule][0] == "list":
-            return Part(lambda d: head_of(d) in known, read, True)
-        return Part(lambda d: type(d) is List, read, False)
+            return OperandWanted(lambda d: head_of(d) in known, read, True)
+        return OperandWanted(lambda d: type(d) is List, read, False)
 
     def option(self, rule: str) -> OptionReader:
         """Return what reads an option, with the number of its values."""
@@ -246,7 +248,7 @@ def _own_word(rule: str) -> str:
     return known[0] if len(known) == 1 else ""
 
 
-def _fixed(rule: str, parts: Sequence[Part], make: Maker) -> Read:
+def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
     """The reader of a list with a fixed number of operands."""
     count = len(parts) + 1
     reads = [part.read for part in parts]
@@ -345,7 +347,7 @@ def _truth(rule: str) -> Read:
 _TRUTHS = ("true", "false")
 
 
-def _wanted(rule: str, shape: Shape, part: Part) -> Read:
+def _wanted(rule: str, shape: Shape, part: OperandWanted) -> Read:
     """Return what reads a datum as a part, and reports what cannot be one."""
     if not part.strict:
         return part.read

@@ -16,7 +16,7 @@ Fits = Callable[[Datum], bool]
 """Whether a datum is of the kind wanted, by its type and first word alone."""
 
 
-class Part(msgspec.Struct, frozen=True):
+class OperandWanted(msgspec.Struct, frozen=True):
     """What a single operand must be."""
 
     fits: Fits
@@ -66,18 +66,18 @@ def _is_parameter(datum: Datum) -> bool:
     return type(datum) is Variable and datum.name != "?"
 
 
-def terminal(name: str) -> Part:
+def terminal(name: str) -> OperandWanted:
     """Return what reads a terminal: constants, variables to nodes, names to strings."""
     if name in _NODES:
-        return Part(_NODES[name], term, True)
+        return OperandWanted(_NODES[name], term, True)
     if name in _NUMBERS:
-        return Part(_is_numeral, _number(name), False)
+        return OperandWanted(_is_numeral, _number(name), False)
     if name == "STRING":
-        return Part(is_string, _text, True)
+        return OperandWanted(is_string, _text, True)
     if TERMINALS[name] == TERMINALS["SYMBOL"]:
-        return Part(_is_name, _named, True)
+        return OperandWanted(_is_name, _named, True)
     if TERMINALS[name] == TERMINALS["KEYWORD"]:
-        return Part(_NODES["KEYWORD"], _named, True)
+        return OperandWanted(_NODES["KEYWORD"], _named, True)
     raise TypeError(f"no operand is a {name} alone")
 
 

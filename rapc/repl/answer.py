@@ -20,7 +20,7 @@ class Table(msgspec.Struct, frozen=True):
     rows: tuple[tuple[Cell, ...], ...]
 
 
-class Answer(msgspec.Struct, frozen=True):
+class ShownAnswer(msgspec.Struct, frozen=True):
     """What a command has to say."""
 
     #: Lines before the table.
@@ -46,14 +46,14 @@ class Answer(msgspec.Struct, frozen=True):
         return found
 
 
-def say(*lines: str) -> Answer:
+def say(*lines: str) -> ShownAnswer:
     """Return an answer of some lines."""
-    return Answer(lines)
+    return ShownAnswer(lines)
 
 
-def failure(*lines: str) -> Answer:
+def failure(*lines: str) -> ShownAnswer:
     """Return an answer that says why a command could not be carried out."""
-    return Answer(lines, failed=True)
+    return ShownAnswer(lines, failed=True)
 
 
 def table(
@@ -62,15 +62,15 @@ def table(
     *lines: str,
     none: str = "nothing",
     notes: Sequence[str] = (),
-) -> Answer:
+) -> ShownAnswer:
     """Return an answer with a table, or the words for `none` where it has no rows.
 
     Numbers are rounded to the ninth place: 0.1 + 0.2 is 0.3 to whoever reads a table.
     """
     made = tuple([tuple(map(_rounded, row)) for row in rows])
     if not made:
-        return Answer((*lines, none), notes=tuple(notes))
-    return Answer(lines, Table(tuple(columns), made), tuple(notes))
+        return ShownAnswer((*lines, none), notes=tuple(notes))
+    return ShownAnswer(lines, Table(tuple(columns), made), tuple(notes))
 
 
 def _rounded(cell: Cell) -> Cell:

@@ -17,7 +17,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from rapc.base.visible import visible_lines
-from rapc.repl.answer import Answer, Table, shown
+from rapc.repl.answer import ShownAnswer, Table, shown
 
 _NUMBERS = (int, float)
 
@@ -28,7 +28,7 @@ _GAP = 3
 """How many of them lie between two."""
 
 
-def draw(answer: Answer, width: int, *, color: bool) -> str:
+def draw(answer: ShownAnswer, width: int, *, color: bool) -> str:
     """Return an answer as text of lines that end, ready to be written.
 
     Args:

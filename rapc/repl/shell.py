@@ -19,7 +19,7 @@ from rapc.console.findings import concise
 from rapc.debug.acts import SubmitTask
 from rapc.debug.branch import Branch
 from rapc.debug.breakpoints import Breakpoints
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.reload import changed
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
@@ -27,7 +27,7 @@ from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
 from rapc.errors import Error, RefusedError, StateError, TextError
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
-from rapc.repl.answer import Answer, failure, say, table
+from rapc.repl.answer import ShownAnswer, failure, say, table
 from rapc.repl.arguments import Arguments, is_balanced, split
 from rapc.repl.patterns import pattern
 from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
@@ -41,7 +41,7 @@ MOST = 50
 """How many solutions of a query are shown at once."""
 
 
-Does = Callable[["Shell", Arguments], Answer]
+Does = Callable[["Shell", Arguments], ShownAnswer]
 """Carries out a command: given the shell and what stands behind its name."""
 
 
@@ -126,11 +126,11 @@ class Shell:
             raise StateError(_ONLY_TO_LOOK_AT)
         return self._breakpoints
 
-    def answer(self, text: str) -> Answer:
+    def answer(self, text: str) -> ShownAnswer:
         """Carry out an input and return what there is to say."""
         text = text.strip()
         if not text or text.startswith(";"):
-            return Answer()
+            return ShownAnswer()
         try:
             if text.startswith(":"):
                 return self._command(text[1:])
@@ -138,7 +138,7 @@ class Shell:
         except (Error, ValueError) as error:
             return failure(*_refusal(error))
 
-    def _command(self, text: str) -> Answer:
+    def _command(self, text: str) -> ShownAnswer:
         name, _, rest = text.partition(" ")
         command = self.commands.get(name)
         if command is None:
@@ -178,7 +178,7 @@ class Shell:
             told = [one for one in told if one.kind in _OF_REQUESTS]
         return self.trace(told)
 
-    def trace(self, told: Iterable[Told]) -> list[str]:
+    def trace(self, told: Iterable[ToldEvent]) -> list[str]:
         """Return events as lines of a text trace."""
         for one in told:
             self._trace(one.event())
@@ -228,7 +228,7 @@ class Shell:
 
     # --- RAP text -----------------------------------------------------------------
 
-    def _rap_text(self, text: str) -> Answer:
+    def _rap_text(self, text: str) -> ShownAnswer:
         if text in ("*1", "*2", "*3"):
             return self._earlier(int(text[1]))
         if not text.startswith("("):
@@ -244,7 +244,7 @@ class Shell:
             return self._define(text)
         return self.submit(text) if self._is_goal(head, text) else self.ask(text)
 
-    def _define(self, text: str) -> Answer:
+    def _define(self, text: str) -> ShownAnswer:
         """Check a definition, and let it join the library or replace the one there."""
         names = names_of(text)
         kept = {old: said for old, said in self.typed.items() if old.isdisjoint(names)}
@@ -255,7 +255,7 @@ class Shell:
         self.typed = typed
         return answer
 
-    def renew(self, renewed: Renewed, file: str = "") -> Answer:
+    def renew(self, renewed: Renewed, file: str = "") -> ShownAnswer:
         """Go on with another text of the library; say what was found in `file`."""
         if not changed(
             self.session.run.machine.library.library, renewed.library.program.library
@@ -277,7 +277,7 @@ class Shell:
         asks = head in program.signatures.predicates or head in (*ALONE, *QUERIES)
         return head in program.library.raps and not (asks and "?" in text)
 
-    def submit(self, text: str) -> Answer:
+    def submit(self, text: str) -> ShownAnswer:
         """Give the robot a task."""
         request = read_task_request(text)
         self.session.act(SubmitTask(request))
@@ -285,7 +285,7 @@ class Shell:
         number = self.session.run.machine.state.numbers
         return say(f"submitted for later: {text}" if later else f"[{number}] {text}")
 
-    def ask(self, text: str) -> Answer:
+    def ask(self, text: str) -> ShownAnswer:
         """Ask memory, and show all solutions."""
         forms = split(text)
         if len(forms) != 1:
@@ -294,12 +294,12 @@ class Shell:
         self.answers = [solutions, *self.answers[:2]]
         return self._solutions(solutions)
 
-    def _earlier(self, number: int) -> Answer:
+    def _earlier(self, number: int) -> ShownAnswer:
         if number > len(self.answers):
             return failure(f"there is no answer `*{number}` yet")
         return self._solutions(self.answers[number - 1])
 
-    def _solutions(self, solutions: list[dict[str, Value]]) -> Answer:
+    def _solutions(self, solutions: list[dict[str, Value]]) -> ShownAnswer:
         if not solutions:
             return say("no")
         names = list(dict.fromkeys(name for found in solutions for name in found))
@@ -308,7 +308,7 @@ class Shell:
         self._names, self._left = tuple(names), solutions
         return self.more()
 
-    def more(self) -> Answer:
+    def more(self) -> ShownAnswer:
         """Show the next solutions of the query that was answered last."""
         names, solutions = self._names, self._left
         rows = [

@@ -49,7 +49,7 @@ _OF_ITEMS = ("class", "location")
 """What a script cannot assert of an item that was introduced."""
 
 
-class Change(NamedTuple):
+class MemoryChange(NamedTuple):
     """Something that happens to memory."""
 
     #: `erases`, `asserts`, `moves` or `loses`.
@@ -65,7 +65,7 @@ class Change(NamedTuple):
         )
 
 
-class Part(msgspec.Struct):
+class TestPart(msgspec.Struct):
     """Something that a test says: how it is written without and with its changes."""
 
     #: `facts`, `row` or `at`.
@@ -75,7 +75,7 @@ class Part(msgspec.Struct):
     #: Options of a row, other actions of an `at`.
     more: str = ""
     #: What happens to memory.
-    changes: tuple[Change, ...] = ()
+    changes: tuple[MemoryChange, ...] = ()
 
     def __str__(self) -> str:
         done = {word: self._done(word) for word in _DONE}
@@ -98,7 +98,7 @@ class Exported(msgspec.Struct):
     name: str
     #: World, options, seed, tasks and the end, as text.
     begun: str
-    parts: list[Part]
+    parts: list[TestPart]
     #: The goal of the task that the test is about.
     goal: str
     #: What came of the task and was requested, as text.
@@ -151,7 +151,7 @@ class Exported(msgspec.Struct):
     def _size(self) -> int:
         return sum(len(part.changes) for part in self.parts)
 
-    def _without(self, first: int, count: int) -> list[Part]:
+    def _without(self, first: int, count: int) -> list[TestPart]:
         """Return the parts without some of their changes, counted through all parts."""
         found, at = [], 0
         for part in self.parts:
@@ -174,13 +174,13 @@ class _Reading:
 
     def __init__(self, not_atomic: Collection[str]) -> None:
         self._not_atomic = not_atomic
-        self._under_way: list[tuple[events.PrimitiveRequested, Part]] = []
-        self._changes: list[Change] = []
+        self._under_way: list[tuple[events.PrimitiveRequested, TestPart]] = []
+        self._changes: list[MemoryChange] = []
         #: The sensor names of the items that are known.
         self._sensors: dict[Atom, Atom] = {}
         #: What the data of rows so far speak of: the items that a script introduces.
         self._introduced: set[Atom] = set()
-        self.parts = [Part("facts")]
+        self.parts = [TestPart("facts")]
         #: The requests and skills, as an expectation names them.
         self.asked: list[str] = []
 
@@ -190,13 +190,13 @@ class _Reading:
             case events.FactAsserted() | events.FactErased():
                 if event.by != "notation":
                     does = _FACTS[type(event)]
-                    self._changes.append(Change(does, event.fact))
+                    self._changes.append(MemoryChange(does, event.fact))
                 return
             case events.ItemMoved():
                 item = self._as_asked(event)
-                self._changes.append(Change("moves", (item, event.location)))
+                self._changes.append(MemoryChange("moves", (item, event.location)))
             case events.ItemLost():
-                self._changes.append(Change("loses", (self._as_asked(event),)))
+                self._changes.append(MemoryChange("loses", (self._as_asked(event),)))
             case events.PrimitiveEnded():
                 self._end(event)
                 return
@@ -207,7 +207,7 @@ class _Reading:
             self._flush(event.time, event.cycle)
         match event:
             case events.PrimitiveRequested():
-                part = Part("row", format_list(event.sent))
+                part = TestPart("row", format_list(event.sent))
                 self.parts.append(part)
                 self.asked.append(format_list(event.request))
                 self._under_way.append((event, part))
@@ -215,10 +215,10 @@ class _Reading:
                 self.asked.append(format_list(("enable", event.what)))
             case events.RequestRefused():
                 refused = f"{format_list(event.sent)} :refused :times 1"
-                self.parts.append(Part("row", refused))
+                self.parts.append(TestPart("row", refused))
             case events.SignalReceived():
                 signal = f" (signals {format_list(event.what)})"
-                self.parts.append(Part("at", format_atom(event.time), signal))
+                self.parts.append(TestPart("at", format_atom(event.time), signal))
 
     def _as_asked(self, event: events.ItemEvent) -> Atom:
         """Return the name by which a handler spoke of an item that has a new one."""
@@ -231,20 +231,20 @@ class _Reading:
         if cycle == 0:
             self.parts[0].changes += changes
         elif changes:
-            self.parts.append(Part("at", format_atom(time), "", changes))
+            self.parts.append(TestPart("at", format_atom(time), "", changes))
 
-    def _taken(self) -> tuple[Change, ...]:
+    def _taken(self) -> tuple[MemoryChange, ...]:
         """Take the changes so far; places of items are left to those who see them."""
         changes, self._changes = self._changes, []
         return tuple(change for change in _net(changes) if self._can_be_told(change))
 
-    def _can_be_told(self, change: Change) -> bool:
+    def _can_be_told(self, change: MemoryChange) -> bool:
         """Whether a script knows the item of a change by then, or may set the fact."""
         if change.does in _OF_PLACES:
             return change.fact[0] in self._introduced
         return change.fact[0] not in _OF_ITEMS or change.fact[1] not in self._sensors
 
-    def _introduce(self, part: Part, data: Iterable[Fact]) -> None:
+    def _introduce(self, part: TestPart, data: Iterable[Fact]) -> None:
         """Let a row bring the data that came with its result.
 
         Their handlers introduce items again, and let names lapse where they did.
@@ -270,7 +270,11 @@ class _Reading:
                 return
 
     def _say(
-        self, part: Part, request: events.PrimitiveRequested, result: str, ended: Time
+        self,
+        part: TestPart,
+        request: events.PrimitiveRequested,
+        result: str,
+        ended: Time,
     ) -> None:
         """Let a row say how a request ended, and when."""
         took = round(ended - request.time, 9)
@@ -289,9 +293,9 @@ class _Reading:
 _FACTS = {events.FactAsserted: "asserts", events.FactErased: "erases"}
 
 
-def _net(changes: Iterable[Change]) -> Iterator[Change]:
+def _net(changes: Iterable[MemoryChange]) -> Iterator[MemoryChange]:
     """Yield the last change of each fact and of each item's place."""
-    last: dict[tuple[bool, Fact], Change] = {}
+    last: dict[tuple[bool, Fact], MemoryChange] = {}
     for change in changes:
         of_item = change.does in _OF_PLACES
         key = (of_item, change.fact[:1] if of_item else change.fact)
@@ -328,7 +332,7 @@ def exported(
     for event in told:
         reading.take(event)
     reading.finish(last.time, last.cycle)
-    done = [Part("at", format_atom(time), f" {action}") for time, action in acts]
+    done = [TestPart("at", format_atom(time), f" {action}") for time, action in acts]
     over = isinstance(last, events.RunEnded) and last.reason == "done"
     until = "" if over else f" (until (cycles {last.cycle}))"
     asked = f"(primitives {' '.join(reading.asked)})"

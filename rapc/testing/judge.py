@@ -17,7 +17,7 @@ from rapc.runtime.events import events
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.events.trace import record
 from rapc.testing.patterns import atom, event_matches, flat
-from rapc.testing.record import Record, TaskRecord
+from rapc.testing.record import Record, TaskStory
 
 _MANY = 8
 """How many tasks, requests or facts are listed at most."""
@@ -47,7 +47,7 @@ def _some(lines: Sequence[str]) -> Happened:
 # --- goals -------------------------------------------------------------------------
 
 
-def _tasks(goal: nodes.Goal, scene: Evidence, found: Sequence[TaskRecord]) -> Happened:
+def _tasks(goal: nodes.Goal, scene: Evidence, found: Sequence[TaskStory]) -> Happened:
     """Return what became of the tasks a goal means, or else of those of its RAP."""
     lines = [f"{task.text} [{task.number}] {task.state()}" for task in found]
     if lines:
@@ -60,7 +60,7 @@ def _tasks(goal: nodes.Goal, scene: Evidence, found: Sequence[TaskRecord]) -> Ha
     return (f"no task {asked} was made, but", *_some(lines))
 
 
-def _why(task: TaskRecord) -> Happened:
+def _why(task: TaskStory) -> Happened:
     """Return what became of one task and, if it failed, why, to the first cause."""
     told = f"{task.text} [{task.number}] {task.state()}"
     return (told, *_some([f"  {line}" for line in cause_lines(task.because)]))

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from io import StringIO
 
 from rapc.base.values import Fact, format_atom, format_list
-from rapc.ir.nodes import Goal
+from rapc.ir import nodes
 from rapc.runtime.events import events
 from rapc.runtime.events.trace import TextTrace
 from rapc.testing.patterns import goal_matches
@@ -22,7 +22,7 @@ _LAST_LINES = 40
 Asked = events.PrimitiveRequested | events.SkillEnabled
 
 
-class TaskRecord:
+class TaskStory:
     """What is known of a task: its goal as last told, and what has become of it.
 
     `selected` is the serial number of its first selection; `ended` how it ended:
@@ -69,7 +69,7 @@ class Record:
 
     def __init__(self) -> None:
         self.events: list[events.Event] = []
-        self.tasks: dict[int, TaskRecord] = {}
+        self.tasks: dict[int, TaskStory] = {}
         #: All that was asked of the world: requests, and skills that came on.
         self.requests: list[tuple[Fact, Asked]] = []
         self.facts: dict[Fact, None] = {}
@@ -82,13 +82,13 @@ class Record:
         if task is not None:
             self._follow(task, event)
         elif isinstance(event, events.TaskCreated):
-            self.tasks[event.task] = TaskRecord(event.task, event.goal)
+            self.tasks[event.task] = TaskStory(event.task, event.goal)
         elif isinstance(event, events.FactAsserted):
             self.facts[event.fact] = None
         elif isinstance(event, events.FactErased):
             self.facts.pop(event.fact, None)
 
-    def _follow(self, task: TaskRecord, event: events.Event) -> None:
+    def _follow(self, task: TaskStory, event: events.Event) -> None:
         match event:
             case events.TaskSelected():
                 task.update(event.goal)
@@ -123,7 +123,7 @@ class Record:
         for number, goal in goals.items():
             self.tasks[number].update(goal)
 
-    def matching(self, goal: Goal) -> list[TaskRecord]:
+    def matching(self, goal: nodes.Goal) -> list[TaskStory]:
         """The tasks made so far, at any level, that a goal means."""
         return [t for t in self.tasks.values() if goal_matches(goal, t.inputs)]
 

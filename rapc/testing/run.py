@@ -47,7 +47,7 @@ class Case(msgspec.Struct, frozen=True):
     faults: tuple[Finding, ...] = ()
 
 
-class Failure(msgspec.Struct, frozen=True):
+class Unmet(msgspec.Struct, frozen=True):
     """Something that was not as expected: the place that asks for it, and what was.
 
     `events` is how many events of the trace had come when that was found.
@@ -72,7 +72,7 @@ class Outcome(msgspec.Struct, frozen=True):
     case: Case
     seed: int
     status: Status
-    failures: tuple[Failure, ...] = ()
+    failures: tuple[Unmet, ...] = ()
     #: Why the test was over earlier than its author may have meant; or nothing.
     note: str = ""
     #: The last lines of the trace, if the test failed.
@@ -129,7 +129,7 @@ def run_case(
 
 
 def _error(case: Case, seed: int, found: Sequence[Problem]) -> Outcome:
-    failures = tuple(Failure(p.span, (p.message,), 0) for p in found)
+    failures = tuple(Unmet(p.span, (p.message,), 0) for p in found)
     return Outcome(case, seed, Status.ERROR, failures)
 
 
@@ -171,7 +171,7 @@ class _Run:
         self._case = case
         self._seed = seed
         self._record = Record()
-        self._failures: list[Failure] = []
+        self._failures: list[Unmet] = []
         self._pending: list[nodes.Expect] = []
         self._unreached: dict[int, nodes.At] = dict(enumerate(case.test.ats))
         self._broken = False
@@ -312,7 +312,7 @@ class _Run:
             )
 
     def _fail(self, span: Span, *happened: str) -> None:
-        self._failures.append(Failure(span, happened, len(self._record.events)))
+        self._failures.append(Unmet(span, happened, len(self._record.events)))
 
     # --- after -------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from rapc.ir import nodes
 from rapc.library.library import link
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse
-from rapc.runtime.memory.store import FactStore, Table
+from rapc.runtime.memory.store import FactStore, FactTable
 
 from .memories import Faults, Memories, apply, erase, memories, query
 
@@ -280,7 +280,7 @@ class Watched:
 class WatchedTable:
     """One table under watch."""
 
-    def __init__(self, whole: Watched, table: Table) -> None:
+    def __init__(self, whole: Watched, table: FactTable) -> None:
         self.whole = whole
         self.table = table
         self.values = table.values

@@ -9,7 +9,7 @@ import pytest
 
 import rapc
 from rapc.debug.acts import AssertFact, FailTask, SubmitTask
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.saves import Moment, Saves
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, StateError
@@ -27,7 +27,7 @@ def _states(session: Session) -> list[bytes]:
     return found
 
 
-def _told(session: Session) -> list[Told]:
+def _told(session: Session) -> list[ToldEvent]:
     return session.scan()
 
 

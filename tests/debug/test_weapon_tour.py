@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.why import why
 from rapc.debug.why_not import TaskAnswer, why_not
@@ -42,14 +42,14 @@ def tour() -> Session:
     return session
 
 
-def _by_cycle(session: Session) -> dict[int, list[Told]]:
-    found: dict[int, list[Told]] = {}
+def _by_cycle(session: Session) -> dict[int, list[ToldEvent]]:
+    found: dict[int, list[ToldEvent]] = {}
     for told in session.scan():
         found.setdefault(told.cycle, []).append(told)
     return found
 
 
-def _selected(told: list[Told]) -> int | None:
+def _selected(told: list[ToldEvent]) -> int | None:
     for one in told:
         if one.kind is events.TaskSelected:
             number: int = one.keys["task"]

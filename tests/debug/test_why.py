@@ -7,7 +7,7 @@ import random
 import pytest
 
 from rapc.debug.acts import AssertFact
-from rapc.debug.clause import Asked
+from rapc.debug.clause import ClauseAsked
 from rapc.debug.commitments import commitment, stale
 from rapc.debug.failures import why_failed
 from rapc.debug.session import Session
@@ -130,7 +130,7 @@ def test_why_not_of_a_task_that_has_ended_is_of_its_last_cycle() -> None:
     assert session.over
 
 
-def _answers(session: Session) -> list[tuple[int, Asked]]:
+def _answers(session: Session) -> list[tuple[int, ClauseAsked]]:
     """Return clauses and contexts that fail now, with their tasks."""
     found = []
     for task in session.run.machine.state.live_tasks():
@@ -161,11 +161,11 @@ def test_the_fact_that_is_named_lets_the_conjunct_hold(answers: int) -> None:
             tried += 1
 
 
-def _same(answer: object, asked: Asked) -> Asked:
+def _same(answer: object, asked: ClauseAsked) -> ClauseAsked:
     """Return what became of a clause when it was asked again."""
     clauses = answer.clauses  # type: ignore[attr-defined]
     methods = answer.methods  # type: ignore[attr-defined]
-    found: list[Asked] = [*clauses, *(m.context for m in methods if m.context)]
+    found: list[ClauseAsked] = [*clauses, *(m.context for m in methods if m.context)]
     return next(one for one in found if one.clause == asked.clause)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from rapc.experiments.definition import Experiment, Part, Reference
+from rapc.experiments.definition import Experiment, Reference, Series
 from rapc.experiments.measures import LABELS
 
 from ..cli.command import rapc
@@ -31,7 +31,7 @@ def _told(text: str) -> list[str]:
 def test_tables_name_all_keys_and_no_others() -> None:
     of_file, _, of_part = SECTIONS["The file"].partition("A part is a series")
     assert sorted([*_told(of_file), "name"]) == sorted(_keys(Experiment))
-    assert sorted(_told(of_part)) == sorted(_keys(Part))
+    assert sorted(_told(of_part)) == sorted(_keys(Series))
     told = of_part.partition("A `reference` has")[2].partition("\n\n")[0]
     assert all(f"`{key}`" in told for key in _keys(Reference))
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from rapc.compiler.program import Program
 from rapc.experiments import reading
-from rapc.experiments.config import Config
+from rapc.experiments.config import PointConfig
 from rapc.experiments.definition import Experiment
 from rapc.experiments.measures import Measures
 from rapc.experiments.session import Batch
@@ -79,7 +79,7 @@ def checked(path: Path) -> Program:
     return load(path).program
 
 
-def config(text: str = TRUCK) -> Config:
+def config(text: str = TRUCK) -> PointConfig:
     """The configuration of the first point of an experiment."""
     return session(text).points[0].config
 

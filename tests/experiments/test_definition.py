@@ -28,7 +28,7 @@ def changed(old: str, new: str) -> str:
 def test_what_is_not_said_has_its_default() -> None:
     made = decode(changed("seeds = 5\n", ""), "name")
     assert (made.name, made.seeds, made.time_limit) == ("name", 30, 120)
-    assert made.part[2] == definition.Part("usual")
+    assert made.part[2] == definition.Series("usual")
 
 
 def test_seeds_count_from_the_first() -> None:

@@ -11,19 +11,19 @@ import pytest
 from rapc.console.experiments import plots
 from rapc.console.experiments.output import as_text
 from rapc.console.experiments.tables import Grid, grid, markdown, remarks, rest, tasks
-from rapc.experiments.definition import Mark, Part, Reference
+from rapc.experiments.definition import PlotMark, Reference, Series
 from rapc.experiments.measures import Measures, TaskTold
-from rapc.experiments.summary import Summary, summarize
+from rapc.experiments.summary import PartSummary, summarize
 
 from .small_experiment import session
 
-PART = Part(
+PART = Series(
     "drops",
     title="Drops",
     vary="truck.arm1-drops",
     values=(0, 40),
     notes=("A note.",),
-    mark=Mark(15, "usual"),
+    mark=PlotMark(15, "usual"),
     reference=Reference("T", {"completed": (9,), "time": (3966,)}, (0,)),
 )
 
@@ -44,7 +44,7 @@ def measures(time: float, completed: int = 2, disaster: str | None = None) -> Me
     )
 
 
-def summary(*found: Sequence[Measures], part: Part = PART) -> Summary:
+def summary(*found: Sequence[Measures], part: Series = PART) -> PartSummary:
     """A summary of runs for the points of a part."""
     points = session().points[: len(found)]
     by_hash: Mapping[str, Mapping[int, Measures]] = {
@@ -60,11 +60,11 @@ WILD = [msgspec.structs.replace(measures(100, 0), reason="until")]
 
 
 @pytest.fixture
-def drops() -> Summary:
+def drops() -> PartSummary:
     return summary(STILL, WILD)
 
 
-def test_disasters_are_counted_and_left_out(drops: Summary) -> None:
+def test_disasters_are_counted_and_left_out(drops: PartSummary) -> None:
     still, wild = drops.rows
     assert (still.runs, still.wanted, still.lost) == (4, 4, 1)
     assert still.disasters == {"no fuel": (3,)}
@@ -89,7 +89,7 @@ def told(made: Grid) -> list[dict[str, str]]:
     return [dict(zip(made.head, cells, strict=True)) for cells in made.rows]
 
 
-def test_figures_from_elsewhere_stand_behind_ours(drops: Summary) -> None:
+def test_figures_from_elsewhere_stand_behind_ours(drops: PartSummary) -> None:
     still, wild = told(grid(drops))
     assert (still["arm1-drops"], still["runs"], still["disasters"]) == ("0", "4", "1")
     assert still["time each"] == "280 ± 236 / 441"
@@ -145,7 +145,7 @@ def test_only_some_of_many_seeds_that_ended_alike_are_named() -> None:
 
 
 @pytest.mark.parametrize("width", [120, 80, 40, 32])
-def test_nothing_is_wider_than_the_terminal(drops: Summary, width: int) -> None:
+def test_nothing_is_wider_than_the_terminal(drops: PartSummary, width: int) -> None:
     lines = list(as_text(drops, width))
     assert max(len(line.text) for line in lines) <= width
     words = {word for line in lines for word in line.text.split()}
@@ -161,11 +161,11 @@ def test_a_plot_in_text() -> None:
 
 
 def test_nothing_to_plot_is_no_plot() -> None:
-    made = summary(WILD, part=Part("drops", vary="truck.arm1-drops", values=(0,)))
+    made = summary(WILD, part=Series("drops", vary="truck.arm1-drops", values=(0,)))
     assert not any(line.text.startswith("time each") for line in as_text(made, 80))
 
 
-def test_a_table_as_markdown(drops: Summary) -> None:
+def test_a_table_as_markdown(drops: PartSummary) -> None:
     head, rule, still, _ = markdown(grid(drops))
     assert head.startswith("| arm1-drops | runs | disasters | time each | completed |")
     assert rule == "| --- |" + " ---: |" * (head.count("|") - 2)
@@ -174,8 +174,8 @@ def test_a_table_as_markdown(drops: Summary) -> None:
     )
 
 
-def test_plots_are_the_same_bytes_each_time(drops: Summary, tmp_path: Path) -> None:
-    other = summary(STILL, WILD, part=Part("more", vary="truck.fuel", values=(0, 1)))
+def test_plots_are_the_same_bytes_each_time(drops: PartSummary, tmp_path: Path) -> None:
+    other = summary(STILL, WILD, part=Series("more", vary="truck.fuel", values=(0, 1)))
     drawn = []
     for name in ("one", "two"):
         files = plots.draw([drops, other], tmp_path / name)
@@ -241,7 +241,7 @@ def test_a_panel_that_would_be_empty_is_left_out(tmp_path: Path) -> None:
 
 
 def test_values_that_are_no_numbers_stand_side_by_side(tmp_path: Path) -> None:
-    part = Part("way", vary="truck.lasting-names", values=(False, True))
+    part = Series("way", vary="truck.lasting-names", values=(False, True))
     points = session().points[:2]
     named = [point.__replace__(value=bool(n)) for n, point in enumerate(points)]
     found = {point.digest: dict(enumerate(STILL)) for point in named}

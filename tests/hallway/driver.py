@@ -14,8 +14,8 @@ from rapc.worlds.hallway.map_text import named_map
 from rapc.worlds.hallway.simulation import STANDOFF, Simulation
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.hallway.state import HallwaySettings
-from rapc.worlds.skills.catalogue import Request
-from rapc.worlds.skills.runtime import Told
+from rapc.worlds.skills.catalogue import SkillRequest
+from rapc.worlds.skills.runtime import EventTold
 
 STILL = HallwaySettings(doors=0, people=0, lift=0, drift=0, usage=0)
 """Nothing moves but the robot, which reckons well."""
@@ -43,9 +43,9 @@ class Driver:
         )
         self.ticket = 0
         #: Everything told, with its time.
-        self.heard: list[tuple[float, Told]] = []
+        self.heard: list[tuple[float, EventTold]] = []
 
-    def on(self, *requests: Request, events: Iterable[str] = ()) -> int:
+    def on(self, *requests: SkillRequest, events: Iterable[str] = ()) -> int:
         """Switch skills on; return the ticket."""
         self.ticket += 1
         refused = self.sim.runtime.activate(self.ticket, requests, events)
@@ -56,16 +56,16 @@ class Driver:
         """Switch an activation off."""
         self.sim.runtime.deactivate(ticket)
 
-    def tick(self, ticks: int = 1) -> list[Told]:
+    def tick(self, ticks: int = 1) -> list[EventTold]:
         """Let ticks pass; return what was told in the last one."""
-        told: list[Told] = []
+        told: list[EventTold] = []
         for _ in range(ticks):
             told = self.sim.tick()
             self.heard += ((self.sim.now, one) for one in told)
         return told
 
     def until(
-        self, *requests: Request, events: Collection[str], within: float = 300
+        self, *requests: SkillRequest, events: Collection[str], within: float = 300
     ) -> Outcome:
         """Keep skills on until one of the events is told, then off.
 
@@ -117,22 +117,24 @@ class Driver:
         return math.hypot(body.x - x, body.y - y)
 
 
-def to_landmark(sign: Sign, standoff: float = STANDOFF, speed: float = 0.5) -> Request:
+def to_landmark(
+    sign: Sign, standoff: float = STANDOFF, speed: float = 0.5
+) -> SkillRequest:
     """The skill that goes to a landmark."""
     left, right = sign.tags
     arguments = (sign.landmark, left, right, sign.apart, standoff, speed)
-    return Request("move-to-landmark", arguments)
+    return SkillRequest("move-to-landmark", arguments)
 
 
-def watch(sign: Sign) -> Request:
+def watch(sign: Sign) -> SkillRequest:
     """The skill that watches for a landmark."""
     left, right = sign.tags
     arguments = (sign.landmark, left, right, sign.apart)
-    return Request("watch-for-landmark", arguments)
+    return SkillRequest("watch-for-landmark", arguments)
 
 
 FOLLOW_HALL = (
-    Request("detect-obstacles"),
-    Request("track-hallway"),
-    Request("follow-trajectory"),
+    SkillRequest("detect-obstacles"),
+    SkillRequest("track-hallway"),
+    SkillRequest("follow-trajectory"),
 )

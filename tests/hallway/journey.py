@@ -11,7 +11,7 @@ from collections import deque
 
 from rapc.worlds.hallway.facts import relation
 from rapc.worlds.hallway.map import Map, Sign
-from rapc.worlds.skills.catalogue import Request
+from rapc.worlds.skills.catalogue import SkillRequest
 from tests.hallway.driver import Driver, Outcome, to_landmark, watch
 
 LATEST = 1500.0
@@ -49,7 +49,7 @@ class Traveller:
         #: When it last went through a doorway on purpose.
         self.since = -JUST_PASSED
         self._passages = driver.on(
-            Request("detect-doorway"), events=("passed-doorway",)
+            SkillRequest("detect-doorway"), events=("passed-doorway",)
         )
 
     def travel(self, landmark: str, space: str, within: float = LATEST) -> bool:
@@ -156,7 +156,7 @@ class Traveller:
     def _search(self, heading: float, distance: float, sign: Sign) -> Outcome:
         """Move towards where a landmark should come into view, until it does."""
         driver = self.driver
-        move = Request("move-in-direction", (heading, distance, 0.5))
+        move = SkillRequest("move-in-direction", (heading, distance, 0.5))
         return driver.until(
             move, watch(sign), events=("movement-complete", "stuck", "landmark-visible")
         )
@@ -180,7 +180,7 @@ class Traveller:
             self.trouble.append("the lift did not come")
             return
         events = ("movement-complete", "door-closed", "stuck")
-        request = Request("move-thru-doorway", (self.facing, 0.3))
+        request = SkillRequest("move-thru-doorway", (self.facing, 0.3))
         outcome = driver.until(request, events=events, within=60)
         if outcome.event == "movement-complete":
             self.space = beyond
@@ -214,7 +214,7 @@ class Traveller:
         """Have the lift at the robot's floor, and hold it there for some time."""
         floor = self.at.floor
         outcome = self.driver.until(
-            Request("call-lift", (floor,)), events=("lift-here",), within=60
+            SkillRequest("call-lift", (floor,)), events=("lift-here",), within=60
         )
         return outcome.event == "lift-here"
 
@@ -225,7 +225,7 @@ class Traveller:
             return
         other = next(s for s in sim.signs if s.space == self.space and s is not self.at)
         outcome = self.driver.until(
-            Request("call-lift", (other.floor,)), events=("lift-here",), within=60
+            SkillRequest("call-lift", (other.floor,)), events=("lift-here",), within=60
         )
         if outcome.event == "lift-here":
             self.at = other

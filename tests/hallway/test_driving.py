@@ -13,7 +13,7 @@ import pytest
 from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.random_map import random_map
 from rapc.worlds.hallway.state import HallwaySettings
-from rapc.worlds.skills.catalogue import Request
+from rapc.worlds.skills.catalogue import SkillRequest
 from tests.effort import first
 from tests.hallway.driver import FOLLOW_HALL, STILL, Driver
 from tests.hallway.journey import Traveller
@@ -78,7 +78,7 @@ def test_following_halls_for_long_among_people_hurts_nobody(seed: int) -> None:
         events = ("end-o-hall", "hall-blocked")
         driver.until(*FOLLOW_HALL, events=events, within=60)
         heading = driver.sim.state.robot.reckoned_heading + 2.2
-        turn = Request("turn-to", (round(heading, 2),))
+        turn = SkillRequest("turn-to", (round(heading, 2),))
         driver.until(turn, events=("movement-complete",), within=15)
     assert driver.sim.state.robot.distance > 30
     assert driver.fastest_collision() <= GENTLE

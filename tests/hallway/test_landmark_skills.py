@@ -9,8 +9,8 @@ import pytest
 from rapc.worlds.hallway.map import signs
 from rapc.worlds.hallway.map_text import named_map
 from rapc.worlds.hallway.state import HallwaySettings
-from rapc.worlds.skills.catalogue import Request
-from rapc.worlds.skills.runtime import Told
+from rapc.worlds.skills.catalogue import SkillRequest
+from rapc.worlds.skills.runtime import EventTold
 from tests.effort import first
 from tests.hallway.driver import (
     EAST,
@@ -36,7 +36,7 @@ def test_a_watch_tells_when_the_landmark_comes_into_view() -> None:
     ticket = driver.on(
         *FOLLOW_HALL, watch(sign), events=("landmark-visible", "end-o-hall")
     )
-    told: list[Told] = []
+    told: list[EventTold] = []
     while not any(one.event == "landmark-visible" for one in told):
         told = driver.tick()
     (one,) = [one for one in told if one.event == "landmark-visible"]
@@ -54,7 +54,7 @@ def test_a_watch_tells_when_the_landmark_comes_into_view() -> None:
 def test_landmarks_in_view_are_told_of_in_turn_without_being_watched_for() -> None:
     driver = Driver()
     sign = driver.place_at("charger", "lab")
-    driver.on(Request("see-tags"), events=("tags-seen",))
+    driver.on(SkillRequest("see-tags"), events=("tags-seen",))
     driver.tick(45)
     seen = [one.arguments for _, one in driver.heard]
     assert [left for left, *_ in seen] == [0, 2, 8, 0, 2]
@@ -75,7 +75,7 @@ def test_every_landmark_is_reached_from_every_other_in_its_space(space: str) -> 
             driver = Driver(seed)
             driver.place_at(sign.landmark, sign.space)
             dx, dy = (b - a for a, b in zip(sign.front(1), other.front(1), strict=True))
-            move = Request(
+            move = SkillRequest(
                 "move-in-direction", (math.atan2(dy, dx), math.hypot(dx, dy), 0.5)
             )
             events = ("movement-complete", "stuck", "landmark-visible")
@@ -116,7 +116,7 @@ def test_every_doorway_is_passed_both_ways(space: str) -> None:
         opening = driver.sim.openings.get(sign.landmark)
         if opening is None or "lift" in opening.doorway.joins:
             continue
-        through = Request("move-thru-doorway", (sign.normal + math.pi, 0.3))
+        through = SkillRequest("move-thru-doorway", (sign.normal + math.pi, 0.3))
         events = ("movement-complete", "door-closed", "stuck")
         outcome = driver.until(through, events=events, within=60)
         name = f"{sign.landmark} from {sign.space}"
@@ -132,7 +132,7 @@ def test_a_closed_door_is_told_of_and_not_touched() -> None:
     door = next(d for d in driver.sim.state.doors if d.doorway == "lab-door")
     door.closed = True
     driver.sim.restore(driver.sim.save())
-    through = Request("move-thru-doorway", (sign.normal + math.pi, 0.3))
+    through = SkillRequest("move-thru-doorway", (sign.normal + math.pi, 0.3))
     events = ("movement-complete", "door-closed", "stuck")
     assert driver.until(through, events=events).event == "door-closed"
     assert driver.sim.state.space == "lab"
@@ -142,10 +142,10 @@ def test_a_closed_door_is_told_of_and_not_touched() -> None:
 def test_pushed_through_a_door_the_robot_notices_by_sonar() -> None:
     driver = Driver()
     driver.place(5.0, 14.3, EAST)
-    ticket = driver.on(Request("detect-doorway"), events=("passed-doorway",))
+    ticket = driver.on(SkillRequest("detect-doorway"), events=("passed-doorway",))
     driver.tick(5)
     driver.sim.runtime.activate(
-        50, [Request("move-thru-doorway", (NORTH, 0.3))], ["movement-complete"]
+        50, [SkillRequest("move-thru-doorway", (NORTH, 0.3))], ["movement-complete"]
     )
     driver.tick(25)
     driver.off(50)
@@ -166,8 +166,8 @@ def _passes(place: tuple[float, float, float], person: tuple[float, float]) -> D
     driver.place(*place)
     (walker,) = driver.sim.state.walkers
     walker.x, walker.y = person
-    driver.on(Request("detect-doorway"), events=("passed-doorway",))
-    ticket = driver.on(Request("move-in-direction", (EAST, 5.0, 0.5)))
+    driver.on(SkillRequest("detect-doorway"), events=("passed-doorway",))
+    ticket = driver.on(SkillRequest("move-in-direction", (EAST, 5.0, 0.5)))
     for _ in range(160):
         walker.pause = 9.0
         driver.tick()
@@ -186,13 +186,13 @@ def test_between_a_box_and_somebody_there_is_no_doorway(aside: float) -> None:
 def test_who_swerves_through_a_doorway_at_an_angle_notices_it(at: float) -> None:
     driver = Driver(3)
     driver.place(3.2, 0.45, EAST)
-    driver.on(Request("detect-doorway"), events=("passed-doorway",))
+    driver.on(SkillRequest("detect-doorway"), events=("passed-doorway",))
     events = ("movement-complete", "stuck")
     for x, y in ((at - 0.6, 0.45), (at, -0.6), (at - 1.2, -1.2)):
         body = driver.sim.state.robot
         heading = math.atan2(y - body.reckoned_y, x - body.reckoned_x)
         far = math.hypot(x - body.reckoned_x, y - body.reckoned_y)
-        move = Request("move-in-direction", (heading, far + 0.25, 0.4))
+        move = SkillRequest("move-in-direction", (heading, far + 0.25, 0.4))
         driver.until(move, events=events, within=30)
     assert driver.sim.state.space == "kitchen"
     (told,) = [one for _, one in driver.heard if one.event == "passed-doorway"]

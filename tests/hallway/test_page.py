@@ -10,7 +10,7 @@ import pytest
 from rapc.worlds.hallway.channels import Pose
 from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.skills.all import SENSORS, catalogue
-from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.declarations import Skill
 from rapc.worlds.skills.runtime import SkillRuntime
 
@@ -63,7 +63,7 @@ def test_the_skill_of_the_page_runs() -> None:
     assert isinstance(spin, type)
     assert issubclass(spin, Skill)
     runtime = SkillRuntime(Catalogue([spin], SENSORS))
-    assert runtime.activate(1, [Request("spin", (0.5,))], []) is None
+    assert runtime.activate(1, [SkillRequest("spin", (0.5,))], []) is None
     runtime.tick(0.1, {"pose": lambda: Pose(0.0, 0.0, 0.0)})
     (out,) = spin.outputs
     value = runtime.value(out)

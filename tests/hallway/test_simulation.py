@@ -14,7 +14,7 @@ from rapc.worlds.hallway.channels import BEARINGS, RADIUS, SONAR_RANGE
 from rapc.worlds.hallway.people import GIRTH
 from rapc.worlds.hallway.robot import laser, sonar
 from rapc.worlds.hallway.state import HallwaySettings
-from rapc.worlds.skills.catalogue import Request
+from rapc.worlds.skills.catalogue import SkillRequest
 from tests.effort import first
 from tests.hallway.driver import FOLLOW_HALL, STILL, Driver, to_landmark
 
@@ -83,7 +83,7 @@ def test_without_drift_dead_reckoning_is_true() -> None:
 def test_running_into_a_wall_is_a_collision_and_a_bump() -> None:
     driver = Driver()
     driver.place(5.0, 13.5, math.pi / 2)
-    driver.on(Request("back-off", (0.5,)))
+    driver.on(SkillRequest("back-off", (0.5,)))
     told = [one for _ in range(60) for one in driver.tick()]
     assert [(t.event, t.tickets) for t in told] == [("bump", ())]
     (collision,) = driver.sim.state.collisions
@@ -162,16 +162,16 @@ def _drive(driver: Driver, rng: Random, moments: int) -> None:
             [
                 FOLLOW_HALL,
                 (to_landmark(sign),),
-                (Request("move-in-direction", (rng.uniform(-3, 3), 4, 0.5)),),
-                (Request("move-thru-doorway", (rng.uniform(-3, 3), 0.3)),),
-                (Request("call-lift", (rng.choice((1, 2)),)),),
+                (SkillRequest("move-in-direction", (rng.uniform(-3, 3), 4, 0.5)),),
+                (SkillRequest("move-thru-doorway", (rng.uniform(-3, 3), 0.3)),),
+                (SkillRequest("call-lift", (rng.choice((1, 2)),)),),
             ]
         )
         describe = driver.sim.runtime.catalogue.describe
         told = [event for r in wheels for event in describe(r.skill).events]
         driver.on(*wheels, events=told)
-        driver.on(Request("report-position"), events=("position",))
-        driver.on(Request("see-tags"), events=("tags-seen",))
+        driver.on(SkillRequest("report-position"), events=("position",))
+        driver.on(SkillRequest("see-tags"), events=("tags-seen",))
         driver.tick(rng.randrange(60))
 
 

@@ -15,7 +15,7 @@ from rapc.worlds.hallway.channels import DRIVE, TRAJECTORY
 from rapc.worlds.hallway.map_text import read_map
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.hallway.state import HallwaySettings
-from rapc.worlds.skills.catalogue import Request
+from rapc.worlds.skills.catalogue import SkillRequest
 from rapc.worlds.skills.drawing import draw
 from tests.effort import first
 from tests.hallway.driver import (
@@ -76,12 +76,12 @@ def test_skills_are_those_of_the_paper_by_their_names() -> None:
 
 def test_two_movements_are_in_conflict() -> None:
     driver = Driver()
-    one = driver.on(Request("move-in-direction", (0, 5, 0.5)))
+    one = driver.on(SkillRequest("move-in-direction", (0, 5, 0.5)))
     sign = driver.sim.sign_of("lab-door", "lab")
     refused = driver.sim.runtime.activate(99, [to_landmark(sign)], [])
     assert refused is not None
     assert refused.conflicts == (one,)
-    backing = driver.sim.runtime.activate(98, [Request("back-off", (0.2,))], [])
+    backing = driver.sim.runtime.activate(98, [SkillRequest("back-off", (0.2,))], [])
     assert isinstance(backing, Refused)
     assert backing.conflicts == (one,)
 
@@ -136,7 +136,7 @@ def test_a_speed_limit_holds_while_its_skill_is_on() -> None:
     driver = Driver()
     driver.place(3.5, 14.0, EAST)
     driver.on(*FOLLOW_HALL, events=())
-    limits = [driver.on(Request("limit-speed", (s,))) for s in (0.3, 0.1)]
+    limits = [driver.on(SkillRequest("limit-speed", (s,))) for s in (0.3, 0.1)]
     driver.tick(30)
     assert driver.sim.state.robot.speed == pytest.approx(0.1, abs=0.01)
     driver.off(limits[1])
@@ -150,7 +150,7 @@ def test_a_speed_limit_holds_while_its_skill_is_on() -> None:
 def test_moving_in_a_direction_ends_after_its_distance() -> None:
     driver = Driver()
     driver.place(3.5, 14.0, SOUTH)
-    request = Request("move-in-direction", (EAST, 5, 0.5))
+    request = SkillRequest("move-in-direction", (EAST, 5, 0.5))
     outcome = driver.until(request, events=("movement-complete", "stuck"))
     assert outcome.event == "movement-complete"
     assert driver.sim.state.robot.x == pytest.approx(8.2, abs=0.15)
@@ -161,7 +161,7 @@ def test_moving_in_a_direction_ends_after_its_distance() -> None:
 def test_moving_in_a_direction_goes_around_a_box() -> None:
     driver = Driver()
     driver.place(11.0, 11.6, SOUTH)
-    request = Request("move-in-direction", (SOUTH, 5, 0.5))
+    request = SkillRequest("move-in-direction", (SOUTH, 5, 0.5))
     outcome = driver.until(request, events=("movement-complete", "stuck"))
     assert outcome.event == "movement-complete"
     assert driver.sim.state.robot.y < 7
@@ -171,7 +171,7 @@ def test_moving_in_a_direction_goes_around_a_box() -> None:
 def test_moving_into_a_wall_gets_stuck_before_it() -> None:
     driver = Driver()
     driver.place(4.0, 17.0, NORTH)
-    request = Request("move-in-direction", (NORTH, 9, 0.5))
+    request = SkillRequest("move-in-direction", (NORTH, 9, 0.5))
     outcome = driver.until(request, events=("movement-complete", "stuck"))
     assert outcome.event == "stuck"
     assert driver.sim.state.space == "lab"
@@ -182,7 +182,7 @@ def test_moving_into_a_wall_gets_stuck_before_it() -> None:
 def test_turning_ends_at_the_heading(heading: float) -> None:
     driver = Driver()
     outcome = driver.until(
-        Request("turn-to", (heading,)), events=("movement-complete",), within=10
+        SkillRequest("turn-to", (heading,)), events=("movement-complete",), within=10
     )
     assert outcome.event == "movement-complete"
     driver.tick(5)
@@ -204,19 +204,19 @@ def test_the_battery_is_charged_where_the_charger_is() -> None:
     driver.place_at("charger", "lab")
     driver.sim.state.robot.battery = 40.0
     events = ("charged", "not-docked")
-    outcome = driver.until(Request("charge"), events=events)
+    outcome = driver.until(SkillRequest("charge"), events=events)
     assert outcome.event == "charged"
     assert outcome.seconds == pytest.approx(60, abs=2)
     driver.place_at("desk", "office")
     driver.sim.state.robot.battery = 40.0
-    assert driver.until(Request("charge"), events=events).event == "not-docked"
+    assert driver.until(SkillRequest("charge"), events=events).event == "not-docked"
     assert driver.sim.state.robot.battery < 40
 
 
 def test_a_low_battery_is_told_of_once() -> None:
     driver = Driver(0, HallwaySettings(doors=0, people=0, lift=0, drift=0))
     driver.sim.state.robot.battery = 30.02
-    driver.on(Request("watch-battery", (30,)), events=("battery-low",))
+    driver.on(SkillRequest("watch-battery", (30,)), events=("battery-low",))
     driver.tick(300)
     assert [(one.event, one.arguments) for _, one in driver.heard] == [
         ("battery-low", (30.0,))
@@ -226,15 +226,15 @@ def test_a_low_battery_is_told_of_once() -> None:
 def test_the_lift_comes_and_takes_the_robot_along() -> None:
     driver = Driver(3)
     sign = driver.place_at("lower-lift-door", "west-hall")
-    through = Request("move-thru-doorway", (sign.normal + math.pi, 0.3))
+    through = SkillRequest("move-thru-doorway", (sign.normal + math.pi, 0.3))
     events = ("movement-complete", "door-closed", "stuck")
     assert driver.until(through, events=events).event == "movement-complete"
     assert driver.sim.state.space == "lift"
-    call = Request("call-lift", (2,))
+    call = SkillRequest("call-lift", (2,))
     outcome = driver.until(call, events=("lift-here",), within=30)
     assert outcome.arguments == (2,)
     assert driver.sim.state.robot.floor == 2
-    through = Request("move-thru-doorway", (sign.normal, 0.3))
+    through = SkillRequest("move-thru-doorway", (sign.normal, 0.3))
     assert driver.until(through, events=events).event == "movement-complete"
     assert driver.sim.state.space == "upper-hall"
     assert driver.sim.state.collisions == []
@@ -243,10 +243,10 @@ def test_the_lift_comes_and_takes_the_robot_along() -> None:
 def test_the_lift_door_is_closed_where_the_cabin_is_not() -> None:
     driver = Driver(3)
     sign = driver.place_at("upper-lift-door", "upper-hall")
-    through = Request("move-thru-doorway", (sign.normal + math.pi, 0.3))
+    through = SkillRequest("move-thru-doorway", (sign.normal + math.pi, 0.3))
     events = ("movement-complete", "door-closed", "stuck")
     assert driver.until(through, events=events).event == "door-closed"
-    call = Request("call-lift", (2,))
+    call = SkillRequest("call-lift", (2,))
     assert driver.until(call, events=("lift-here",)).event == "lift-here"
     assert driver.until(through, events=events).event == "movement-complete"
 
@@ -269,7 +269,7 @@ def test_others_use_the_lift_too_but_not_while_the_robot_is_in_it() -> None:
 def test_what_the_robot_says_is_logged() -> None:
     driver = Driver()
     words = Text("I am at the charger.")
-    outcome = driver.until(Request("speak", (words,)), events=("spoken",))
+    outcome = driver.until(SkillRequest("speak", (words,)), events=("spoken",))
     assert outcome.seconds == pytest.approx(len(words.value) / 15, abs=0.3)
     assert [text for _, text in driver.sim.state.said] == ["I am at the charger."]
 
@@ -278,7 +278,7 @@ def test_the_position_comes_every_second() -> None:
     driver = Driver()
     driver.place(3.5, 14.0, EAST)
     driver.on(*FOLLOW_HALL, events=())
-    driver.on(Request("report-position"), events=("position",))
+    driver.on(SkillRequest("report-position"), events=("position",))
     driver.tick(50)
     assert [round(at, 1) for at, _ in driver.heard] == [0.1, 1.1, 2.1, 3.1, 4.1]
     steps = [float(str(one.arguments[0])) for _, one in driver.heard]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from rapc.base.values import Atom
 from rapc.runtime.events import events
-from rapc.runtime.memory.recognition.scoring import Described
+from rapc.runtime.memory.recognition.scoring import DescribedItem
 from tests.effort import examples, thorough
 from tests.memory.bench import MemoryBench
 
@@ -116,7 +116,7 @@ def test_only_what_leaves_a_set_makes_properties_unknown(steps: list[Step]) -> N
 PLAIN = TEXT.replace("drum)", "drum by-ten)", 1)
 
 
-def _by_ten(one: Described, other: Described) -> int:
+def _by_ten(one: DescribedItem, other: DescribedItem) -> int:
     shared = [i for i, v in one.properties.items() if other.properties.get(i) == v]
     return 10 + 10 * len(shared)
 

@@ -6,7 +6,7 @@ import pytest
 
 from rapc.errors import FactError
 from rapc.runtime.events import events
-from rapc.runtime.memory.recognition.scoring import Described
+from rapc.runtime.memory.recognition.scoring import DescribedItem
 
 from .sightings import DRUMS, WORDS, bench, leave, merges, names, see, the_set, values
 
@@ -36,7 +36,7 @@ def test_weights_say_what_a_shared_property_counts() -> None:
 def test_a_comparator_in_python_compares_by_name_and_place() -> None:
     asked: list[tuple[str, object]] = []
 
-    def by_mark(one: Described, other: Described) -> int:
+    def by_mark(one: DescribedItem, other: DescribedItem) -> int:
         asked.append((one.kind, one.place))
         return 50 if one.properties == other.properties else 0
 

@@ -8,7 +8,7 @@ import pytest
 
 import rapc
 from rapc.world import Fact, Refused
-from rapc.worlds.skills.runtime import Told
+from rapc.worlds.skills.runtime import EventTold
 from tests.worlds.skills.test_world import TankWorld
 
 LIBRARY = rapc.loads(
@@ -46,12 +46,12 @@ class Ending(TankWorld):
         self.asked += 1
         return super().activate(ticket, skills, events)
 
-    def tick(self) -> Iterable[Told]:
+    def tick(self) -> Iterable[EventTold]:
         if self.time > self.broken_at:
             raise ValueError("no water")
         yield from super().tick()
         if self.time >= self.leak_at:
-            yield Told("leak", (), ())
+            yield EventTold("leak", (), ())
 
     def ended(self) -> str | None:
         """Return why the run is over, once it is."""

@@ -14,7 +14,7 @@ from rapc.testing.contract.trials import SKILLS, try_world
 from rapc.world import Fact, Kit, Offer, Refused, Signal, World
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.declarations import Ports, Skill
-from rapc.worlds.skills.runtime import SkillRuntime, Told
+from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 from rapc.worlds.skills.world import SkillWorld, offer
 from tests.worlds.broken_worlds import Good
 from tests.worlds.skills.tank import (
@@ -159,7 +159,7 @@ def tank(*skills: type[Skill]) -> type[World]:
         def __init__(self, rng: Any, options: Any) -> None:
             super().__init__(SkillRuntime(own), Water())
 
-        def tick(self) -> Iterable[Told]:
+        def tick(self) -> Iterable[EventTold]:
             told = self.runtime.tick(self.time, {"level": lambda: self.state.level})
             self.state.level += (self.runtime.value(FLOW) or 0.0) / 10
             return told

@@ -17,7 +17,7 @@ from collections.abc import Container, Iterable, Mapping
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.binding_rules import Bound, Findings, Walker
+from rapc.analysis.binding_rules import BindingWalker, Bound, Findings
 from rapc.analysis.named_bindings import arguments
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
 from rapc.ir import nodes
@@ -51,7 +51,7 @@ def _run(run: Pass) -> Bindings:
     nets = run.result(TASK_NETS)
     missing = {}
     library = run.library
-    walk = _Walk(Walker(library.functions, library.queries, Findings()), nets)
+    walk = _Walk(BindingWalker(library.functions, library.queries, Findings()), nets)
     for form in run.library.forms:
         if type(form) is nodes.DefineRap:
             _rap(walk, form)
@@ -92,7 +92,7 @@ class _Walk:
     `missing` is what the form at hand lacks, `ages` those that monitors bind.
     """
 
-    def __init__(self, walker: Walker, nets: Nets) -> None:
+    def __init__(self, walker: BindingWalker, nets: Nets) -> None:
         self.walker = walker
         self.nets = nets
         self.missing: list[Missing] = []

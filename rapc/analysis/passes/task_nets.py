@@ -96,7 +96,7 @@ _MOST = 8
 """How many steps of a circle are shown."""
 
 
-class Edge(msgspec.Struct, frozen=True):
+class StepOrder(msgspec.Struct, frozen=True):
     """One step before another, by positions in the text, and what says so."""
 
     before: int
@@ -114,7 +114,7 @@ class Net(msgspec.Struct, frozen=True):
     """
 
     order: tuple[int, ...] | None
-    edges: tuple[tuple[Edge, ...], ...]
+    edges: tuple[tuple[StepOrder, ...], ...]
     early: frozenset[int]
     #: Whether a tag names no step, or two: what is said of the order is not sure.
     broken: bool = False
@@ -147,7 +147,7 @@ class Net(msgspec.Struct, frozen=True):
         return before, after
 
 
-Edges = Sequence[Sequence[Edge]]
+Edges = Sequence[Sequence[StepOrder]]
 
 
 def _is_before(edges: Edges, one: int, other: int, avoid: Container[int]) -> bool:
@@ -204,7 +204,7 @@ def sure_nets(run: Pass) -> Iterator[tuple[tuple[nodes.Step, ...], Net]]:
 def _net(run: Pass, net: nodes.TaskNet) -> Net:
     tags = _tags(run, net)
     doubled = broken = len(tags) < len(net.steps)
-    edges: list[list[Edge]] = [[] for _ in net.steps]
+    edges: list[list[StepOrder]] = [[] for _ in net.steps]
     unknown: dict[str, list[Span]] = {}
     for at, step in enumerate(net.steps):
         for annotation in step.annotations:
@@ -215,9 +215,9 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
                 broken = True
                 unknown.setdefault(tag, []).append(_place(run, annotation, tag))
             elif type(annotation) is nodes.For:
-                edges[tags[tag]].append(Edge(at, tags[tag], annotation))
+                edges[tags[tag]].append(StepOrder(at, tags[tag], annotation))
             elif type(annotation) is nodes.Window:
-                edges[at].append(Edge(tags[tag], at, annotation))
+                edges[at].append(StepOrder(tags[tag], at, annotation))
     names = Suggestions(tags) if unknown else None
     for tag, places in unknown.items() if names and not doubled else ():
         assert names is not None
@@ -348,10 +348,10 @@ def _cycle(net: nodes.TaskNet, edges: Edges, circle: Sequence[int]) -> Diagnosti
     )
 
 
-def _links(edges: Edges, circle: Sequence[int]) -> Iterator[Edge]:
+def _links(edges: Edges, circle: Sequence[int]) -> Iterator[StepOrder]:
     for before, after in pairwise(circle):
         yield next(edge for edge in edges[after] if edge.before == before)
 
 
-def _says(net: nodes.TaskNet, edge: Edge) -> str:
+def _says(net: nodes.TaskNet, edge: StepOrder) -> str:
     return f"puts `{net.steps[edge.before].tag}` before `{net.steps[edge.after].tag}`"

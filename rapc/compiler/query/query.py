@@ -86,14 +86,14 @@ from rapc.compiler.query.code import (
     ResultMode,
     compile_source,
 )
-from rapc.compiler.query.context import Bindings, Context
+from rapc.compiler.query.context import Asking, Bindings
 from rapc.compiler.query.plan_steps import PlanStep
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.library.signatures import Signatures
 
 
-class QueryingContext(Context, Protocol):
+class QueryingContext(Asking, Protocol):
     """A context that keeps the queries bound to its memory."""
 
     @property
@@ -101,7 +101,7 @@ class QueryingContext(Context, Protocol):
         """The queries already bound to this context."""
 
 
-class Beginning(NamedTuple):
+class QueryPrefix(NamedTuple):
     """A conjunct of a query, with what it takes to tell that it fails."""
 
     part: nodes.Formula
@@ -143,7 +143,7 @@ class Query:
         self.variables = formulas.variables(formula)
         self._signatures = signatures
         self._is_whole = is_whole
-        self._beginnings: tuple[Beginning, ...] | None = None
+        self._beginnings: tuple[QueryPrefix, ...] | None = None
         self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
     def bind(self, ctx: QueryingContext) -> BoundQuery:
@@ -178,12 +178,12 @@ class Query:
             found = {**env, **solution}
             yield [found.get(name, builtin.UNBOUND) for name in self.variables]
 
-    def beginnings(self) -> tuple[Beginning, ...]:
+    def beginnings(self) -> tuple[QueryPrefix, ...]:
         """Return each conjunct with the query of all conjuncts up to it."""
         if self._beginnings is None:
             parts = tuple(formulas.conjuncts(self.formula))
             self._beginnings = tuple(
-                Beginning(
+                QueryPrefix(
                     part,
                     Query(nodes.And(parts[: at + 1]), self._signatures, self.where),
                     format_formula(part),
@@ -290,7 +290,7 @@ class Variant:
 
     def bind(
         self,
-        ctx: Context,
+        ctx: Asking,
         aliases: Mapping[str, str] | None = None,
         aliased: Callable[..., Any] | None = None,
     ) -> Callable[..., Any]:
@@ -309,7 +309,7 @@ class BoundQuery:
 
     __slots__ = ("first", "holds", "solutions")
 
-    def __init__(self, query: Query, ctx: Context) -> None:
+    def __init__(self, query: Query, ctx: Asking) -> None:
         names = query.variables
         select = _variant_selector(len(names))
         #: Returns the new bindings of the first solution, or None.
@@ -330,7 +330,7 @@ class BoundQueries(dict[Query, BoundQuery]):
 
     __slots__ = ("_ctx",)
 
-    def __init__(self, ctx: Context) -> None:
+    def __init__(self, ctx: Asking) -> None:
         super().__init__()
         self._ctx = ctx
 
@@ -344,7 +344,7 @@ class _Variants(dict[int, Ask]):
 
     __slots__ = ("_ctx", "_mode", "_query")
 
-    def __init__(self, query: Query, ctx: Context, mode: ResultMode) -> None:
+    def __init__(self, query: Query, ctx: Asking, mode: ResultMode) -> None:
         super().__init__()
         self._query = query
         self._ctx = ctx

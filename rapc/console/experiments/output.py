@@ -9,8 +9,6 @@ from collections.abc import Container, Iterable, Iterator
 from pathlib import Path
 
 from rapc.console.experiments.tables import (
-    Kind,
-    Line,
     grid,
     lines,
     markdown,
@@ -21,9 +19,10 @@ from rapc.console.experiments.tables import (
     title,
 )
 from rapc.console.experiments.textplot import plot
+from rapc.console.lines import Kind, Line
 from rapc.console.wrapping import wrapped
 from rapc.experiments.session import Batch
-from rapc.experiments.summary import Summary
+from rapc.experiments.summary import PartSummary
 
 RESULTS = "results.sqlite"
 TABLES = "tables.md"
@@ -31,7 +30,7 @@ TASKS = "tasks.md"
 COMMANDS = "commands.txt"
 
 
-def as_text(summary: Summary, width: int) -> Iterator[Line]:
+def as_text(summary: PartSummary, width: int) -> Iterator[Line]:
     """A part for a terminal of so many columns: table, remarks and plot."""
     yield from _wrapped("title", title(summary.part), width)
     yield from lines(grid(summary), width)
@@ -46,7 +45,7 @@ def _wrapped(kind: Kind, text: str, width: int) -> Iterator[Line]:
 
 
 def write_tables(
-    heading: str, summaries: Iterable[Summary], drawn: Container[str], file: Path
+    heading: str, summaries: Iterable[PartSummary], drawn: Container[str], file: Path
 ) -> None:
     """Write the tables of parts as Markdown, with plots for those that were drawn."""
     text = [f"## {heading}"]
@@ -60,7 +59,7 @@ def write_tables(
     file.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
-def write_tasks(heading: str, summaries: Iterable[Summary], file: Path) -> None:
+def write_tasks(heading: str, summaries: Iterable[PartSummary], file: Path) -> None:
     """Write as Markdown when the tasks of each point came and were completed."""
     text = [f"## {heading}"]
     for summary in summaries:

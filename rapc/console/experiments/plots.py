@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from rapc.console.experiments.tables import heading, show
 from rapc.console.wrapping import wrapped
 from rapc.experiments.definition import Reference
-from rapc.experiments.summary import Summary
+from rapc.experiments.summary import PartSummary
 
 _STYLE: Any = {
     "svg.hashsalt": "rapc",
@@ -44,7 +44,7 @@ _CROSSES = {"effector": "x", "sensor": "+", "failed": "*"}
 """The marks of others' figures in that panel."""
 
 
-def draw(drawn: Sequence[Summary], file: Path) -> tuple[Path, Path]:
+def draw(drawn: Sequence[PartSummary], file: Path) -> tuple[Path, Path]:
     """Draw parts that vary the same into one plot, the first one's name for title.
 
     Above is the time for each task completed, then how many were completed, below the
@@ -74,7 +74,7 @@ def draw(drawn: Sequence[Summary], file: Path) -> tuple[Path, Path]:
     return files
 
 
-def _lowest(drawn: Sequence[Summary]) -> Sequence[str]:
+def _lowest(drawn: Sequence[PartSummary]) -> Sequence[str]:
     """Return the measures of the lowest panel; none if it would have no line."""
     rows = [row for summary in drawn for row in summary.rows]
     if any(
@@ -87,7 +87,7 @@ def _lowest(drawn: Sequence[Summary]) -> Sequence[str]:
 
 
 def _series(
-    axes: Axes, summary: Summary, number: int, measure: str, line: Any = "-"
+    axes: Axes, summary: PartSummary, number: int, measure: str, line: Any = "-"
 ) -> None:
     """One part's figures with their ranges, and the figures from elsewhere.
 
@@ -119,14 +119,14 @@ def _series(
     _theirs(axes, summary, number, measure)
 
 
-def _label(summary: Summary, measure: str) -> str:
+def _label(summary: PartSummary, measure: str) -> str:
     name = summary.part.name
     if measure in ("time-each", "completed"):
         return f"{name}: 10 to 90 % of runs"
     return f"{name}: {measure}"
 
 
-def _theirs(axes: Axes, summary: Summary, number: int, measure: str) -> None:
+def _theirs(axes: Axes, summary: PartSummary, number: int, measure: str) -> None:
     told = [
         (place, figures[measure])
         for place, row in zip(_places(summary), summary.rows, strict=True)
@@ -147,7 +147,7 @@ def _theirs(axes: Axes, summary: Summary, number: int, measure: str) -> None:
         )
 
 
-def _theirs_called(summary: Summary, reference: Reference, measure: str) -> str:
+def _theirs_called(summary: PartSummary, reference: Reference, measure: str) -> str:
     title = reference.title
     if reference.least:
         return f"{summary.part.name}: {title}"
@@ -155,7 +155,7 @@ def _theirs_called(summary: Summary, reference: Reference, measure: str) -> str:
     return f"{summary.part.name}: {title}, {told}"
 
 
-def _bounds(axes: Axes, summary: Summary, measure: str) -> None:
+def _bounds(axes: Axes, summary: PartSummary, measure: str) -> None:
     """Draw what is said elsewhere in words, from so much to so much, as thick bars."""
     reference = summary.part.reference
     if reference is None:
@@ -177,7 +177,7 @@ def _bounds(axes: Axes, summary: Summary, measure: str) -> None:
         )
 
 
-def _places(summary: Summary) -> list[float]:
+def _places(summary: PartSummary) -> list[float]:
     """Return where the values are on the axis: at their number, or side by side."""
     values = [row.value for row in summary.rows]
     if all(_numeric(value) for value in values):
@@ -198,7 +198,7 @@ _LONG_LABEL = 33
 """Labels of so many characters stand two in a row; three would leave the picture."""
 
 
-def _frame(panels: Sequence[Axes], summary: Summary, called: str) -> None:
+def _frame(panels: Sequence[Axes], summary: PartSummary, called: str) -> None:
     """Axes, their names (`called` for the lowest), the mark, and the legend."""
     above, middle, below = panels[0], panels[1], panels[-1]
     _, _, name = (summary.part.vary or "").partition(".")

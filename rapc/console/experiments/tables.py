@@ -7,24 +7,15 @@ too wide for the terminal, its columns go below one another.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Literal
 
 import msgspec
 
 from rapc.base.values import format_atom
-from rapc.experiments.definition import Part
+from rapc.console.lines import Line
+from rapc.experiments.definition import Series
 from rapc.experiments.draws import Value
 from rapc.experiments.measures import LABELS
-from rapc.experiments.summary import Row, Spread, Summary
-
-Kind = Literal["title", "head", "text"]
-
-
-class Line(msgspec.Struct, frozen=True):
-    """A line of text with its kind, by which it is coloured."""
-
-    kind: Kind
-    text: str
+from rapc.experiments.summary import PartSummary, PointSummary, Spread
 
 
 class Grid(msgspec.Struct, frozen=True):
@@ -37,12 +28,12 @@ class Grid(msgspec.Struct, frozen=True):
 _GAP = 2
 
 
-def heading(part: Part) -> str:
+def heading(part: Series) -> str:
     """Return what a part is called, in one line."""
     return " ".join(part.title.split()) or f"Part {part.name}"
 
 
-def title(part: Part) -> str:
+def title(part: Series) -> str:
     """Return what a part is called, and by which name it is asked for."""
     return f"{heading(part)} (part `{part.name}`)" if part.title else heading(part)
 
@@ -54,7 +45,7 @@ def show(value: Value | None) -> str:
     return format_atom(value) if not isinstance(value, bool) else str(value).lower()
 
 
-def grid(summary: Summary) -> Grid:
+def grid(summary: PartSummary) -> Grid:
     """The table of a part that says most: means, deviations, and others' figures.
 
     `437 ± 36 / 441` is our mean and standard deviation, and theirs; `!` behind it says
@@ -65,7 +56,7 @@ def grid(summary: Summary) -> Grid:
     return Grid(head, tuple([_main(row, summary, names) for row in summary.rows]))
 
 
-def rest(summary: Summary) -> Grid:
+def rest(summary: PartSummary) -> Grid:
     """The table of what else was measured of a part, in means.
 
     Deadlines missed and faults in queries stand in it if there were any.
@@ -87,22 +78,24 @@ _MAIN = ("time-each", "completed", "effector", "sensor", "failed")
 _RARE = ("missed-deadlines", "query-faults")
 
 
-def _occurs(summary: Summary, name: str) -> bool:
+def _occurs(summary: PartSummary, name: str) -> bool:
     rows = (row.figures.get(name) for row in summary.rows)
     return any(spread is not None and spread.high > 0 for spread in rows)
 
 
-def _head(summary: Summary) -> tuple[str, str, str]:
+def _head(summary: PartSummary) -> tuple[str, str, str]:
     first = summary.part.vary or "point"
     return (first.partition(".")[2] or first, "runs", "disasters")
 
 
-def _first(row: Row) -> tuple[str, str, str]:
+def _first(row: PointSummary) -> tuple[str, str, str]:
     runs = str(row.runs) if row.runs == row.wanted else f"{row.runs}/{row.wanted}"
     return (show(row.value), runs, str(row.lost))
 
 
-def _main(row: Row, summary: Summary, names: Sequence[str]) -> tuple[str, ...]:
+def _main(
+    row: PointSummary, summary: PartSummary, names: Sequence[str]
+) -> tuple[str, ...]:
     theirs, reference = summary.reference(row.value), summary.part.reference
     least = reference is not None and reference.least
     cells = []
@@ -125,7 +118,7 @@ def _far(spread: Spread, theirs: float) -> bool:
     return abs(theirs - spread.mean) > 2 * spread.deviation + 1e-9
 
 
-def _with_theirs(name: str, row: Row, summary: Summary) -> str:
+def _with_theirs(name: str, row: PointSummary, summary: PartSummary) -> str:
     spread = row.figures.get(name)
     cell = _cell(name, spread.mean if spread else None)
     theirs = summary.reference(row.value).get(name)
@@ -150,7 +143,7 @@ def _theirs(name: str, value: float) -> str:
     return f"{value:.0f}" if name in _WHOLE else format_atom(value)
 
 
-def tasks(row: Row) -> Grid:
+def tasks(row: PointSummary) -> Grid:
     """The table of the tasks of one point, in the order in which they came."""
     head = ("task", "runs", "came", "completed", "at", "given up")
     rows = []
@@ -223,7 +216,7 @@ _REASONS = 3
 """So many reasons why tasks failed are told of a point on a terminal."""
 
 
-def remarks(summary: Summary, most: int | None = _REASONS) -> Iterator[str]:
+def remarks(summary: PartSummary, most: int | None = _REASONS) -> Iterator[str]:
     """Yield what is to be said below a table: how to read it, runs to look at, notes.
 
     Args:
@@ -248,7 +241,7 @@ def remarks(summary: Summary, most: int | None = _REASONS) -> Iterator[str]:
     yield from summary.part.notes
 
 
-def _reasons(row: Row, at: str, most: int | None) -> Iterator[str]:
+def _reasons(row: PointSummary, at: str, most: int | None) -> Iterator[str]:
     """Yield why tasks failed, the most frequent reason first."""
     listed = [*row.reasons.items()][:most]
     if listed:

@@ -7,15 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rapc.console.experiments.tables import Line, show
+from rapc.console.experiments.tables import show
+from rapc.console.lines import Line
 from rapc.console.wrapping import wrapped
-from rapc.experiments.summary import Spread, Summary
+from rapc.experiments.summary import PartSummary, Spread
 
 _LEAST = 10
 """How many columns a plot has at least."""
 
 
-def plot(summary: Summary, width: int) -> Iterator[Line]:
+def plot(summary: PartSummary, width: int) -> Iterator[Line]:
     """The time for each task completed, against what the part varies (T 6.8 to 6.10).
 
     `|---|` is the range, `o` the average, `x` the figure from elsewhere.

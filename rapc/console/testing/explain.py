@@ -6,24 +6,13 @@ The same lines go to a terminal (`rapc.cli.test`), to pytest and into JUnit file
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal
-
-import msgspec
 
 from rapc.analysis.driver import CheckReport
 from rapc.base.source import SourceFile, Span
-from rapc.testing.run import Failure, Outcome, Status
+from rapc.console.lines import Line
+from rapc.testing.run import Outcome, Status, Unmet
 
 _MOST_ROWS = 8
-
-Kind = Literal["title", "place", "source", "mark", "text", "trace"]
-
-
-class Line(msgspec.Struct, frozen=True):
-    """A line of text with its kind, by which it is coloured."""
-
-    kind: Kind
-    text: str
 
 
 def place(outcome: Outcome, span: Span) -> str:
@@ -69,7 +58,7 @@ def _position(source: SourceFile, span: Span) -> str:
     return f":{at.row}:{at.column}"
 
 
-def _happened(failure: Failure, wrong: bool) -> Iterator[Line]:
+def _happened(failure: Unmet, wrong: bool) -> Iterator[Line]:
     head = "wrong with the test:" if wrong else "what happened:"
     if len(failure.happened) == 1:
         yield Line("text", f"  {head} {failure.happened[0]}")

@@ -20,7 +20,7 @@ from rapc.language.shapes import is_word, leaves
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
 from rapc.parser.fields import Slots, filled, slots
 from rapc.parser.special.effects import effects
-from rapc.parser.special.parts import Parts, parts, surplus, symbol
+from rapc.parser.special.parts import ClauseParts, parts, surplus, symbol
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import constant
 from rapc.parser.terms import proposition as read_proposition
@@ -112,7 +112,7 @@ def declaration(rule: str, kind: type[nodes.Node]) -> Read:
     return read
 
 
-def _operands(ctx: Context, found: Parts, told: Declaration) -> dict[str, Any]:
+def _operands(ctx: Context, found: ClauseParts, told: Declaration) -> dict[str, Any]:
     """The operands by their fields; reports the first that is missing."""
     given: dict[str, Any] = {}
     data = list(found.operands)
@@ -134,7 +134,7 @@ def _operands(ctx: Context, found: Parts, told: Declaration) -> dict[str, Any]:
 
 
 def _missing(
-    ctx: Context, found: Parts, leaf: str, last: Datum, *, silent: bool
+    ctx: Context, found: ClauseParts, leaf: str, last: Datum, *, silent: bool
 ) -> Any:
     """Return what is assumed of an operand that is missing, which is reported."""
     what, help, written, assumed = _MISSING[leaf]
@@ -162,7 +162,10 @@ _MISSING: Mapping[str, tuple[str, str, str, Any]] = {
 
 
 def _options(
-    ctx: Context, found: Parts, told: Declaration, known: Mapping[str, OptionReader]
+    ctx: Context,
+    found: ClauseParts,
+    told: Declaration,
+    known: Mapping[str, OptionReader],
 ) -> dict[str, list[Any]]:
     """Return what was read of each option; report those that wrongly stand twice."""
     read: dict[str, list[Any]] = {}

@@ -12,7 +12,7 @@ from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
 
 
-class Parts(msgspec.Struct, frozen=True):
+class ClauseParts(msgspec.Struct, frozen=True):
     """A declaration taken apart; names of skills and events keep their colon."""
 
     form: List
@@ -26,7 +26,7 @@ class Parts(msgspec.Struct, frozen=True):
 
 def parts(
     ctx: Context, form: List, options: Mapping[str, int], *, colon: bool
-) -> Parts | None:
+) -> ClauseParts | None:
     """A declaration taken apart, or None if there is no name.
 
     `options` gives the number of values for each option; `colon` says that the
@@ -39,7 +39,7 @@ def parts(
     operands, docs, found = _sort(ctx, form, options)
     surplus(ctx, form, docs[1:])
     doc = docs[0].value if docs else ""
-    return Parts(form, name, place, tuple(operands), doc, tuple(found))
+    return ClauseParts(form, name, place, tuple(operands), doc, tuple(found))
 
 
 def surplus(ctx: Context, form: List, data: Iterable[Datum]) -> None:

@@ -8,7 +8,7 @@ from functools import cache
 from rapc.ir import nodes
 from rapc.parser import terms
 from rapc.parser.context import Context, Read
-from rapc.parser.elaborate import Maker, Readers
+from rapc.parser.elaborate import GrammarReaders, Maker
 from rapc.parser.special import (
     agenda,
     clauses,
@@ -150,6 +150,6 @@ MAKERS: Mapping[str, Maker] = {
 
 
 @cache
-def readers() -> Readers:
+def readers() -> GrammarReaders:
     """Return the readers of all rules."""
-    return Readers(SPECIAL, MAKERS)
+    return GrammarReaders(SPECIAL, MAKERS)

@@ -15,53 +15,55 @@ from rapc.debug.acts import (
     SendSignal,
 )
 from rapc.debug.forced import ForceResult
-from rapc.debug.log import Told
+from rapc.debug.log import ToldEvent
 from rapc.debug.options import change_option, options
 from rapc.debug.options import said as said_of
 from rapc.debug.texts import reread
 from rapc.debug.what_if import what_if
 from rapc.errors import TextError
-from rapc.repl.answer import Answer, say, table
+from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments, split
 from rapc.repl.patterns import pattern
 from rapc.repl.shell import Command, Shell
 
 
-def _do(shell: Shell, act: Act) -> Answer:
+def _do(shell: Shell, act: Act) -> ShownAnswer:
     before, branch = shell.session.serial, shell.session.branch
     shell.session.act(act)
     return say(*shell.happened(before), *shell.branched(branch), f"done: {act}")
 
 
-def _with_fact(make: Callable[[Fact], Act]) -> Callable[[Shell, Arguments], Answer]:
-    def does(shell: Shell, args: Arguments) -> Answer:
+def _with_fact(
+    make: Callable[[Fact], Act],
+) -> Callable[[Shell, Arguments], ShownAnswer]:
+    def does(shell: Shell, args: Arguments) -> ShownAnswer:
         return _do(shell, make(args.fact("a fact")))
 
     return does
 
 
-def _with_task(make: Callable[[int], Act]) -> Callable[[Shell, Arguments], Answer]:
-    def does(shell: Shell, args: Arguments) -> Answer:
+def _with_task(make: Callable[[int], Act]) -> Callable[[Shell, Arguments], ShownAnswer]:
+    def does(shell: Shell, args: Arguments) -> ShownAnswer:
         return _do(shell, make(shell.task(args)))
 
     return does
 
 
-def _submit(shell: Shell, args: Arguments) -> Answer:
+def _submit(shell: Shell, args: Arguments) -> ShownAnswer:
     args.word("a goal")
     args.rest()
     return shell.submit(args.text)
 
 
-def _cancel(shell: Shell, args: Arguments) -> Answer:
+def _cancel(shell: Shell, args: Arguments) -> ShownAnswer:
     return _do(shell, CancelTasks(pattern(args.word("a goal"))))
 
 
-def _signal(shell: Shell, args: Arguments) -> Answer:
+def _signal(shell: Shell, args: Arguments) -> ShownAnswer:
     return _do(shell, SendSignal(args.signal()))
 
 
-def _what_if(shell: Shell, args: Arguments) -> Answer:
+def _what_if(shell: Shell, args: Arguments) -> ShownAnswer:
     acts: list[Act] = []
     cycles = 1
     for said in args.rest():
@@ -94,20 +96,20 @@ def _act(text: str) -> Act:
     return makes[words[0]](pattern(words[1]))
 
 
-def _told(shell: Shell, told: tuple[Told, ...]) -> list[str]:
+def _told(shell: Shell, told: tuple[ToldEvent, ...]) -> list[str]:
     shell.forget_trace()
     lines = shell.trace(told)
     shell.forget_trace()
     return lines or ["  nothing"]
 
 
-def _force(shell: Shell, args: Arguments) -> Answer:
+def _force(shell: Shell, args: Arguments) -> ShownAnswer:
     request = pattern(args.word("a request"))
     result = args.word("a result").lower()
     return _do(shell, ForceResult(request, result, max(args.count("times", 1), 1)))
 
 
-def _reload(shell: Shell, args: Arguments) -> Answer:
+def _reload(shell: Shell, args: Arguments) -> ShownAnswer:
     """Read the library again; what was typed stays in place of what the files say."""
     if not shell.paths:
         raise TextError("it is not known which files the library was read from")
@@ -116,7 +118,7 @@ def _reload(shell: Shell, args: Arguments) -> Answer:
     return shell.renew(reread(shell.paths, typed, name))
 
 
-def _option(shell: Shell, args: Arguments) -> Answer:
+def _option(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the options that can be changed, or change one."""
     run = shell.session.run
     if not args:

@@ -10,13 +10,13 @@ from rapc.base.values import format_atom, format_list
 from rapc.debug import clause, commitments, failures, why_not
 from rapc.debug.why import Choice, Origin, Why, why
 from rapc.debug.why_not import MethodAnswer, TaskAnswer
-from rapc.repl.answer import Answer, say
+from rapc.repl.answer import ShownAnswer, say
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Command, Shell
 from rapc.runtime.events.report import cause_lines
 
 
-def _why(shell: Shell, args: Arguments) -> Answer:
+def _why(shell: Shell, args: Arguments) -> ShownAnswer:
     if args.takes("failed"):
         return _why_failed(shell, args)
     number = shell.task(args)
@@ -95,7 +95,7 @@ def _method(method: MethodAnswer) -> str:
     return f"{told}; waits for {method.held_by}" if method.held_by else told
 
 
-def _why_failed(shell: Shell, args: Arguments) -> Answer:
+def _why_failed(shell: Shell, args: Arguments) -> ShownAnswer:
     number = args.count("a task") if args else None
     found = failures.why_failed(shell.session, number)
     at = f"in cycle {found.cycle}, at time {format_atom(found.time)}"
@@ -109,7 +109,7 @@ def _why_failed(shell: Shell, args: Arguments) -> Answer:
     return say(*lines)
 
 
-def _why_not(shell: Shell, args: Arguments) -> Answer:
+def _why_not(shell: Shell, args: Arguments) -> ShownAnswer:
     if args.peek().startswith("("):
         return say(*clause.lines(why_not.why_not_query(shell.session, args.word(""))))
     answer = why_not.why_not(shell.session, shell.task(args))
@@ -155,7 +155,7 @@ def _task(answer: TaskAnswer) -> Iterator[str]:
         yield f"  method {method.name}: {_method(method)}"
 
 
-def _when(shell: Shell, args: Arguments) -> Answer:
+def _when(shell: Shell, args: Arguments) -> ShownAnswer:
     """`:when chosen N`, or all methods whose choice rests on what is gone."""
     args.takes("chosen")
     if args:

@@ -11,7 +11,7 @@ from rapc.base.values import format_list
 from rapc.debug.acts import CancelTasks, SubmitTask
 from rapc.errors import LoadError, StateError, TextError
 from rapc.ir.nodes import DefineTest
-from rapc.repl.answer import Answer, say
+from rapc.repl.answer import ShownAnswer, say
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Command, Shell
 from rapc.runtime.events.events import Event
@@ -24,7 +24,7 @@ from rapc.world import Time
 _SUFFIX = ".test.rap"
 
 
-def _export(shell: Shell, args: Arguments) -> Answer:
+def _export(shell: Shell, args: Arguments) -> ShownAnswer:
     """Make a test of the run, shorten it, write it, and run what was written."""
     path = Path(args.word("a file"))
     task = 1 if args.peek() in ("", "succeeds") else args.count("a task")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rapc.base.names import nearest
 from rapc.errors import TextError
-from rapc.repl.answer import Answer, say, table
+from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Command, Shell
 
@@ -15,7 +15,7 @@ _TYPED = (
 )
 
 
-def _help(shell: Shell, args: Arguments) -> Answer:
+def _help(shell: Shell, args: Arguments) -> ShownAnswer:
     if args:
         return _of_command(shell, args.word("a command").removeprefix(":"))
     rows: list[tuple[str, str]] = []
@@ -29,7 +29,7 @@ def _help(shell: Shell, args: Arguments) -> Answer:
     return table(("command", "what it does"), rows, notes=notes)
 
 
-def _of_command(shell: Shell, name: str) -> Answer:
+def _of_command(shell: Shell, name: str) -> ShownAnswer:
     command = shell.commands.get(name)
     if command is None:
         near = nearest(name, shell.commands)
@@ -43,9 +43,9 @@ def _of_command(shell: Shell, name: str) -> Answer:
     return say(*lines)
 
 
-def _quit(shell: Shell, args: Arguments) -> Answer:
+def _quit(shell: Shell, args: Arguments) -> ShownAnswer:
     shell.left = True
-    return Answer()
+    return ShownAnswer()
 
 
 HELPING = (

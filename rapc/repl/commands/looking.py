@@ -10,14 +10,14 @@ from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
 from rapc.ir.nodes import Const, Proposition
 from rapc.parser.parse import parse_formula, parse_pattern
-from rapc.repl.answer import Answer, Cell, table
+from rapc.repl.answer import Cell, ShownAnswer, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Command, Shell
 from rapc.runtime.events.report import cause_lines
 from rapc.world import Drawable, Thing
 
 
-def _agenda(shell: Shell, args: Arguments) -> Answer:
+def _agenda(shell: Shell, args: Arguments) -> ShownAnswer:
     entries = shell.session.run.agenda()
     rows = [
         (
@@ -35,7 +35,7 @@ def _agenda(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none="no task is under way")
 
 
-def _tree(shell: Shell, args: Arguments) -> Answer:
+def _tree(shell: Shell, args: Arguments) -> ShownAnswer:
     subject = shell.subject
     if isinstance(subject, Session):
         nodes = look.tree(subject.run)
@@ -55,13 +55,13 @@ def _tree(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none="no task is under way")
 
 
-def _chain(shell: Shell, args: Arguments) -> Answer:
+def _chain(shell: Shell, args: Arguments) -> ShownAnswer:
     found = look.chain(shell.session.run, shell.task(args))
     rows = [(number, str(goal), method) for number, goal, method in found]
     return table(("task", "goal", "method"), rows)
 
 
-def _task(shell: Shell, args: Arguments) -> Answer:
+def _task(shell: Shell, args: Arguments) -> ShownAnswer:
     run = shell.session.run
     number = shell.task(args)
     task = live_task(run, number)
@@ -100,7 +100,7 @@ def _task(shell: Shell, args: Arguments) -> Answer:
     return table(("of", "is"), kept, f"task [{number}]", notes=notes)
 
 
-def _memory(shell: Shell, args: Arguments) -> Answer:
+def _memory(shell: Shell, args: Arguments) -> ShownAnswer:
     run = shell.session.run
     if not args:
         names = look.names_with_facts(run)
@@ -116,7 +116,7 @@ def _memory(shell: Shell, args: Arguments) -> Answer:
     return shell.ask(text)
 
 
-def _beliefs(shell: Shell, pattern: Proposition) -> Answer:
+def _beliefs(shell: Shell, pattern: Proposition) -> ShownAnswer:
     """The facts that a proposition matches, each with its age."""
     run = shell.session.run
     values = [a.value if isinstance(a, Const) else None for a in pattern.args]
@@ -132,7 +132,7 @@ def _beliefs(shell: Shell, pattern: Proposition) -> Answer:
     return table(("fact", "since", "age"), rows, none="no such fact")
 
 
-def _items(shell: Shell, args: Arguments) -> Answer:
+def _items(shell: Shell, args: Arguments) -> ShownAnswer:
     rows = [
         (one.name, one.kind, one.place, one.sensor)
         for one in look.items(shell.session.run)
@@ -141,7 +141,7 @@ def _items(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none="memory knows no items")
 
 
-def _monitors(shell: Shell, args: Arguments) -> Answer:
+def _monitors(shell: Shell, args: Arguments) -> ShownAnswer:
     rows = [
         (one.task, str(one.goal), one.state, one.formula, one.at, one.deadline)
         for one in look.monitors(shell.session.run)
@@ -150,7 +150,7 @@ def _monitors(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none="no task has a monitor")
 
 
-def _claims(shell: Shell, args: Arguments) -> Answer:
+def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
     found, circles = look.claims(shell.session.run)
     rows = [
         (
@@ -166,14 +166,14 @@ def _claims(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none="no thing is held", notes=circles)
 
 
-def _requests(shell: Shell, args: Arguments) -> Answer:
+def _requests(shell: Shell, args: Arguments) -> ShownAnswer:
     rows = [
         (one.ticket, one.task, one.request) for one in look.requests(shell.session.run)
     ]
     return table(("ticket", "task", "request"), rows, none="no request is under way")
 
 
-def _stack(shell: Shell, args: Arguments) -> Answer:
+def _stack(shell: Shell, args: Arguments) -> ShownAnswer:
     rows = [
         (priority, f"[{family}]", goal)
         for priority, family, goal in look.stack(shell.session.run)
@@ -182,7 +182,7 @@ def _stack(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none="no family has been chosen yet")
 
 
-def _skills(shell: Shell, args: Arguments) -> Answer:
+def _skills(shell: Shell, args: Arguments) -> ShownAnswer:
     rows = [
         (one.ticket, one.task, one.skills, "on" if one.on else "off")
         for one in look.skills(shell.session.run)
@@ -190,7 +190,7 @@ def _skills(shell: Shell, args: Arguments) -> Answer:
     return table(("ticket", "task", "skills", ""), rows, none="no skill is on")
 
 
-def _world(shell: Shell, args: Arguments) -> Answer:
+def _world(shell: Shell, args: Arguments) -> ShownAnswer:
     world = shell.session.run.machine.world
     if not isinstance(world, Drawable):
         raise ArgumentError(f"the world `{world.name}` has no picture of itself")
@@ -214,7 +214,7 @@ def _thing(thing: Thing) -> str:
     )
 
 
-def _source(shell: Shell, args: Arguments) -> Answer:
+def _source(shell: Shell, args: Arguments) -> ShownAnswer:
     library = shell.session.library.program.library
     name = args.peek()
     if not name or name.strip("[]").isdecimal():
@@ -230,7 +230,7 @@ def _source(shell: Shell, args: Arguments) -> Answer:
     source = library.files.get(node.span.file)
     if source is None or not source.text:
         raise TextError(f"the text of `{node.name}` is not at hand")
-    return Answer(tuple(_numbered(source, node.span)), is_code=True)
+    return ShownAnswer(tuple(_numbered(source, node.span)), is_code=True)
 
 
 def _numbered(source: SourceFile, span: Span) -> list[str]:
@@ -241,7 +241,7 @@ def _numbered(source: SourceFile, span: Span) -> list[str]:
     return [source.name, *(f"{row:>{width}} {source.line(row)}" for row in rows)]
 
 
-def _more(shell: Shell, args: Arguments) -> Answer:
+def _more(shell: Shell, args: Arguments) -> ShownAnswer:
     return shell.more()
 
 

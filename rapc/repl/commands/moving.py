@@ -8,7 +8,7 @@ from rapc.base.names import plural
 from rapc.debug.acts import live_task
 from rapc.debug.stepped import Stepped, Stop
 from rapc.errors import ArgumentError
-from rapc.repl.answer import Answer, say, table
+from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Command, Shell
 from rapc.runtime.events.events import PrimitiveEnded
@@ -17,7 +17,7 @@ _SHOWN = 40
 """How many lines of what has happened are shown at once."""
 
 
-def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
+def _went(shell: Shell, go: Callable[[], Stop]) -> ShownAnswer:
     """Let the run go on, and tell what has happened and where it stands."""
     before = shell.subject.serial
     stop = go()
@@ -32,19 +32,19 @@ def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
     }.get(stop.kind, stop.said if stop.kind == "asked" else "")
     watched = shell.watched()
     told = [*lines, *([said] if said else []), *watched, shell.subject.stand()]
-    return Answer(tuple(told), failed=stop.kind == "broken")
+    return ShownAnswer(tuple(told), failed=stop.kind == "broken")
 
 
-def _step(shell: Shell, args: Arguments) -> Answer:
+def _step(shell: Shell, args: Arguments) -> ShownAnswer:
     cycles = args.count("how many cycles", 1)
     return _went(shell, lambda: shell.subject.step(cycles))
 
 
-def _run(shell: Shell, args: Arguments) -> Answer:
+def _run(shell: Shell, args: Arguments) -> ShownAnswer:
     return _went(shell, shell.subject.go)
 
 
-def _out(shell: Shell, args: Arguments) -> Answer:
+def _out(shell: Shell, args: Arguments) -> ShownAnswer:
     session = shell.session
     task = live_task(session.run, shell.task(args))
 
@@ -54,7 +54,7 @@ def _out(shell: Shell, args: Arguments) -> Answer:
     return _went(shell, lambda: session.go(ended))
 
 
-def _parent(shell: Shell, args: Arguments) -> Answer:
+def _parent(shell: Shell, args: Arguments) -> ShownAnswer:
     session = shell.session
     parent = live_task(session.run, shell.task(args)).parent
     if parent is None:
@@ -70,7 +70,7 @@ def _parent(shell: Shell, args: Arguments) -> Answer:
     return _went(shell, lambda: session.go(came_up))
 
 
-def _primitive(shell: Shell, args: Arguments) -> Answer:
+def _primitive(shell: Shell, args: Arguments) -> ShownAnswer:
     session, begun = shell.subject, shell.subject.serial
 
     def answered() -> str | None:
@@ -80,7 +80,7 @@ def _primitive(shell: Shell, args: Arguments) -> Answer:
     return _went(shell, lambda: session.go(answered))
 
 
-def _to(shell: Shell, args: Arguments) -> Answer:
+def _to(shell: Shell, args: Arguments) -> ShownAnswer:
     """Go on to a cycle or a time, never back."""
     session = shell.subject
     if args.takes("at"):
@@ -94,22 +94,22 @@ def _to(shell: Shell, args: Arguments) -> Answer:
     return _went(shell, lambda: session.goto(cycle, heed=True))
 
 
-def _moved(shell: Shell, move: Callable[[Stepped], Stop]) -> Answer:
+def _moved(shell: Shell, move: Callable[[Stepped], Stop]) -> ShownAnswer:
     """Go somewhere else in time, without telling what happens on the way."""
     stop = move(shell.subject)
     shell.forget_trace()
     failed = stop.kind == "broken"
     lines = [stop.said] if failed else []
-    return Answer((*lines, *shell.watched(), shell.subject.stand()), failed=failed)
+    return ShownAnswer((*lines, *shell.watched(), shell.subject.stand()), failed=failed)
 
 
-def _back(shell: Shell, args: Arguments) -> Answer:
+def _back(shell: Shell, args: Arguments) -> ShownAnswer:
     cycles = args.count("how many cycles", 1)
     cycles -= shell.subject.over  # the end of the run is a step of its own
     return _moved(shell, lambda session: session.goto(session.cycle - cycles))
 
 
-def _goto(shell: Shell, args: Arguments) -> Answer:
+def _goto(shell: Shell, args: Arguments) -> ShownAnswer:
     if args.takes("at"):
         time = args.time("a time")
         return _moved(shell, lambda session: session.goto_time(time))
@@ -119,7 +119,7 @@ def _goto(shell: Shell, args: Arguments) -> Answer:
     return _moved(shell, lambda session: session.goto(cycle))
 
 
-def _branch(shell: Shell, args: Arguments) -> Answer:
+def _branch(shell: Shell, args: Arguments) -> ShownAnswer:
     session = shell.session
     name = args.peek() and args.word("a name")
     if any(branch.name == name for branch in session.branches):
@@ -130,7 +130,7 @@ def _branch(shell: Shell, args: Arguments) -> Answer:
     return say(f"on {session.branch.name}", session.stand())
 
 
-def _branches(shell: Shell, args: Arguments) -> Answer:
+def _branches(shell: Shell, args: Arguments) -> ShownAnswer:
     session = shell.session
     rows = [
         (
@@ -145,7 +145,7 @@ def _branches(shell: Shell, args: Arguments) -> Answer:
     return table(("", "branch", "from", "seen to", "acts"), rows)
 
 
-def _show(shell: Shell, args: Arguments) -> Answer:
+def _show(shell: Shell, args: Arguments) -> ShownAnswer:
     ways = ("all", "requests", "none")
     if args:
         way = args.word("what to show")
@@ -155,12 +155,12 @@ def _show(shell: Shell, args: Arguments) -> Answer:
     return say(f"after a step is shown: {shell.shows}")
 
 
-def _trace(shell: Shell, args: Arguments) -> Answer:
+def _trace(shell: Shell, args: Arguments) -> ShownAnswer:
     cycles = args.count("how many cycles", 5)
     session = shell.subject
     first = max(session.cycle - cycles + 1, 1)
     told = session.scan(first=first)
-    return Answer(tuple(shell.trace(told)))
+    return ShownAnswer(tuple(shell.trace(told)))
 
 
 MOVING = (

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from rapc.base.values import Atom, Fact, format_atom, format_list, number
 from rapc.debug import history, timeline
 from rapc.debug.who import who
-from rapc.repl.answer import Answer, table
+from rapc.repl.answer import ShownAnswer, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.patterns import pattern
 from rapc.repl.shell import Command, Shell
 from rapc.world import Time
 
 
-def _history(shell: Shell, args: Arguments) -> Answer:
+def _history(shell: Shell, args: Arguments) -> ShownAnswer:
     said = args.word("an item or a fact")
     if said.startswith("("):
         found = history.of_facts(shell.subject, pattern(said))
@@ -26,7 +26,7 @@ def _history(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none=f"nothing has become of {said}")
 
 
-def _who(shell: Shell, args: Arguments) -> Answer:
+def _who(shell: Shell, args: Arguments) -> ShownAnswer:
     found = who(shell.session, pattern(args.word("a fact")))
     rows = [
         (
@@ -49,7 +49,7 @@ def _at(time: Time | None) -> str:
     return "the beginning" if time is None else format_atom(time)
 
 
-def _retries(shell: Shell, args: Arguments) -> Answer:
+def _retries(shell: Shell, args: Arguments) -> ShownAnswer:
     rows = [
         (
             one.goal,
@@ -65,7 +65,7 @@ def _retries(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none="no goal has failed twice")
 
 
-def _deadlines(shell: Shell, args: Arguments) -> Answer:
+def _deadlines(shell: Shell, args: Arguments) -> ShownAnswer:
     rows = [
         (
             one.task,
@@ -81,7 +81,7 @@ def _deadlines(shell: Shell, args: Arguments) -> Answer:
     return table(columns, rows, none="no task has a deadline")
 
 
-def _timeline(shell: Shell, args: Arguments) -> Answer:
+def _timeline(shell: Shell, args: Arguments) -> ShownAnswer:
     start = args.time("a time") if args else 0
     stop = args.time("a time") if args else None
     spells = timeline.timeline(shell.subject, start, stop)

@@ -13,12 +13,12 @@ from rapc.debug import differences, recorded
 from rapc.debug.breakpoints import KINDS, Breakpoint
 from rapc.debug.find import Finder, find
 from rapc.errors import ArgumentError, TextError
-from rapc.repl.answer import Answer, say, table
+from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Command, Shell
 
 
-def _break(shell: Shell, args: Arguments) -> Answer:
+def _break(shell: Shell, args: Arguments) -> ShownAnswer:
     if not args:
         return _listed(shell)
     kind = args.word("what to stop at")
@@ -48,7 +48,7 @@ def _break(shell: Shell, args: Arguments) -> Answer:
 _OPTIONS = ("if", "after", "log", "before")
 
 
-def _listed(shell: Shell) -> Answer:
+def _listed(shell: Shell) -> ShownAnswer:
     rows = [
         (number, str(point), point.met)
         for number, point in shell.breakpoints.all.items()
@@ -58,7 +58,7 @@ def _listed(shell: Shell) -> Answer:
     return table(columns, rows, none="there are no breakpoints", notes=logged)
 
 
-def _save(shell: Shell, path: Path) -> Answer:
+def _save(shell: Shell, path: Path) -> ShownAnswer:
     points = [
         msgspec.structs.replace(point, met=0)
         for point in shell.breakpoints.all.values()
@@ -70,7 +70,7 @@ def _save(shell: Shell, path: Path) -> Answer:
     return say(f"{plural(len(points), 'breakpoint')} in {path}")
 
 
-def _load(shell: Shell, path: Path) -> Answer:
+def _load(shell: Shell, path: Path) -> ShownAnswer:
     try:
         points = msgspec.json.decode(path.read_bytes(), type=list[Breakpoint])
     except OSError as error:
@@ -82,7 +82,7 @@ def _load(shell: Shell, path: Path) -> Answer:
     return _listed(shell)
 
 
-def _unbreak(shell: Shell, args: Arguments) -> Answer:
+def _unbreak(shell: Shell, args: Arguments) -> ShownAnswer:
     if args.takes("all"):
         for number in list(shell.breakpoints.all):
             shell.breakpoints.remove(number)
@@ -91,14 +91,14 @@ def _unbreak(shell: Shell, args: Arguments) -> Answer:
     return _listed(shell)
 
 
-def _watch(shell: Shell, args: Arguments) -> Answer:
+def _watch(shell: Shell, args: Arguments) -> ShownAnswer:
     if args:
         shell.watch(args.word("a query"))
     lines = shell.watched()
     return say(*(lines or ["nothing is watched"]))
 
 
-def _unwatch(shell: Shell, args: Arguments) -> Answer:
+def _unwatch(shell: Shell, args: Arguments) -> ShownAnswer:
     if args.takes("all"):
         shell.watches.clear()
     else:
@@ -109,7 +109,7 @@ def _unwatch(shell: Shell, args: Arguments) -> Answer:
     return say(*(shell.watched() or ["nothing is watched"]))
 
 
-def _find(shell: Shell, args: Arguments) -> Answer:
+def _find(shell: Shell, args: Arguments) -> ShownAnswer:
     back = args.takes("back")
     kind = args.word("a kind of event")
     said = args.rest()
@@ -121,7 +121,7 @@ def _find(shell: Shell, args: Arguments) -> Answer:
     return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.subject.stand())
 
 
-def _record(shell: Shell, args: Arguments) -> Answer:
+def _record(shell: Shell, args: Arguments) -> ShownAnswer:
     path = Path(args.word("a file"))
     count = recorded.write(shell.session, path)
     done = len(shell.session.branch.acts)
@@ -129,7 +129,7 @@ def _record(shell: Shell, args: Arguments) -> Answer:
     return say(f"{plural(count, 'event')} in {path}", *notes)
 
 
-def _diff_of_runs(shell: Shell, path: Path) -> Answer:
+def _diff_of_runs(shell: Shell, path: Path) -> ShownAnswer:
     found = recorded.parting(shell.subject, path, decisions=True)
     if found is None:
         return say("all decisions are the same, as far as both have gone")
@@ -151,7 +151,7 @@ def _decision(event: dict[str, Any] | None) -> str:
     return f"{chose} with {bound}" if bound else chose
 
 
-def _diff(shell: Shell, args: Arguments) -> Answer:
+def _diff(shell: Shell, args: Arguments) -> ShownAnswer:
     if args and not args.peek().isdecimal():
         return _diff_of_runs(shell, Path(args.word("a file")))
     session = shell.session

@@ -27,7 +27,7 @@ Answers = Callable[[str | Formula, Mapping[str, Atom] | None], list[dict[str, An
 """Returns all answers to a formula in which some variables have values."""
 
 
-class Batch:
+class MemoryBatch:
     """Changes of memory that belong together; made by `Gate.batch`."""
 
     __slots__ = ("_access", "_depth")
@@ -75,7 +75,7 @@ class Gate(MemoryView):
         #: For the names of facts whose arguments have declared kinds, the places of
         #: these arguments, each with what tells whether a value is of its kind.
         self._of_kinds = _tests_of(memory.signatures)
-        self._batch = Batch(self)
+        self._batch = MemoryBatch(self)
         #: What is to be looked at before the batch ends: `rapc.strict` does.
         self.closing: list[Callable[[], None]] = []
         #: Answers what handlers ask; the interpreter sets it.
@@ -93,7 +93,7 @@ class Gate(MemoryView):
             raise ValueError("formulas can be asked in a run alone")
         return self.answers(formula, given)
 
-    def batch(self) -> Batch:
+    def batch(self) -> MemoryBatch:
         """Return what belongs together, for a `with`: the data of one result, say.
 
         At its end items are recognised, then surplus ones leave the places where all

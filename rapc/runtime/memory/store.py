@@ -21,7 +21,7 @@ Bucket = dict[Fact, None]
 """The facts that have one value in one place, oldest assertion first."""
 
 
-class Table:
+class FactTable:
     """The facts of one name.
 
     `stamps` holds the time of each fact's last assertion, in the order of these
@@ -87,14 +87,14 @@ class Table:
 
 
 class FactStore:
-    """Ground facts with time stamps and indexes, a `Table` for each name.
+    """Ground facts with time stamps and indexes, a `FactTable` for each name.
 
     Args:
         relation: the declaration of a name, if there is one.
     """
 
     def __init__(self, relation: Callable[[str], Signature | None]) -> None:
-        self.tables: dict[Atom, Table] = {}
+        self.tables: dict[Atom, FactTable] = {}
         self._relation = relation
 
     def __contains__(self, fact: object) -> bool:
@@ -114,11 +114,11 @@ class FactStore:
         for name, facts in tables:
             self.table(name).load(facts)
 
-    def table(self, name: Atom) -> Table:
+    def table(self, name: Atom) -> FactTable:
         """The facts of a name, now and later: there is one table for each."""
         found = self.tables.get(name)
         if found is None:
-            found = self.tables[name] = Table(self._relation(str(name)))
+            found = self.tables[name] = FactTable(self._relation(str(name)))
         return found
 
     def stamp(self, fact: Fact) -> Time | None:
@@ -169,7 +169,7 @@ class FactStore:
         if table.spread:
             self._leave(table, fact)
 
-    def _leave(self, table: Table, fact: Fact) -> None:
+    def _leave(self, table: FactTable, fact: Fact) -> None:
         for at, buckets in table.spread:
             if at < len(fact):
                 bucket = buckets[fact[at]]

@@ -17,8 +17,8 @@ from rapc.base.values import Fact
 from rapc.world import OKAY, Refused, Reply, Time
 from rapc.worlds.courier.building import BASE, CORRIDOR, DEPTH, ROOMS, SOLD, WARDS
 from rapc.worlds.courier.state import (
-    Delivery,
-    Drive,
+    DriveUnderWay,
+    HandOver,
     HospitalState,
     Nurse,
     Sent,
@@ -42,7 +42,7 @@ RING_TIME, DOCK_TIME, HAND_TIME = 1, 2, 3
 """How long the robot is held by what it does alone."""
 
 
-class Saved(msgspec.Struct, frozen=True):
+class SavedHospital(msgspec.Struct, frozen=True):
     """What `save` writes: the options are kept to refuse a state of other ones."""
 
     options: dict[str, int]
@@ -95,7 +95,7 @@ class Hospital:
 
     def save(self) -> bytes:
         """Return the state of hospital and random stream, as JSON."""
-        saved = Saved(self._options, self.state, stream_state(self._rng))
+        saved = SavedHospital(self._options, self.state, stream_state(self._rng))
         return msgspec.json.encode(saved)
 
     def restore(self, saved: bytes) -> None:
@@ -105,7 +105,7 @@ class Hospital:
             ValueError: if it is none, or one of a hospital with other options.
         """
         try:
-            read = msgspec.json.decode(saved, type=Saved)
+            read = msgspec.json.decode(saved, type=SavedHospital)
         except msgspec.DecodeError as error:
             raise ValueError(f"no state of a courier's world: {error}") from error
         if read.options != self._options:
@@ -127,7 +127,7 @@ class Hospital:
         self._meter()
         state.docked = False
         depth = 0 if state.room == CORRIDOR else DEPTH
-        state.drive = Drive(ticket, room, state.now, state.along, depth)
+        state.drive = DriveUnderWay(ticket, room, state.now, state.along, depth)
         state.room = CORRIDOR
         self._tell(self._position())
         return None
@@ -165,7 +165,7 @@ class Hospital:
             return Reply("nobody-there")
         state.nurse = None
         state.tray.remove((goods, ward))
-        state.deliveries.append(Delivery(state.now, goods, ward, state.room))
+        state.deliveries.append(HandOver(state.now, goods, ward, state.room))
         return Reply(OKAY)
 
     def dock(self, ticket: int) -> Reply:
@@ -274,7 +274,7 @@ class Hospital:
         self.state.battery = self.charge()
         self.state.metered = self.state.now
 
-    def _stop(self) -> Drive | None:
+    def _stop(self) -> DriveUnderWay | None:
         """The robot stops in the corridor, beside where it has got to."""
         self._meter()
         state = self.state

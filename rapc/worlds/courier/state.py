@@ -8,7 +8,7 @@ from rapc.base.values import Fact
 from rapc.worlds.courier import building
 
 
-class Drive(msgspec.Struct, frozen=True):
+class DriveUnderWay(msgspec.Struct, frozen=True):
     """The robot is on its way to a room, from a place that it left at a time."""
 
     ticket: int
@@ -51,7 +51,7 @@ class Sent(msgspec.Struct, frozen=True):
     data: tuple[Fact, ...] = ()
 
 
-class Delivery(msgspec.Struct, frozen=True):
+class HandOver(msgspec.Struct, frozen=True):
     """Goods were handed over in a ward; `label` is the ward that they were for."""
 
     time: int
@@ -72,7 +72,7 @@ class HospitalState(msgspec.Struct):
     battery: int = 100
     metered: int = 0
     docked: bool = False
-    drive: Drive | None = None
+    drive: DriveUnderWay | None = None
     work: list[Work] = msgspec.field(default_factory=list)
     #: The nurses who are on their way, and one who stands before the robot.
     nurses: list[Nurse] = msgspec.field(default_factory=list)
@@ -82,7 +82,7 @@ class HospitalState(msgspec.Struct):
     next_call: int | None = None
     #: Goods on the tray, each with the ward on its label.
     tray: list[tuple[str, str]] = msgspec.field(default_factory=list)
-    deliveries: list[Delivery] = msgspec.field(default_factory=list)
+    deliveries: list[HandOver] = msgspec.field(default_factory=list)
     #: How often somebody was left standing: the robot drove off while goods were put on
     #: or help was given, or while or before a nurse came for whom it had rung.
     in_vain: int = 0

@@ -114,7 +114,7 @@ class Sighting(msgspec.Struct, frozen=True):
     bearing: float
 
 
-class Fix(msgspec.Struct, frozen=True):
+class PositionFix(msgspec.Struct, frozen=True):
     """A landmark that is being tracked, in the frame of dead reckoning."""
 
     x: float
@@ -141,7 +141,7 @@ HALL = Channel("hall", Hall, "m, rad", "the hallway around the robot")
 TRAJECTORY = Channel("trajectory", Trajectory, "m, rad", "where to go next")
 PROGRESS = Channel("progress", Progress, "s", "how the robot gets on")
 SPEED_LIMIT = Channel("speed-limit", float, "m/s", "the most that is allowed")
-FIX = Channel("fix", Fix, "m, rad", "the landmark that is being approached")
+FIX = Channel("fix", PositionFix, "m, rad", "the landmark that is being approached")
 
 GAP = Channel("gap", Gap, "", "the passage of a doorway", own=True)
 TRAVEL = Channel("travel", Travel, "", "the end of a movement", own=True)

@@ -22,7 +22,7 @@ DWELL = 20.0
 """How long the lift stays for the robot before somebody else can call it."""
 
 
-class Door(msgspec.Struct):
+class DoorState(msgspec.Struct):
     """A door in a doorway, open or closed."""
 
     doorway: str
@@ -49,7 +49,7 @@ Spot = tuple[int, float, float]
 """Where somebody is: floor, x, y."""
 
 
-def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[Door]:
+def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[DoorState]:
     """Return the doors of a building, all open.
 
     Args:
@@ -58,7 +58,7 @@ def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[Door]:
         rng: the stream of doors.
     """
     return [
-        Door(
+        DoorState(
             gap.doorway.name, changes=rng.expovariate(1 / every) if every > 0 else None
         )
         for gap in openings
@@ -67,7 +67,7 @@ def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[Door]:
 
 
 def swing(
-    door: Door,
+    door: DoorState,
     opening: Opening,
     now: float,
     spots: Iterable[Spot],

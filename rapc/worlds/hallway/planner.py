@@ -24,14 +24,14 @@ Doorways = Sequence[tuple[str, str]]
 """Doorways, each with the space behind it."""
 
 
-class Asked(Protocol):
+class AskedMemory(Protocol):
     """Memory, as far as the planner asks it."""
 
     def query(self, *pattern: Atom | None) -> list[Fact]:
         """Return the facts that match; None matches anything."""
 
 
-def plan(goal: Fact, memory: Asked) -> Sequence[nodes.Method]:
+def plan(goal: Fact, memory: AskedMemory) -> Sequence[nodes.Method]:
     """Return a method for `(travel-to-distant-space space)`, or none.
 
     A doorway that was found closed is used only where there is no other way.

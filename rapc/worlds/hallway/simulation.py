@@ -38,7 +38,7 @@ from rapc.worlds.hallway.plan import door_box, floor_plans
 from rapc.worlds.hallway.robot import TICK, Robot
 from rapc.worlds.hallway.state import Collision, HallwaySettings, HallwayState, Push
 from rapc.worlds.skills.catalogue import Catalogue
-from rapc.worlds.skills.runtime import SkillRuntime, Told
+from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 from rapc.worlds.streams import Stream, stream_in, stream_state
 
 STREAMS = ("wear", "motion", "sonar", "laser", "people", "doors", "lift")
@@ -99,7 +99,7 @@ class Simulation:
         """The time in seconds."""
         return self.state.ticks / round(1 / TICK)
 
-    def tick(self) -> list[Told]:
+    def tick(self) -> list[EventTold]:
         """Let a tenth of a second pass; return what the robot tells of it, in order.
 
         A `bump` belongs to no activation.
@@ -114,7 +114,7 @@ class Simulation:
         self._speak()
         self._charge()
         bumped = self._move_robot()
-        return [*told, Told("bump", (), ())] if bumped else told
+        return [*told, EventTold("bump", (), ())] if bumped else told
 
     def push(self, x: float, y: float, seconds: float) -> None:
         """Let somebody push the robot, whatever its motors do.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
-from rapc.worlds.hallway.doors import Door, Lift
+from rapc.worlds.hallway.doors import DoorState, Lift
 from rapc.worlds.hallway.people import Walker
 from rapc.worlds.hallway.robot import Robot, Wear
 
@@ -51,7 +51,7 @@ class HallwayState(msgspec.Struct):
     robot: Robot
     wear: Wear
     walkers: list[Walker]
-    doors: list[Door]
+    doors: list[DoorState]
     lift: Lift | None
     #: The space whose floor is under the robot's middle.
     space: str

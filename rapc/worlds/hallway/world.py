@@ -31,7 +31,7 @@ from rapc.worlds.hallway.robot import TICK
 from rapc.worlds.hallway.simulation import Simulation
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.hallway.state import HallwaySettings
-from rapc.worlds.skills.runtime import Told
+from rapc.worlds.skills.runtime import EventTold
 from rapc.worlds.skills.world import SkillWorld, offer
 
 BUMP = ":bump"
@@ -108,7 +108,7 @@ class HallwayWorld(SkillWorld):
         """Return the map, as far as the robot has been told of it."""
         return facts.facts(self._map)
 
-    def tick(self) -> Iterable[Told]:
+    def tick(self) -> Iterable[EventTold]:
         """Let a tenth of a second pass."""
         return self.simulation.tick()
 

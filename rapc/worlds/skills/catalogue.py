@@ -27,7 +27,7 @@ from rapc.worlds.skills.declarations import (
     Channel,
     Compound,
     Event,
-    Node,
+    NetworkNode,
     Parameter,
     Skill,
     as_input,
@@ -35,14 +35,14 @@ from rapc.worlds.skills.declarations import (
 )
 
 
-class Request(msgspec.Struct, frozen=True):
+class SkillRequest(msgspec.Struct, frozen=True):
     """A skill that is to run, with the values of its parameters in their order."""
 
     skill: str
     arguments: tuple[Atom, ...] = ()
 
 
-class Described(msgspec.Struct, frozen=True):
+class DescribedSkill(msgspec.Struct, frozen=True):
     """What a library has to know of a skill that it may enable."""
 
     name: str
@@ -109,16 +109,16 @@ class Catalogue:
         entry = self.entries[name]
         return entry.parts if isinstance(entry, Compound) else (entry,)
 
-    def describe(self, name: str) -> Described:
+    def describe(self, name: str) -> DescribedSkill:
         """Return the declaration of a skill, a compound's made of its parts'."""
         entry = self.entries[name]
         parts = self.parts(name)
         doc = entry.doc if isinstance(entry, Compound) else first_line(entry.__doc__)
         events = dict.fromkeys(event.name for part in parts for event in part.events)
         uses = dict.fromkeys(thing for part in parts for thing in part.uses)
-        return Described(name, entry.parameters, tuple(events), tuple(uses), doc)
+        return DescribedSkill(name, entry.parameters, tuple(events), tuple(uses), doc)
 
-    def fault(self, request: Request) -> str | None:
+    def fault(self, request: SkillRequest) -> str | None:
         """Return what is wrong with a request by itself, or None."""
         entry = self.entries.get(request.skill)
         if entry is None:
@@ -173,7 +173,7 @@ class Catalogue:
             self._know(channels, skill, skill.outputs)
             own = {channel for channel in skill.outputs if channel.own}
             written |= set(skill.outputs) - own
-            nodes: tuple[type[Node], ...] = (skill, *skill.events)
+            nodes: tuple[type[NetworkNode], ...] = (skill, *skill.events)
             for node in nodes:
                 inputs = [as_input(reads_).channel for reads_ in node.inputs]
                 self._know(channels, node, inputs)
@@ -191,7 +191,7 @@ class Catalogue:
     def _know(
         self,
         channels: dict[str, Channel[Any]],
-        node: type[Node],
+        node: type[NetworkNode],
         new: Iterable[Channel[Any]],
     ) -> None:
         for channel in new:

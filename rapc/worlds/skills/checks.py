@@ -19,7 +19,7 @@ from rapc.worlds.skills.declarations import (
     Compound,
     Event,
     Input,
-    Node,
+    NetworkNode,
     Parameter,
     Skill,
     as_input,
@@ -43,7 +43,7 @@ class CatalogueError(ValueError):
     """Declarations of skills that cannot work together."""
 
 
-def told(node: type[Node]) -> str:
+def told(node: type[NetworkNode]) -> str:
     """Return how messages name a skill or an event: by its name and its class."""
     return f"`{node.name}` ({node.__name__})"
 
@@ -120,7 +120,7 @@ def _check_skill(skill: object) -> None:
         _check_tuple(f"the class {event.__name__}", "carries", event.carries)
 
 
-def _check_node(node: type[Node], base: type[Node], method: str) -> None:
+def _check_node(node: type[NetworkNode], base: type[NetworkNode], method: str) -> None:
     owner = f"the class {node.__name__}"
     _check_name(owner, getattr(node, "name", None))
     _check_tuple(owner, "inputs", node.inputs)

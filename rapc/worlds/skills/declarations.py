@@ -204,7 +204,7 @@ class Stateless(msgspec.Struct):
     """The state of a skill that has none."""
 
 
-class Node:
+class NetworkNode:
     """What skills and events have in common: inputs, arguments, a state."""
 
     name: ClassVar[str]
@@ -224,7 +224,7 @@ class Node:
         self.state: Any = self.State()
 
 
-class Event(Node):
+class Event(NetworkNode):
     """A test on channels that tells the RAP system when it comes out true [S 2].
 
     An event is told to an activation once, at the edge; it can be told again after
@@ -246,7 +246,7 @@ class Event(Node):
         raise NotImplementedError
 
 
-class Skill(Node):
+class Skill(NetworkNode):
     """A continuous process: every tick it reads its inputs and writes its outputs.
 
     The docstring's first line of a skill's class is what `describe` says of it.

@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 
 import msgspec
 
-from rapc.worlds.skills.network import Arbitration, Edge, is_event
+from rapc.worlds.skills.network import Arbitration, Link, is_event
 from rapc.worlds.skills.runtime import SkillRuntime
 
 
@@ -26,7 +26,7 @@ class Drawing(msgspec.Struct, frozen=True):
     """
 
     boxes: tuple[Box, ...]
-    edges: tuple[Edge, ...]
+    edges: tuple[Link, ...]
 
 
 _NOTHING = "no skill is on"

@@ -24,7 +24,7 @@ from rapc.worlds.skills.declarations import (
     Arbiter,
     Channel,
     Event,
-    Node,
+    NetworkNode,
     Ports,
     Skill,
     as_input,
@@ -45,7 +45,7 @@ class Member:
 
     __slots__ = ("host", "key", "node", "ports")
 
-    def __init__(self, key: str, node: Node, host: str | None = None) -> None:
+    def __init__(self, key: str, node: NetworkNode, host: str | None = None) -> None:
         #: Name and arguments: equal for what runs once.
         self.key = key
         self.node = node
@@ -54,7 +54,7 @@ class Member:
         self.ports: Ports
 
 
-class Edge(msgspec.Struct, frozen=True, order=True):
+class Link(msgspec.Struct, frozen=True, order=True):
     """A channel on its way from one end to another, ends by key."""
 
     start: str
@@ -79,7 +79,7 @@ class Network:
         self.order: list[Member | Arbitration] = []
         #: Who writes a channel that has an arbiter, by the channel's name.
         self.arbiters: dict[str, tuple[str, ...]] = {}
-        self.edges: list[Edge] = []
+        self.edges: list[Link] = []
         #: The sensors that anything reads.
         self.sensors: list[Channel[Any]] = []
         #: Channels whose value is kept for the next tick.
@@ -160,7 +160,7 @@ class _Wiring:
             if start is None:
                 continue
             self.network.edges.append(
-                Edge(start, member.key, wanted.channel.name, wanted.delayed)
+                Link(start, member.key, wanted.channel.name, wanted.delayed)
             )
             if wanted.delayed:
                 if wanted.channel not in self.network.delayed:
@@ -205,7 +205,7 @@ class _Wiring:
                 arbitrations[made.key] = made
                 self.before[made.key] = list(keys)
                 self.network.arbiters[channel.name] = tuple(keys)
-                self.network.edges += (Edge(k, made.key, channel.name) for k in keys)
+                self.network.edges += (Link(k, made.key, channel.name) for k in keys)
         by_key: dict[str, Member | Arbitration] = {m.key: m for m in self.members}
         by_key |= arbitrations
         self.network.order = [by_key[key] for key in _ordered(self.before)]
@@ -215,11 +215,11 @@ class _Wiring:
                 judged = channel in self.catalogue.arbiters
                 start = f"arbiter of {channel.name}" if judged else keys[0]
                 self.network.edges.append(
-                    Edge(start, f"{channel.name} (actuator)", channel.name)
+                    Link(start, f"{channel.name} (actuator)", channel.name)
                 )
 
 
-def _outputs(node: Node) -> Sequence[Channel[Any]]:
+def _outputs(node: NetworkNode) -> Sequence[Channel[Any]]:
     return node.outputs if isinstance(node, Skill) else ()
 
 

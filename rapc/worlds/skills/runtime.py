@@ -20,7 +20,7 @@ from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Text, number
 from rapc.errors import PortError
 from rapc.world import Refused
-from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.declarations import Channel, Event, Skill, SkillError
 from rapc.worlds.skills.network import (
     Arbitration,
@@ -37,7 +37,7 @@ Sensors = Mapping[str, Callable[[], Any]]
 """How to read each sensor, by the name of its channel."""
 
 
-class Told(msgspec.Struct, frozen=True):
+class EventTold(msgspec.Struct, frozen=True):
     """An event that came out true in a tick."""
 
     event: str
@@ -46,17 +46,17 @@ class Told(msgspec.Struct, frozen=True):
     tickets: tuple[int, ...]
 
 
-class Activation(msgspec.Struct, frozen=True):
+class ActiveSkills(msgspec.Struct, frozen=True):
     """Skills that came on together."""
 
     ticket: int
-    skills: tuple[Request, ...]
+    skills: tuple[SkillRequest, ...]
     #: The events that are told for it.
     events: tuple[str, ...]
 
 
 class _Saved(msgspec.Struct):
-    activations: list[Activation]
+    activations: list[ActiveSkills]
     #: The state of each skill and event, by key.
     states: dict[str, Any]
     #: When each event was last told to an activation, by key and ticket; only those
@@ -72,7 +72,7 @@ class SkillRuntime:
     def __init__(self, catalogue: Catalogue) -> None:
         self.catalogue = catalogue
         #: What is under way, in the order it came on.
-        self.activations: dict[int, Activation] = {}
+        self.activations: dict[int, ActiveSkills] = {}
         self._members: dict[str, Member] = {}
         self._told: dict[str, dict[int, float]] = {}
         self._hearers: dict[str, tuple[int, ...]] = {}
@@ -80,7 +80,7 @@ class SkillRuntime:
         self._before: dict[str, Any] = {}
 
     def activate(
-        self, ticket: int, skills: Sequence[Request], events: Iterable[str]
+        self, ticket: int, skills: Sequence[SkillRequest], events: Iterable[str]
     ) -> Refused | None:
         """Switch `skills` on; they run from the next tick.
 
@@ -97,7 +97,7 @@ class SkillRuntime:
         """
         if ticket in self.activations:
             raise ValueError(f"the activation {ticket} is under way already")
-        new = Activation(ticket, tuple(skills), tuple(dict.fromkeys(events)))
+        new = ActiveSkills(ticket, tuple(skills), tuple(dict.fromkeys(events)))
         refused = self._fault(new) or self._conflict(new)
         if refused is None:
             self.activations[ticket] = new
@@ -109,7 +109,7 @@ class SkillRuntime:
         if self.activations.pop(ticket, None) is not None:
             self._rebuild()
 
-    def tick(self, now: float, sensors: Sensors) -> list[Told]:
+    def tick(self, now: float, sensors: Sensors) -> list[EventTold]:
         """Step every active skill once, and return the events that came out true.
 
         Args:
@@ -183,7 +183,7 @@ class SkillRuntime:
                 value = saved.before[late(channel)]
                 self._before[late(channel)] = msgspec.convert(value, channel.type)
 
-    def _fault(self, new: Activation) -> Refused | None:
+    def _fault(self, new: ActiveSkills) -> Refused | None:
         """Return why an activation could never come on, whatever is under way."""
         may: set[str] = set()
         for request in new.skills:
@@ -199,7 +199,7 @@ class SkillRuntime:
             return Refused(reason=str(error))
         return None
 
-    def _conflict(self, new: Activation) -> Refused | None:
+    def _conflict(self, new: ActiveSkills) -> Refused | None:
         """In whose way an activation would be, if in anybody's."""
         try:
             self._check(self._made([*self.activations.values(), new], {}))
@@ -247,7 +247,7 @@ class SkillRuntime:
         self._before = {s: v for s, v in self._before.items() if s in kept}
 
     def _made(
-        self, activations: Iterable[Activation], old: Mapping[str, Member]
+        self, activations: Iterable[ActiveSkills], old: Mapping[str, Member]
     ) -> dict[str, Member]:
         """The skills and events of activations by key; those in `old` go on."""
         members: dict[str, Member] = {}
@@ -291,7 +291,7 @@ class SkillRuntime:
                 )
             values[channel.name] = value
 
-    def _listen(self, now: float, member: Member, event: Event) -> list[Told]:
+    def _listen(self, now: float, member: Member, event: Event) -> list[EventTold]:
         """Test an event, and tell it to the activations that have not heard it."""
         said, told = event.test(now, member.ports), self._told[member.key]
         if said is None:
@@ -305,7 +305,7 @@ class SkillRuntime:
             or (event.again is not None and now - told[ticket] >= event.again - 1e-9)
         ]
         told.update(dict.fromkeys(hearers, now))
-        return [Told(event.name, said, tuple(hearers))] if hearers else []
+        return [EventTold(event.name, said, tuple(hearers))] if hearers else []
 
 
 def _sensed(channel: Channel[Any], sensors: Sensors) -> Any:

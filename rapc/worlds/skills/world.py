@@ -27,9 +27,9 @@ from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Fact, Number, number
 from rapc.errors import PortError
 from rapc.world import NOT_KNOWN, Offer, Refused, Signal, Time, World
-from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.drawing import Drawing, draw
-from rapc.worlds.skills.runtime import SkillRuntime, Told
+from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 
 
 class _Saved(msgspec.Struct):
@@ -80,7 +80,7 @@ class SkillWorld(World):
         #: How many ticks have passed, the one that passes now among them.
         self.ticks = 0
         self._now: Number = 0
-        self._sent: list[Told] = []
+        self._sent: list[EventTold] = []
 
     def __getattr__(self, name: str) -> NoReturn:
         """Say what a world lacks that was not made by `SkillWorld.__init__`."""
@@ -93,7 +93,7 @@ class SkillWorld(World):
         raise AttributeError(f"`{kind.__name__}` has no attribute `{name}`")
 
     @abstractmethod
-    def tick(self) -> Iterable[Told]:
+    def tick(self) -> Iterable[EventTold]:
         """Let a tick pass: read sensors, step the skills, do what actuators are told.
 
         Returns:
@@ -132,7 +132,9 @@ class SkillWorld(World):
             None, or why not: what it would be in conflict with, by ticket, if that is
             the reason.
         """
-        wanted = [Request(str(s[0]).removeprefix(":"), tuple(s[1:])) for s in skills]
+        wanted = [
+            SkillRequest(str(s[0]).removeprefix(":"), tuple(s[1:])) for s in skills
+        ]
         names = [event.removeprefix(":") for event in events]
         return self.runtime.activate(ticket, wanted, names)
 
@@ -157,11 +159,11 @@ class SkillWorld(World):
         if not self._sent:
             self._now = max(self._now, to)
 
-    def _told(self) -> Iterable[Told]:
+    def _told(self) -> Iterable[EventTold]:
         """Let a tick pass, and see that it returns what it should."""
         told = tuple(given) if isinstance(given := self.tick(), Iterable) else (given,)
         for one in told:
-            if not isinstance(one, Told):
+            if not isinstance(one, EventTold):
                 raise PortError(
                     f"`tick` of the world `{self.name}` returns what is told, "
                     f"not {one!a:.60}{place_of(self.tick)}"
@@ -198,7 +200,7 @@ class SkillWorld(World):
         except msgspec.DecodeError as error:
             raise ValueError(f"no state of the world `{self.name}`: {error}") from error
         self._now, self.ticks = saved.now, saved.ticks
-        self._sent = [Told(*told) for told in saved.sent]
+        self._sent = [EventTold(*told) for told in saved.sent]
 
     def save_rest(self) -> bytes:
         """Return the skills and all else but the clock, as JSON.

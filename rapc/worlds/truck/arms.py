@@ -14,7 +14,7 @@ from rapc.worlds.truck.eye import contents
 from rapc.worlds.truck.machines import switch
 from rapc.worlds.truck.orders import deliver
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL, FOLDED, Arm, Item
+from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL, FOLDED, Arm, TruckItem
 
 NOT_AT = Reply("arm-not-at")
 NOT_HOLDING = Reply("arm-not-holding")
@@ -171,12 +171,12 @@ def _drops(scene: Scene, name: Atom) -> Number:
     return settings.arm1_drops if name == ARMS[0] else settings.arm2_drops
 
 
-def _held_vessel(scene: Scene, name: Atom, thing: Atom) -> Item | None:
+def _held_vessel(scene: Scene, name: Atom, thing: Atom) -> TruckItem | None:
     item = scene.held(name, thing)
     return item if item is not None and scene.kind(item).liquid else None
 
 
-def _takes(scene: Scene, item: Item, liquid: str | None) -> bool:
+def _takes(scene: Scene, item: TruckItem, liquid: str | None) -> bool:
     """Whether a liquid may flow into an item: an empty vessel takes any."""
     kind = scene.kind(item)
     if kind.rounds or kind.machine is not None:

@@ -16,7 +16,7 @@ from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import ENEMY
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import Demon, Encounter, Item
+from rapc.worlds.truck.state import Demon, Encounter, TruckItem
 
 SAFE = frozenset({"warehouse", "depot"})
 """Kinds of places where no enemies come."""
@@ -111,7 +111,7 @@ def part(scene: Scene) -> None:
     _remove(scene, scene.state.truck.place)
 
 
-def fire(scene: Scene, gun: Item) -> None:
+def fire(scene: Scene, gun: TruckItem) -> None:
     """Fire rounds at the enemies outside until they, or the rounds, are gone.
 
     A burst is `gun-burst` rounds at most; without enemies no round is fired.
@@ -129,7 +129,7 @@ def fire(scene: Scene, gun: Item) -> None:
         _remove(scene, scene.state.truck.place)
 
 
-def _units(scene: Scene, place: str) -> list[Item]:
+def _units(scene: Scene, place: str) -> list[TruckItem]:
     return [item for item in scene.items_at(place) if item.kind == ENEMY]
 
 

@@ -8,7 +8,7 @@ from rapc.base.values import Atom, Fact
 from rapc.world import OKAY, Reply
 from rapc.worlds.truck.machines import doing
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import EXTERNAL, Item
+from rapc.worlds.truck.state import EXTERNAL, TruckItem
 from rapc.worlds.truck.weather import overlooked, sky
 
 CANT_FIND = Reply("eye-cant-find")
@@ -60,7 +60,7 @@ def notice(scene: Scene) -> Iterator[Fact]:
             yield ("object-seen", EXTERNAL, scene.sight(item, EXTERNAL), item.kind)
 
 
-def contents(scene: Scene, item: Item) -> Iterator[Fact]:
+def contents(scene: Scene, item: TruckItem) -> Iterator[Fact]:
     """Yield what examining an item tells of its contents, and of what it is doing."""
     name, kind = scene.sensor_name(item), scene.kind(item)
     if kind.rounds:
@@ -74,7 +74,7 @@ def contents(scene: Scene, item: Item) -> Iterator[Fact]:
         yield ("machine", name, doing(scene, item))
 
 
-def _looks(scene: Scene, item: Item) -> Iterator[Fact]:
+def _looks(scene: Scene, item: TruckItem) -> Iterator[Fact]:
     if item.color is not None:
         name = scene.sensor_name(item)
         yield ("size", name, scene.kind(item).size)

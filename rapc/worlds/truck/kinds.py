@@ -20,7 +20,7 @@ Word = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
 Size = Annotated[int, msgspec.Meta(ge=0, le=1_000_000)]
 
 
-class Machine(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class TruckMachine(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What an item of a kind does by itself while it is switched on.
 
     Every `every` time units it uses up `uses` of the liquid in it and of the items in
@@ -58,7 +58,7 @@ class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     tool: str | None = None
     indistinct: bool = False
     fixed: bool = False
-    machine: Machine | None = None
+    machine: TruckMachine | None = None
     mends: tuple[str, ...] = ()
 
 

@@ -7,25 +7,25 @@ runs has a demon of its own, wherever it stands or is carried.
 from __future__ import annotations
 
 from rapc.base.values import Number, number
-from rapc.worlds.truck.kinds import Machine
+from rapc.worlds.truck.kinds import TruckMachine
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import Demon, Item
+from rapc.worlds.truck.state import Demon, TruckItem
 from rapc.worlds.truck.weather import dark
 
 
-def running(scene: Scene, item: Item) -> bool:
+def running(scene: Scene, item: TruckItem) -> bool:
     """Whether a machine is switched on."""
     return any((d.job, d.place) == ("machine", item.name) for d in scene.state.demons)
 
 
-def doing(scene: Scene, item: Item) -> str:
+def doing(scene: Scene, item: TruckItem) -> str:
     """Return what a machine is: `running`, `idle` or `broken`."""
     if item.broken:
         return "broken"
     return "running" if running(scene, item) else "idle"
 
 
-def switch(scene: Scene, item: Item, machine: Machine) -> None:
+def switch(scene: Scene, item: TruckItem, machine: TruckMachine) -> None:
     """Switch a machine on, or off if it is on."""
     state = scene.state
     if running(scene, item):
@@ -65,9 +65,11 @@ def _room(scene: Scene, place: str, kind: str) -> bool:
     return scene.room(place, kind)
 
 
-def _used(scene: Scene, item: Item, machine: Machine) -> list[Item] | None:
+def _used(
+    scene: Scene, item: TruckItem, machine: TruckMachine
+) -> list[TruckItem] | None:
     """The items in a machine that one round uses up; None if some are missing."""
-    used: list[Item] = []
+    used: list[TruckItem] = []
     for kind, count in machine.needs.items():
         inside = [each for each in scene.items_at(item.name) if each.kind == kind]
         if len(inside) < count:

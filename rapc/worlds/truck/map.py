@@ -93,7 +93,7 @@ class Lying(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     broken: bool = False
 
 
-class Leg(msgspec.Struct, frozen=True):
+class WayOut(msgspec.Struct, frozen=True):
     """A way out of a place: down a road in a direction to its end."""
 
     road: Road
@@ -113,16 +113,16 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     kinds: Mapping[Word, Kind] = {}
     heading: Direction = "north"
 
-    def legs(self, place: str) -> Iterator[Leg]:
+    def legs(self, place: str) -> Iterator[WayOut]:
         """The ways out of a place or, named by its road, of a stop half-way on it."""
         for road in self.roads:
             if road.a == place:
-                yield Leg(road, road.direction, road.b, 1)
+                yield WayOut(road, road.direction, road.b, 1)
             if road.b == place:
-                yield Leg(road, opposite(road.direction), road.a, 1)
+                yield WayOut(road, opposite(road.direction), road.a, 1)
             if road.name == place:
-                yield Leg(road, road.direction, road.b, 0.5)
-                yield Leg(road, opposite(road.direction), road.a, 0.5)
+                yield WayOut(road, road.direction, road.b, 0.5)
+                yield WayOut(road, opposite(road.direction), road.a, 0.5)
 
     def place(self, name: str) -> Place | None:
         """The place of a name, or None."""

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 import msgspec
 
 from rapc.base.names import nearest
-from rapc.worlds.truck.kinds import COLORED, ENEMY, KINDS, Kind, Machine
+from rapc.worlds.truck.kinds import COLORED, ENEMY, KINDS, Kind, TruckMachine
 from rapc.worlds.truck.map import TAKEN, Map
 
 _MOST = 1_000_000
@@ -89,7 +89,7 @@ def _bad_kind(name: str, kind: Kind, kinds: Mapping[str, Kind]) -> Iterator[str]
 
 
 def _bad_machine(
-    name: str, kind: Kind, machine: Machine, kinds: Mapping[str, Kind]
+    name: str, kind: Kind, machine: TruckMachine, kinds: Mapping[str, Kind]
 ) -> Iterator[str]:
     if not 1 <= machine.every <= _MOST:
         yield f"a `{name}` cannot work every {machine.every} time units"

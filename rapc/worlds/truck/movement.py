@@ -9,7 +9,7 @@ from rapc.world import OKAY, Reply
 from rapc.worlds.truck.demons import pass_time
 from rapc.worlds.truck.enemies import meet, part
 from rapc.worlds.truck.kinds import ENEMY
-from rapc.worlds.truck.map import DIRECTIONS, Leg
+from rapc.worlds.truck.map import DIRECTIONS, WayOut
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import EXTERNAL
 from rapc.worlds.truck.weather import hardships
@@ -69,13 +69,13 @@ def truck_move(scene: Scene) -> Reply:
     return Reply(OKAY, data)
 
 
-def _ahead(scene: Scene) -> Leg | None:
+def _ahead(scene: Scene) -> WayOut | None:
     truck = scene.state.truck
     legs = scene.map.legs(truck.place)
     return next((leg for leg in legs if leg.direction == truck.heading), None)
 
 
-def _stops_on(scene: Scene, leg: Leg) -> bool:
+def _stops_on(scene: Scene, leg: WayOut) -> bool:
     """Whether on the road enemies are, or something that the eye is looking out for."""
     if scene.state.truck.place == leg.road.name:
         return False
@@ -84,7 +84,7 @@ def _stops_on(scene: Scene, leg: Leg) -> bool:
 
 
 def _cost(
-    scene: Scene, leg: Leg, part: Number, time: Number, fuel: Number
+    scene: Scene, leg: WayOut, part: Number, time: Number, fuel: Number
 ) -> tuple[Number, Number]:
     """Return what a part of a road takes at the set speed, by factors on both."""
     settings = scene.settings
@@ -95,7 +95,7 @@ def _cost(
     return time, number(round(fuel * settings.fuel_use, 2))
 
 
-def _mishap(scene: Scene, leg: Leg, mud: Number) -> bool:
+def _mishap(scene: Scene, leg: WayOut, mud: Number) -> bool:
     """Whether a trip ends in a mishap: at high speed, or stuck in the mud."""
     if mud > 0 and scene.chance["weather"].random() < mud:
         return True
@@ -103,13 +103,13 @@ def _mishap(scene: Scene, leg: Leg, mud: Number) -> bool:
     return risky and scene.rng.random() < leg.road.mishap
 
 
-def _stranded(scene: Scene, leg: Leg, time: Number, fuel: Number, why: str) -> Reply:
+def _stranded(scene: Scene, leg: WayOut, time: Number, fuel: Number, why: str) -> Reply:
     _drive(scene, leg, leg.road.name, number(round(time, 2)), fuel)
     scene.end(f"{why} on {leg.road.name}")
     return Reply(MISHAP, (("fuel-level", scene.state.truck.fuel),))
 
 
-def _drive(scene: Scene, leg: Leg, to: str, time: Number, fuel: Number) -> None:
+def _drive(scene: Scene, leg: WayOut, to: str, time: Number, fuel: Number) -> None:
     """The trip itself: what the truck sensed where it was it senses no more."""
     state = scene.state
     part(scene)

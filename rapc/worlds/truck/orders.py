@@ -11,7 +11,7 @@ from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import Color
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import Delivery, Item, Order, State
+from rapc.worlds.truck.state import Delivery, Order, State, TruckItem
 
 
 def read_orders(text: str, ground: Map) -> Iterator[Order]:
@@ -37,7 +37,7 @@ def read_orders(text: str, ground: Map) -> Iterator[Order]:
         yield Order(number(time), cast(str, color), rocks, factory)
 
 
-def deliver(scene: Scene, item: Item) -> None:
+def deliver(scene: Scene, item: TruckItem) -> None:
     """A rock put down at a factory is logged, and counts once for one order.
 
     With a `factory-interval` of 0 it is consumed as it arrives (T 6.4.1): then the time

@@ -13,7 +13,7 @@ from rapc.world import Offer, Reply
 from rapc.worlds.truck import arms, eye, movement
 
 
-class Primitive(msgspec.Struct, frozen=True):
+class TruckPrimitive(msgspec.Struct, frozen=True):
     """A primitive: how long it takes, its results, and what it does at its end."""
 
     time: str
@@ -33,42 +33,46 @@ _GRASP = (
     "arm-interference",
 )
 
-PRIMITIVES: Mapping[str, Primitive] = {
-    "arm-move": Primitive("arm_move_time", ("okay", "arm-cant-find"), arms.arm_move, 2),
-    "arm-grasp": Primitive("arm_grasp_time", _GRASP, arms.arm_grasp, 2),
-    "arm-ungrasp": Primitive(
+PRIMITIVES: Mapping[str, TruckPrimitive] = {
+    "arm-move": TruckPrimitive(
+        "arm_move_time", ("okay", "arm-cant-find"), arms.arm_move, 2
+    ),
+    "arm-grasp": TruckPrimitive("arm_grasp_time", _GRASP, arms.arm_grasp, 2),
+    "arm-ungrasp": TruckPrimitive(
         "arm_ungrasp_time",
         ("okay", "arm-not-holding", "container-full"),
         arms.arm_ungrasp,
         2,
     ),
-    "arm-pour": Primitive(
+    "arm-pour": TruckPrimitive(
         "arm_pour_time", ("okay", "arm-not-holding"), arms.arm_pour, 2
     ),
-    "arm-ladle": Primitive(
+    "arm-ladle": TruckPrimitive(
         "arm_ladle_time", ("okay", "arm-not-holding", "arm-not-at"), arms.arm_ladle, 2
     ),
-    "arm-toggle": Primitive(
+    "arm-toggle": TruckPrimitive(
         "arm_toggle_time", ("okay", "arm-not-at", "arm-cant-toggle"), arms.arm_toggle, 2
     ),
-    "arm-examine": Primitive(
+    "arm-examine": TruckPrimitive(
         "arm_examine_time", ("okay", "arm-not-at"), arms.arm_examine, 2
     ),
-    "truck-turn": Primitive(
+    "truck-turn": TruckPrimitive(
         "truck_turn_time", ("okay", "truck-bad-direction"), movement.truck_turn, 1
     ),
-    "truck-speed": Primitive(
+    "truck-speed": TruckPrimitive(
         "truck_speed_time", ("okay", "truck-bad-speed"), movement.truck_speed, 1
     ),
-    "truck-move": Primitive("truck_move_time", _MOVE, movement.truck_move, 0),
-    "eye-examine": Primitive(
+    "truck-move": TruckPrimitive("truck_move_time", _MOVE, movement.truck_move, 0),
+    "eye-examine": TruckPrimitive(
         "eye_examine_time", ("okay", "eye-cant-find"), eye.eye_examine, 2, by_eye=True
     ),
-    "eye-scan": Primitive(
+    "eye-scan": TruckPrimitive(
         "eye_scan_time", ("okay", "eye-cant-find"), eye.eye_scan, 1, by_eye=True
     ),
-    "eye-monitor": Primitive("eye_monitor_time", ("okay",), eye.eye_monitor, 1),
-    "eye-unmonitor": Primitive("eye_monitor_time", ("okay",), eye.eye_unmonitor, 1),
+    "eye-monitor": TruckPrimitive("eye_monitor_time", ("okay",), eye.eye_monitor, 1),
+    "eye-unmonitor": TruckPrimitive(
+        "eye_monitor_time", ("okay",), eye.eye_unmonitor, 1
+    ),
 }
 
 OFFER = Offer(

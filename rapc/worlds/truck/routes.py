@@ -16,7 +16,8 @@ from typing import Protocol
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number
-from rapc.ir.nodes import And, Compare, Const, For, Goal, Method, Step, TaskNet, Var
+from rapc.ir import nodes
+from rapc.ir.nodes import And, Compare, Const, For, Method, Step, TaskNet, Var
 
 SOLVED_RAP = "travel-route"
 """The RAP that is helped: `(travel-route ?from ?to)`."""
@@ -112,4 +113,4 @@ def _steps(legs: Sequence[Leg]) -> Iterator[Step]:
     for number, leg in enumerate(legs, start=1):
         args = (Const(leg.origin), Const(leg.direction), Const(leg.to))
         order = (For(None, f"t{number + 1}"),) if number < len(legs) else ()
-        yield Step(f"t{number}", 0, Goal("travel-road", args, ()), order)
+        yield Step(f"t{number}", 0, nodes.Goal("travel-road", args, ()), order)

@@ -19,8 +19,8 @@ from rapc.worlds.truck.state import (
     EXTERNAL,
     FOLDED,
     Arm,
-    Item,
     State,
+    TruckItem,
 )
 
 STREAMS = ("shuffle", "enemies", "weapon", "weather", "dark", "wear")
@@ -49,12 +49,12 @@ class Scene:
 
     # --- items -----------------------------------------------------------------
 
-    def make(self, kind: str, place: str, color: str | None = None) -> Item:
+    def make(self, kind: str, place: str, color: str | None = None) -> TruckItem:
         """A new item, full if it can hold something, named after its kind."""
         made = self.state.made
         made[kind] = made.get(kind, 0) + 1
         what = self.kinds[kind]
-        item = Item(
+        item = TruckItem(
             name=f"{kind}-{made[kind]}",
             kind=kind,
             place=place,
@@ -65,7 +65,7 @@ class Scene:
         self.state.items[item.name] = item
         return item
 
-    def remove(self, item: Item) -> None:
+    def remove(self, item: TruckItem) -> None:
         """An item leaves the world for good, with what it contains."""
         for inside in list(self.items_at(item.name)) if self.kind(item).holds else ():
             self.remove(inside)
@@ -73,25 +73,25 @@ class Scene:
         del self.state.items[item.name]
         self.state.gone += 1
 
-    def put(self, item: Item, place: str) -> None:
+    def put(self, item: TruckItem, place: str) -> None:
         """An item now is somewhere else; no arm is at it, or in it, any more."""
         for arm in self.state.truck.arms.values():
             if arm.at is not None and self.reaches(arm, item):
                 arm.at = None
         item.place = place
 
-    def items_at(self, place: str) -> Iterator[Item]:
+    def items_at(self, place: str) -> Iterator[TruckItem]:
         """The items at a place, in the order in which they were made."""
         return (item for item in self.state.items.values() if item.place == place)
 
-    def root(self, item: Item) -> str:
+    def root(self, item: TruckItem) -> str:
         """Return where an item is, on map or truck, whatever it is contained in."""
         items, place = self.state.items, item.place
         while place in items:
             place = items[place].place
         return place
 
-    def reaches(self, arm: Arm, item: Item) -> bool:
+    def reaches(self, arm: Arm, item: TruckItem) -> bool:
         """Whether an arm is at an item, or at something inside it."""
         items, name = self.state.items, arm.at
         while name is not None and name != item.name:
@@ -99,7 +99,7 @@ class Scene:
             name = inner.place if inner is not None else None
         return name is not None
 
-    def kind(self, item: Item) -> Kind:
+    def kind(self, item: TruckItem) -> Kind:
         """Return what an item has in common with others of its kind."""
         return self.kinds[item.kind]
 
@@ -174,7 +174,7 @@ class Scene:
         """The arm of a name, or None."""
         return self.state.truck.arms.get(str(name))
 
-    def item(self, sensor_name: object) -> Item | None:
+    def item(self, sensor_name: object) -> TruckItem | None:
         """The item of a sensor name within reach of arms or eye, or None."""
         name = str(sensor_name)
         if not self.settings.lasting_names:
@@ -185,24 +185,24 @@ class Scene:
         within = (self.state.truck.place, *BAYS, *ARMS)
         return item if self.root(item) in within else None
 
-    def held(self, arm: object, sensor_name: object) -> Item | None:
+    def held(self, arm: object, sensor_name: object) -> TruckItem | None:
         """The item of a sensor name if that arm holds it, or None."""
         item = self.item(sensor_name) if arm in ARMS else None
         return item if item is not None and item.place == arm else None
 
-    def at(self, arm: object) -> Item | None:
+    def at(self, arm: object) -> TruckItem | None:
         """The item that an arm is at, or None."""
         found = self.arm(arm)
         name = found.at if found is not None else None
         return self.state.items[name] if name is not None else None
 
-    def sensor_name(self, item: Item) -> str:
+    def sensor_name(self, item: TruckItem) -> str:
         """An item's sensor name; without lasting names, its own for this visit."""
         if self.settings.lasting_names or not self.kind(item).indistinct:
             return item.name
         return self.state.names.get(item.name, "")
 
-    def sight(self, item: Item, spot: str) -> str:
+    def sight(self, item: TruckItem, spot: str) -> str:
         """The truck senses an item somewhere: its sensor name, new at first sight."""
         state = self.state
         state.sighted[item.name] = spot

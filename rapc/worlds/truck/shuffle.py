@@ -5,7 +5,7 @@ from __future__ import annotations
 from rapc.base.values import Number
 from rapc.worlds.truck.kinds import ENEMY
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import Demon, Item
+from rapc.worlds.truck.state import Demon, TruckItem
 
 TOOLS = frozenset({"gun", "gun-tool"})
 """What is left alone unless the option `shuffle-tools` says otherwise."""
@@ -50,9 +50,9 @@ def _count(spare: dict[str, int], room: list[str], place: str, more: int) -> Non
         room.remove(place)
 
 
-def _lying(scene: Scene) -> dict[str, list[Item]]:
+def _lying(scene: Scene) -> dict[str, list[TruckItem]]:
     """Return what lies at each place but the factories; enemies do not lie."""
-    lying: dict[str, list[Item]] = {
+    lying: dict[str, list[TruckItem]] = {
         place.name: [] for place in scene.map.places if place.kind != "factory"
     }
     for item in scene.state.items.values():

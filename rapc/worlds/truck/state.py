@@ -13,7 +13,7 @@ EXTERNAL = "external"
 FOLDED = "folded"
 
 
-class Item(msgspec.Struct):
+class TruckItem(msgspec.Struct):
     """A thing. `place` is a place or road of the map, a bay, an arm or a container.
 
     `liquid` and `amount` are what a vessel or weapon holds; a machine may be `broken`.
@@ -106,7 +106,7 @@ class State(msgspec.Struct):
 
     truck: Truck
     now: Number = 0
-    items: dict[str, Item] = msgspec.field(default_factory=dict)
+    items: dict[str, TruckItem] = msgspec.field(default_factory=dict)
     demons: list[Demon] = msgspec.field(default_factory=list)
     orders: list[Order] = msgspec.field(default_factory=list)
     deliveries: list[Delivery] = msgspec.field(default_factory=list)

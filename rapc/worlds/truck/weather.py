@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from rapc.base.values import Fact, Number
 from rapc.worlds.truck.map import Road
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import Demon, Item
+from rapc.worlds.truck.state import Demon, TruckItem
 
 
 def change(scene: Scene, demon: Demon) -> Number:
@@ -59,7 +59,7 @@ def hardships(scene: Scene, road: Road) -> tuple[Number, Number, Number]:
     return time, fuel, mud
 
 
-def overlooked(scene: Scene, item: Item) -> bool:
+def overlooked(scene: Scene, item: TruckItem) -> bool:
     """Whether the eye misses an item outside that it has not seen there before."""
     if item.name in scene.state.sighted or not dark(scene, item.place):
         return False

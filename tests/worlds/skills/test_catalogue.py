@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rapc.base.values import Atom, Text
-from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.checks import CatalogueError
 from rapc.worlds.skills.declarations import (
     Arbiter,
@@ -195,16 +195,16 @@ def test_parts_of_a_compound_write_a_channel_each_or_have_an_arbiter() -> None:
 @pytest.mark.parametrize(
     ("request_", "fault"),
     [
-        (Request("drain"), "there is no skill `drain`"),
-        (Request("aim"), "`aim` takes 1 arguments, not 0"),
-        (Request("aim", ("high",)), "`aim`: `height` must be a number"),
-        (Request("aim", (Text("high"),)), "`aim`: `height` must be a number"),
-        (Request("aim", (-1,)), "`aim`: `height` must not be below 0"),
-        (Request("aim", (11,)), "`aim`: `height` must not be above 10"),
-        (Request("aim", (10,)), None),
+        (SkillRequest("drain"), "there is no skill `drain`"),
+        (SkillRequest("aim"), "`aim` takes 1 arguments, not 0"),
+        (SkillRequest("aim", ("high",)), "`aim`: `height` must be a number"),
+        (SkillRequest("aim", (Text("high"),)), "`aim`: `height` must be a number"),
+        (SkillRequest("aim", (-1,)), "`aim`: `height` must not be below 0"),
+        (SkillRequest("aim", (11,)), "`aim`: `height` must not be above 10"),
+        (SkillRequest("aim", (10,)), None),
     ],
 )
 def test_a_request_is_held_to_the_declaration(
-    request_: Request, fault: str | None
+    request_: SkillRequest, fault: str | None
 ) -> None:
     assert catalogue().fault(request_) == fault

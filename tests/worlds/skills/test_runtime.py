@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rapc.world import Refused
-from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.declarations import (
     Channel,
     Input,
@@ -20,12 +20,12 @@ from rapc.worlds.skills.drawing import draw, to_dot, to_mermaid
 from rapc.worlds.skills.runtime import SkillRuntime
 from tests.worlds.skills.tank import FLOW, GOAL, LIMIT, SMOOTH, Tank
 
-HOLD_TWO = Request("hold", (2,))
+HOLD_TWO = SkillRequest("hold", (2,))
 
 
 def test_a_network_is_wired_from_what_its_skills_declare() -> None:
     tank = Tank()
-    parts = [Request("fill"), Request("aim", (2,)), Request("smooth")]
+    parts = [SkillRequest("fill"), SkillRequest("aim", (2,)), SkillRequest("smooth")]
     assert tank.runtime.activate(1, parts, ["reached"]) is None
     tank.run(80)
     assert tank.level == pytest.approx(2, abs=0.1)
@@ -35,7 +35,7 @@ def test_a_network_is_wired_from_what_its_skills_declare() -> None:
 def test_a_compound_is_its_parts() -> None:
     one, other = Tank(), Tank()
     one.runtime.activate(1, [HOLD_TWO], ["reached"])
-    parts = [Request("fill"), Request("aim", (2,)), Request("smooth")]
+    parts = [SkillRequest("fill"), SkillRequest("aim", (2,)), SkillRequest("smooth")]
     other.runtime.activate(1, parts, ["reached"])
     one.run(60)
     other.run(60)
@@ -52,8 +52,8 @@ def test_only_the_events_asked_for_are_told() -> None:
 
 def test_an_input_without_a_writer_of_the_same_activation_is_refused() -> None:
     tank = Tank()
-    tank.runtime.activate(1, [Request("smooth")], [])
-    refused = tank.runtime.activate(2, [Request("aim", (2,))], [])
+    tank.runtime.activate(1, [SkillRequest("smooth")], [])
+    refused = tank.runtime.activate(2, [SkillRequest("aim", (2,))], [])
     assert refused == Refused(
         reason="`aim 2` reads `smooth-level`, "
         "which no skill that comes on with it writes"
@@ -62,20 +62,20 @@ def test_an_input_without_a_writer_of_the_same_activation_is_refused() -> None:
 
 
 def test_an_event_that_no_skill_of_the_activation_tells_is_refused() -> None:
-    refused = Tank().runtime.activate(1, [Request("smooth")], ["reached"])
+    refused = Tank().runtime.activate(1, [SkillRequest("smooth")], ["reached"])
     assert refused == Refused(reason="none of these skills tells `reached`")
 
 
 def test_a_conflict_names_what_is_under_way() -> None:
     tank = Tank()
-    tank.runtime.activate(1, [Request("watch", (1,))], [])
+    tank.runtime.activate(1, [SkillRequest("watch", (1,))], [])
     tank.runtime.activate(2, [HOLD_TWO], [])
-    refused = tank.runtime.activate(3, [Request("hold", (3,))], [])
+    refused = tank.runtime.activate(3, [SkillRequest("hold", (3,))], [])
     assert refused is not None
     assert refused.conflicts == (2,)
     assert refused.reason == "`aim 2` and `aim 3` both write `goal`"
     tank.runtime.deactivate(2)
-    assert tank.runtime.activate(3, [Request("hold", (3,))], []) is None
+    assert tank.runtime.activate(3, [SkillRequest("hold", (3,))], []) is None
 
 
 def test_two_skills_that_use_one_thing_are_in_conflict() -> None:
@@ -94,8 +94,8 @@ def test_two_skills_that_use_one_thing_are_in_conflict() -> None:
         name = "lock"
 
     runtime = SkillRuntime(Catalogue([Flush, Lock]))
-    assert runtime.activate(7, [Request("flush")], []) is None
-    refused = runtime.activate(8, [Request("lock")], [])
+    assert runtime.activate(7, [SkillRequest("flush")], []) is None
+    refused = runtime.activate(8, [SkillRequest("lock")], [])
     assert refused == Refused((7,), "`flush` and `lock` both use `valve`")
 
 
@@ -104,8 +104,8 @@ def test_an_arbiter_decides_between_several_writers() -> None:
     tank.runtime.activate(1, [HOLD_TWO], [])
     tank.run(5)
     assert tank.runtime.value(FLOW) == 1
-    tank.runtime.activate(2, [Request("limit-flow", (0.5,))], [])
-    tank.runtime.activate(3, [Request("limit-flow", (0.25,))], [])
+    tank.runtime.activate(2, [SkillRequest("limit-flow", (0.5,))], [])
+    tank.runtime.activate(3, [SkillRequest("limit-flow", (0.25,))], [])
     tank.run(1)
     assert tank.runtime.value(LIMIT) == 0.25
     assert tank.runtime.value(FLOW) == 0.25
@@ -151,14 +151,14 @@ def _circle(delayed: bool) -> Catalogue:
 
 def test_a_circle_without_a_delay_is_refused() -> None:
     runtime = SkillRuntime(_circle(delayed=False))
-    refused = runtime.activate(1, [Request("one"), Request("other")], [])
+    refused = runtime.activate(1, [SkillRequest("one"), SkillRequest("other")], [])
     assert refused == Refused(reason="`one` reads `other` reads `one`, without a delay")
 
 
 def test_a_delayed_input_reads_the_tick_before() -> None:
     catalogue = _circle(delayed=True)
     runtime = SkillRuntime(catalogue)
-    runtime.activate(1, [Request("one"), Request("other")], [])
+    runtime.activate(1, [SkillRequest("one"), SkillRequest("other")], [])
     right = catalogue.actuators[1]
     seen = []
     for tick in range(3):
@@ -173,7 +173,7 @@ def test_a_delayed_input_reads_the_tick_before() -> None:
 
 def test_a_shared_skill_runs_once_until_its_last_activation_ends() -> None:
     tank = Tank()
-    watch = [Request("watch", (0.5,))]
+    watch = [SkillRequest("watch", (0.5,))]
     tank.runtime.activate(1, [HOLD_TWO], [])
     tank.runtime.activate(2, watch, ["high"])
     tank.runtime.activate(3, watch, ["high"])
@@ -188,15 +188,15 @@ def test_a_shared_skill_runs_once_until_its_last_activation_ends() -> None:
 
 def test_arguments_that_are_one_number_are_one_skill() -> None:
     tank = Tank()
-    tank.runtime.activate(1, [Request("watch", (2,))], [])
-    tank.runtime.activate(2, [Request("watch", (2.0,))], [])
-    tank.runtime.activate(3, [Request("watch", (2.0000001,))], [])
+    tank.runtime.activate(1, [SkillRequest("watch", (2,))], [])
+    tank.runtime.activate(2, [SkillRequest("watch", (2.0,))], [])
+    tank.runtime.activate(3, [SkillRequest("watch", (2.0000001,))], [])
     assert tank.runtime.active() == ("watch 2", "watch 2.0000001")
 
 
 def test_an_event_speaks_at_its_edge_and_is_armed_again_when_it_fails() -> None:
     tank = Tank()
-    tank.runtime.activate(1, [Request("watch", (1,))], ["high"])
+    tank.runtime.activate(1, [SkillRequest("watch", (1,))], ["high"])
     for level in (0.0, 1.5, 1.6, 0.5, 1.5):
         tank.level = level
         tank.run(1)
@@ -206,7 +206,7 @@ def test_an_event_speaks_at_its_edge_and_is_armed_again_when_it_fails() -> None:
 def test_an_event_can_be_told_again_while_it_holds() -> None:
     tank = Tank()
     tank.level = 2
-    tank.runtime.activate(1, [Request("watch", (1,))], ["high"])
+    tank.runtime.activate(1, [SkillRequest("watch", (1,))], ["high"])
     tank.run(50)
     assert [now for now, _, _ in tank.heard] == [0.1, 2.1, 4.1]
 
@@ -214,9 +214,9 @@ def test_an_event_can_be_told_again_while_it_holds() -> None:
 def test_who_comes_later_hears_what_is_so_already() -> None:
     tank = Tank()
     tank.level = 2
-    tank.runtime.activate(1, [Request("watch", (1,))], ["high"])
+    tank.runtime.activate(1, [SkillRequest("watch", (1,))], ["high"])
     tank.run(3)
-    tank.runtime.activate(2, [Request("watch", (1,))], ["high"])
+    tank.runtime.activate(2, [SkillRequest("watch", (1,))], ["high"])
     tank.run(1)
     assert tank.heard == [(0.1, "high", (1,)), (0.4, "high", (2,))]
 
@@ -235,7 +235,7 @@ def test_a_skill_that_goes_off_writes_nothing_more() -> None:
 def test_sensors_that_nobody_reads_are_not_read() -> None:
     tank = Tank()
     tank.sensors = {}
-    tank.runtime.activate(1, [Request("limit-flow", (1,))], [])
+    tank.runtime.activate(1, [SkillRequest("limit-flow", (1,))], [])
     tank.run(3)
     assert tank.runtime.value(LIMIT) == 1
 
@@ -263,7 +263,7 @@ def test_a_skill_reaches_only_what_it_declares() -> None:
     def tried(does: Any) -> None:
         Sneak.does = staticmethod(does)
         runtime = SkillRuntime(Catalogue([Sneak], [a]))
-        runtime.activate(1, [Request("sneak")], [])
+        runtime.activate(1, [SkillRequest("sneak")], [])
         runtime.tick(0, {"a": lambda: 1.0})
 
     tried(lambda ports: ports[a])
@@ -299,7 +299,7 @@ def test_a_required_input_that_was_not_written_is_a_fault_of_its_writer() -> Non
             ports[a]
 
     runtime = SkillRuntime(Catalogue([Silent, Reader]))
-    runtime.activate(1, [Request("silent"), Request("reader")], [])
+    runtime.activate(1, [SkillRequest("silent"), SkillRequest("reader")], [])
     with pytest.raises(SkillError, match=r"before `reader` \(Reader\)"):
         runtime.tick(0, {})
 
@@ -314,7 +314,7 @@ def _walk(rng: random.Random, tank: Tank, moments: int) -> None:
             name, value = rng.choice([("hold", 2), ("watch", 1), ("limit-flow", 0.5)])
             events = {"hold": ["reached"], "watch": ["high"]}.get(name, [])
             ticket = max(known, default=0) + 1 + tank.ticks
-            tank.runtime.activate(ticket, [Request(name, (value,))], events)
+            tank.runtime.activate(ticket, [SkillRequest(name, (value,))], events)
         tank.run(rng.randrange(12))
 
 
@@ -353,7 +353,7 @@ def test_what_is_no_state_is_refused_and_changes_nothing(bad: bytes) -> None:
 def test_a_drawing_shows_sensors_skills_events_and_actuators() -> None:
     tank = Tank()
     tank.runtime.activate(1, [HOLD_TWO], ["reached"])
-    tank.runtime.activate(2, [Request("limit-flow", (0.5,))], [])
+    tank.runtime.activate(2, [SkillRequest("limit-flow", (0.5,))], [])
     drawing = draw(tank.runtime)
     assert {(box.label, box.kind) for box in drawing.boxes} == {
         ("level", "sensor"),
@@ -380,7 +380,7 @@ def test_a_drawing_shows_sensors_skills_events_and_actuators() -> None:
 
 def test_a_delayed_edge_is_drawn_dashed() -> None:
     runtime = SkillRuntime(_circle(delayed=True))
-    runtime.activate(1, [Request("one"), Request("other")], [])
+    runtime.activate(1, [SkillRequest("one"), SkillRequest("other")], [])
     drawing = draw(runtime)
     assert '"other" -> "one" [label="right", style=dashed];' in to_dot(drawing)
     assert "-.->|right|" in to_mermaid(drawing)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from rapc.errors import PortError
-from rapc.worlds.skills.catalogue import Catalogue, Request
+from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.declarations import (
     Arbiter,
     Channel,
@@ -64,7 +64,7 @@ class First(Arbiter):
 def tick(sensors: Any, arbiters: tuple[Arbiter, ...] = ()) -> SkillRuntime:
     """Return a runtime after one tick."""
     runtime = SkillRuntime(Catalogue([Write], [HEAT], [SAID], arbiters))
-    assert runtime.activate(1, [Request("write")], ["hot"]) is None
+    assert runtime.activate(1, [SkillRequest("write")], ["hot"]) is None
     runtime.tick(0.1, sensors)
     return runtime
 

@@ -13,7 +13,7 @@ from rapc.errors import PortError
 from rapc.world import NOT_KNOWN, Kit, Signal
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.declarations import Event, Ports, Skill
-from rapc.worlds.skills.runtime import SkillRuntime, Told
+from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 from rapc.worlds.skills.world import SkillWorld, offer
 from tests.worlds.skills.tank import FLOW, catalogue
 
@@ -33,7 +33,7 @@ class TankWorld(SkillWorld):
     def __init__(self, level: float = 0) -> None:
         super().__init__(SkillRuntime(catalogue()), Water(level))
 
-    def tick(self) -> Iterable[Told]:
+    def tick(self) -> Iterable[EventTold]:
         told = self.runtime.tick(self.time, {"level": lambda: self.state.level})
         self.state.level += (self.runtime.value(FLOW) or 0.0) / 10
         return told

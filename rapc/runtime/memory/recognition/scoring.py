@@ -22,7 +22,7 @@ SHARED = 10
 """What the class counts, and each shared property."""
 
 
-class Described(msgspec.Struct, frozen=True):
+class DescribedItem(msgspec.Struct, frozen=True):
     """A description as comparators in Python are given it (T A.5).
 
     `properties` maps a property's index without the item (`("color",)`,
@@ -35,7 +35,7 @@ class Described(msgspec.Struct, frozen=True):
     properties: Mapping[Fact, Atom]
 
 
-Comparator = Callable[[Described, Described], Number]
+Comparator = Callable[[DescribedItem, DescribedItem], Number]
 """A comparator in Python, registered under a name."""
 
 
@@ -101,9 +101,9 @@ def named(name: str, compare: Comparator) -> Score:
     return Score(score, False)
 
 
-def _described(of: Description) -> Described:
+def _described(of: Description) -> DescribedItem:
     place: Atom = of.home.place if of.home is not None else "unknown"
-    return Described(of.name, of.kind, place, dict(of.known))
+    return DescribedItem(of.name, of.kind, place, dict(of.known))
 
 
 def _found(name: str, registered: Mapping[str, Comparator]) -> Score:

@@ -34,8 +34,8 @@ from rapc.worlds.hallway.channels import (
     TAGS,
     TRAJECTORY,
     TRAVEL,
-    Fix,
     Pose,
+    PositionFix,
     Sighting,
     Tag,
     Trajectory,
@@ -178,10 +178,10 @@ class TrackLandmark(Skill):
             ports[SIGHTING] = sighting(*pair, 2 * half)
         age = now - state.seen
         if not state.guesses:
-            ports[FIX] = Fix(pose.x, pose.y, pose.heading, age, known=False)
+            ports[FIX] = PositionFix(pose.x, pose.y, pose.heading, age, known=False)
             return
         best = min(state.guesses, key=lambda guess: guess.wander)
-        ports[FIX] = Fix(best.x, best.y, best.normal, age)
+        ports[FIX] = PositionFix(best.x, best.y, best.normal, age)
 
     def _learn(
         self,
