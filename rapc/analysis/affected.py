@@ -21,7 +21,7 @@ from rapc.analysis.census import ENOUGH, Census, FormKey, sort_of
 from rapc.analysis.change import Change
 from rapc.analysis.close_names import is_one_slip
 from rapc.analysis.kept import AGENDAS, FileState, State, form_at
-from rapc.analysis.places import ArgumentPlace
+from rapc.analysis.places import Place
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 
@@ -208,9 +208,7 @@ class Affected:
                 if other[:1] == written[:1] and is_one_slip(written, other):
                     yield other
 
-    def _by_sorts(
-        self, place: ArgumentPlace, counts: Mapping[str, int]
-    ) -> Iterator[FormKey]:
+    def _by_sorts(self, place: Place, counts: Mapping[str, int]) -> Iterator[FormKey]:
         """Yield the forms with constants at a place, if sorts there have changed."""
         there = self._census.at(place)
         for sort, number in counts.items():
@@ -254,12 +252,12 @@ class Affected:
                 if rest < ENOUGH:
                     yield from self._with(first) & self._with(second)
 
-    def _with(self, place: ArgumentPlace) -> frozenset[FormKey]:
+    def _with(self, place: Place) -> frozenset[FormKey]:
         """Return the forms that use the name of a place."""
         name = (place.space, place.name)
         users = self._users.get(name)
         if users is None:
-            every = (ArgumentPlace(*name, at) for at in range(_MOST_ARGUMENTS))
+            every = (Place(*name, at) for at in range(_MOST_ARGUMENTS))
             forms = [form for at in every for form in self._census.forms_with(at)]
             users = self._users[name] = frozenset(forms)
         return users
@@ -290,10 +288,10 @@ def _is_enough(forms: Sequence[FormKey]) -> bool:
     return len(set(forms)) >= ENOUGH
 
 
-def place_of(word: str) -> ArgumentPlace:
+def place_of(word: str) -> Place:
     """Return a place by the words of its parts, as a census has it."""
     space, name, position = word.split(" ")
-    return ArgumentPlace(space, name, int(position))
+    return Place(space, name, int(position))
 
 
 def _pairs(

@@ -20,7 +20,7 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asking import Asking, asking
 from rapc.analysis.index import INDEX, Form, Index
-from rapc.analysis.places import PLACES, ArgumentPlace, Places
+from rapc.analysis.places import PLACES, Place, Places
 from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.ir import nodes
@@ -126,22 +126,22 @@ class _Words:
     """The words of places, each made once."""
 
     def __init__(self) -> None:
-        self._made: dict[ArgumentPlace, str] = {}
+        self._made: dict[Place, str] = {}
 
-    def of(self, place: ArgumentPlace) -> str:
+    def of(self, place: Place) -> str:
         made = self._made.get(place)
         if made is None:
             made = self._made[place] = _word(place)
         return made
 
 
-def _word(place: ArgumentPlace) -> str:
+def _word(place: Place) -> str:
     return f"{place.space} {place.name} {place.position}"
 
 
-def _place(word: str) -> ArgumentPlace:
+def _place(word: str) -> Place:
     space, name, position = word.split(" ")
-    return ArgumentPlace(space, name, int(position))
+    return Place(space, name, int(position))
 
 
 def _standing(
@@ -187,7 +187,7 @@ class Found(NamedTuple):
     span: Span
     form: FormKey
     filled: bool
-    places: tuple[ArgumentPlace, ...]
+    places: tuple[Place, ...]
     #: Whether a test holds it.
     in_test: bool
 
@@ -214,10 +214,10 @@ class Census:
             self._double.update([(name, start) for start in one.others])
             self._tests.update([(name, start) for start in one.tests])
         self._merged: dict[str, list[int]] | None = None
-        self._sets: dict[ArgumentPlace, frozenset[int]] = {}
-        self._together: dict[tuple[ArgumentPlace, ArgumentPlace], int] = {}
-        self._beside: dict[tuple[str, ArgumentPlace], int] = {}
-        self._places: dict[str, ArgumentPlace] = {}
+        self._sets: dict[Place, frozenset[int]] = {}
+        self._together: dict[tuple[Place, Place], int] = {}
+        self._beside: dict[tuple[str, Place], int] = {}
+        self._places: dict[str, Place] = {}
         self._standing: dict[str, tuple[Found, ...]] = {}
         self._by_word: dict[str, list[tuple[str, Standing]]] | None = None
         self._by_place: dict[str, list[tuple[str, Standing]]] | None = None
@@ -225,10 +225,7 @@ class Census:
         self._requested: frozenset[str] | None = None
 
     def together(
-        self,
-        one: ArgumentPlace,
-        other: ArgumentPlace,
-        but: frozenset[FormKey] = frozenset(),
+        self, one: Place, other: Place, but: frozenset[FormKey] = frozenset()
     ) -> int:
         """Return in how many forms one variable stands at both places.
 
@@ -242,7 +239,7 @@ class Census:
             count = self._together[pair] = self._count(one, other, but)
         return count
 
-    def beside(self, written: str, place: ArgumentPlace) -> int:
+    def beside(self, written: str, place: Place) -> int:
         """Return in how many forms a constant itself stands at a place."""
         pair = (written, place)
         count = self._beside.get(pair)
@@ -265,7 +262,7 @@ class Census:
             self._standing[written] = found
         return found
 
-    def at(self, place: ArgumentPlace) -> Sequence[tuple[str, Standing]]:
+    def at(self, place: Place) -> Sequence[tuple[str, Standing]]:
         """Return the constants at a place, each with its file."""
         if self._by_place is None:
             self._by_place = {}
@@ -301,7 +298,7 @@ class Census:
         for one in self.files.values():
             yield from one.given
 
-    def forms_with(self, place: ArgumentPlace) -> Iterator[FormKey]:
+    def forms_with(self, place: Place) -> Iterator[FormKey]:
         """Yield the forms that have a variable or a constant at a place."""
         for group in self._set(place):
             yield self._owners[group]
@@ -325,13 +322,13 @@ class Census:
             (file, one.form) in self._tests,
         )
 
-    def _place(self, word: str) -> ArgumentPlace:
+    def _place(self, word: str) -> Place:
         place = self._places.get(word)
         if place is None:
             place = self._places[word] = _place(word)
         return place
 
-    def _set(self, place: ArgumentPlace) -> frozenset[int]:
+    def _set(self, place: Place) -> frozenset[int]:
         found = self._sets.get(place)
         if found is None:
             found = self._sets[place] = frozenset(self._groups(_word(place)))
@@ -353,9 +350,7 @@ class Census:
                     there += [first + group for group in groups]
         return self._merged.get(word, ())
 
-    def _count(
-        self, one: ArgumentPlace, other: ArgumentPlace, but: frozenset[FormKey]
-    ) -> int:
+    def _count(self, one: Place, other: Place, but: frozenset[FormKey]) -> int:
         if one == other:
             return 0
         small, large = sorted((self._set(one), self._set(other)), key=len)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rapc.analysis.inferred_kinds import InferredKinds
-from rapc.analysis.places import ArgumentPlace
+from rapc.analysis.places import Place
 from rapc.library.signatures import Signatures
 
 
@@ -27,19 +27,19 @@ class PlaceKinds:
             "event": signatures.events,
         }
         self._inputs = inferred.inputs
-        self._known: dict[ArgumentPlace, str | None] = {}
+        self._known: dict[Place, str | None] = {}
 
-    def of(self, places: Sequence[ArgumentPlace]) -> tuple[str, ...]:
+    def of(self, places: Sequence[Place]) -> tuple[str, ...]:
         """Return the kinds of places of which one is known, each once."""
         found = [self._one(place) for place in places]
         return tuple(dict.fromkeys(kind for kind in found if kind is not None))
 
-    def _one(self, place: ArgumentPlace) -> str | None:
+    def _one(self, place: Place) -> str | None:
         if place not in self._known:
             self._known[place] = self._look_up(place)
         return self._known[place]
 
-    def _look_up(self, place: ArgumentPlace) -> str | None:
+    def _look_up(self, place: Place) -> str | None:
         declared = self._tables[place.space].get(place.name)
         args = declared.args if declared is not None else None
         if args is None or place.position >= len(args):

@@ -20,7 +20,7 @@ from rapc.ir import nodes
 from rapc.library.signatures import Use
 
 
-class ArgumentPlace(NamedTuple):
+class Place(NamedTuple):
     """An argument place: of what space of names, of which name, the how-manieth."""
 
     space: str
@@ -31,7 +31,7 @@ class ArgumentPlace(NamedTuple):
 class Filled(msgspec.Struct, frozen=True, gc=False):
     """A term at a place."""
 
-    place: ArgumentPlace
+    place: Place
     term: nodes.Term
     form: Form
 
@@ -62,7 +62,7 @@ class Places:
     def __init__(self, index: Index, wrong: Container[int]) -> None:
         #: Every term at a place, in the order of uses.
         self.filled: Sequence[Filled] = tuple(_filled(index, wrong))
-        self._of: dict[int, dict[str, list[ArgumentPlace]]] = {}
+        self._of: dict[int, dict[str, list[Place]]] = {}
         self._forms: dict[int, Form] = {}
         for one in self.filled:
             if isinstance(one.term, nodes.Var) and not one.term.anonymous:
@@ -70,7 +70,7 @@ class Places:
                 self._forms[id(one.form)] = one.form
                 names.setdefault(one.term.name, []).append(one.place)
 
-    def of(self, form: Form, name: str) -> Sequence[ArgumentPlace]:
+    def of(self, form: Form, name: str) -> Sequence[Place]:
         """Return the places at which a variable stands in a form."""
         return self._of.get(id(form), {}).get(name, ())
 
@@ -78,7 +78,7 @@ class Places:
         """Return the variables of a form that stand at places."""
         return self._of.get(id(form), {})
 
-    def forms(self) -> Iterator[tuple[Form, Mapping[str, Sequence[ArgumentPlace]]]]:
+    def forms(self) -> Iterator[tuple[Form, Mapping[str, Sequence[Place]]]]:
         """Yield the forms with their variables, and the places of each."""
         for key, names in self._of.items():
             yield self._forms[key], names
@@ -93,18 +93,16 @@ def _filled(index: Index, wrong: Container[int]) -> Iterator[Filled]:
         if isinstance(used.node, nodes.Goal):
             terms = (*terms, *used.node.outputs)
         for at, term in enumerate(terms):
-            yield Filled(ArgumentPlace(space, used.name, at), term, used.owner)
+            yield Filled(Place(space, used.name, at), term, used.owner)
     for rap in index.of(nodes.DefineRap):
         for at, variable in enumerate((*rap.node.inputs, *rap.node.outputs)):
-            yield Filled(ArgumentPlace("RAP", rap.node.name, at), variable, rap.owner)
+            yield Filled(Place("RAP", rap.node.name, at), variable, rap.owner)
     for space, kind in _DECLARED.items():
         for form in index.of(kind):
             node = form.node
             assert isinstance(node, _WithArguments)
             for at, arg in enumerate(node.args):
-                yield Filled(
-                    ArgumentPlace(space, node.name, at), arg.variable, form.owner
-                )
+                yield Filled(Place(space, node.name, at), arg.variable, form.owner)
 
 
 _DECLARED: Mapping[str, type[nodes.Node]] = {

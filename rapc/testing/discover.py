@@ -24,14 +24,14 @@ from rapc.library.test_files import load_tests
 from rapc.testing.run import Case
 
 
-class Found(msgspec.Struct, frozen=True):
+class FoundTests(msgspec.Struct, frozen=True):
     """What was found: the tests, or the reports on libraries that have errors."""
 
     cases: tuple[Case, ...]
     reports: tuple[CheckReport, ...]
 
 
-def find(paths: Iterable[str | Path]) -> Found:
+def find(paths: Iterable[str | Path]) -> FoundTests:
     """The tests in files (`-` is one), and in all `*.test.rap` files below folders.
 
     Those in compiled libraries come first.
@@ -56,10 +56,10 @@ def find(paths: Iterable[str | Path]) -> Found:
         there = _find_in(source)
         cases += there.cases
         reports += there.reports
-    return Found(tuple(cases), tuple(reports))
+    return FoundTests(tuple(cases), tuple(reports))
 
 
-def _find_in(source: SourceFile) -> Found:
+def _find_in(source: SourceFile) -> FoundTests:
     """The tests of a file; those that require the same are checked together.
 
     What is wrong with a test keeps that test alone from being run.
@@ -81,7 +81,7 @@ def _find_in(source: SourceFile) -> Found:
         for test in loaded.library.tests:
             cases[test.span] = Case(test, program, tuple(faults[test.span]))
     in_order = [cases[test.span] for test in own if test.span in cases]
-    return Found(tuple(in_order), tuple(reports))
+    return FoundTests(tuple(in_order), tuple(reports))
 
 
 def _tell(

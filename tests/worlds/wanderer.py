@@ -15,7 +15,7 @@ from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.kinds import ENEMY, KINDS
 from rapc.worlds.truck.map import DIRECTIONS
 from rapc.worlds.truck.primitives import OFFER
-from rapc.worlds.truck.state import ARMS, BAYS, State
+from rapc.worlds.truck.state import ARMS, BAYS, TruckState
 
 from .drive import WORKSHOP, map_text, rock, thing
 
@@ -175,7 +175,7 @@ class Wanderer:
                 self.names = [*self.names[-11:], str(rest[1])]
 
 
-def check(state: State) -> None:
+def check(state: TruckState) -> None:
     """What holds of every state of that world."""
     items = state.items
     assert sum(state.made.values()) == len(items) + state.gone
@@ -206,7 +206,7 @@ def check(state: State) -> None:
     assert state.truck.place in (*PLACES, *ROADS)
 
 
-def _root(state: State, name: str) -> str:
+def _root(state: TruckState, name: str) -> str:
     while name in state.items:
         name = state.items[name].place
     return name

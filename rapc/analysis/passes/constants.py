@@ -19,7 +19,7 @@ from rapc.analysis.index import INDEX, Form
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.place_kinds import PlaceKinds
-from rapc.analysis.places import PLACES, ArgumentPlace
+from rapc.analysis.places import PLACES, Place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -134,7 +134,7 @@ class _Standing(msgspec.Struct, frozen=True):
     written: str
     form: Form
     #: The place that it is at, or those of the variable that it is held against.
-    places: tuple[ArgumentPlace, ...]
+    places: tuple[Place, ...]
     #: The kinds of these places.
     kinds: tuple[str, ...]
 
@@ -189,12 +189,12 @@ def _standing(run: Pass, kinds: PlaceKinds) -> Iterator[_Standing]:
 
 
 def _made(
-    const: nodes.Const, form: Form, there: tuple[ArgumentPlace, ...], kinds: PlaceKinds
+    const: nodes.Const, form: Form, there: tuple[Place, ...], kinds: PlaceKinds
 ) -> _Standing:
     return _Standing(const, format_atom(const.value), form, there, kinds.of(there))
 
 
-_Key = ArgumentPlace | str
+_Key = Place | str
 """A place, or a kind."""
 
 
@@ -215,7 +215,7 @@ class _Known:
         for value in _results(run):
             self._listed[value] += 2
         self._at: dict[str, Counter[_Key]] = {}
-        self._sorts: dict[ArgumentPlace, Counter[str]] = {}
+        self._sorts: dict[Place, Counter[str]] = {}
         self._forms: dict[str, Counter[FormKey]] = {}
         self._close: Close | None = None
 
@@ -235,7 +235,7 @@ class _Known:
                 found[name] += 2
         return found
 
-    def sorts(self, place: ArgumentPlace) -> Counter[str]:
+    def sorts(self, place: Place) -> Counter[str]:
         """Return how many constants of each sort stand at a place."""
         found = self._sorts.get(place)
         if found is None:

@@ -10,7 +10,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, TRUTH
 from rapc.analysis.index import INDEX, NameUse
 from rapc.analysis.named import MISUSES, declared_at, report_arguments
-from rapc.analysis.places import ArgumentPlace
+from rapc.analysis.places import Place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -142,7 +142,7 @@ class _Values:
         kind = args[-1].kind if args else None
         if kind is not None and not self._kinds.holds(kind, "true"):
             return True
-        place = ArgumentPlace("predicate", declared.name, (declared.most or 1) - 1)
+        place = Place("predicate", declared.name, (declared.most or 1) - 1)
         values = {one.written for _, one in self._census.at(place) if one.filled}
         values.discard("unknown")
         return bool(values) and values.isdisjoint(TRUTH)

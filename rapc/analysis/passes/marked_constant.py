@@ -11,7 +11,7 @@ from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
 from rapc.analysis.place_kinds import PlaceKinds
-from rapc.analysis.places import PLACES, ArgumentPlace
+from rapc.analysis.places import PLACES, Place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -96,7 +96,7 @@ _ENOUGH = 4
 
 
 def _others(
-    census: Census, kinds: PlaceKinds, word: str, place: ArgumentPlace
+    census: Census, kinds: PlaceKinds, word: str, place: Place
 ) -> Iterator[Found]:
     """Yield constants of a name at a place, and at places of its kinds."""
     every = census.standing(word) if sort_of(word) not in ("number", "text") else ()

@@ -17,7 +17,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, MOST_PLACES, Census
 from rapc.analysis.index import INDEX, Form, NameUse
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
-from rapc.analysis.places import PLACES, SPACES, ArgumentPlace, Places
+from rapc.analysis.places import PLACES, SPACES, Place, Places
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -65,7 +65,7 @@ _MOST_ARGUMENTS = 6
 _PLAIN = ("unknown", "true", "false", "nil", "t")
 """Constants that stand anywhere."""
 
-_Point = ArgumentPlace | str
+_Point = Place | str
 """A place, or a constant as it is written."""
 
 
@@ -75,16 +75,16 @@ class _Links:
     def __init__(self, places: Places, census: Census) -> None:
         self._places = places
         self._census = census
-        self._rows: dict[tuple[int, str], tuple[ArgumentPlace, ...]] = {}
-        self._own: dict[int, list[tuple[ArgumentPlace, ...]]] = {}
-        self._constants: dict[int, set[tuple[str, ArgumentPlace]]] = {}
+        self._rows: dict[tuple[int, str], tuple[Place, ...]] = {}
+        self._own: dict[int, list[tuple[Place, ...]]] = {}
+        self._constants: dict[int, set[tuple[str, Place]]] = {}
         for one in places.filled:
             if isinstance(one.term, nodes.Const):
                 there = self._constants.setdefault(id(one.form), set())
                 there.add((format_term(one.term), one.place))
 
     def points(
-        self, form: Form, term: nodes.Term, places: Sequence[ArgumentPlace]
+        self, form: Form, term: nodes.Term, places: Sequence[Place]
     ) -> list[_Point]:
         """Return what speaks for a term of a form: its other places, or itself."""
         if isinstance(term, nodes.Const):
@@ -94,13 +94,11 @@ class _Links:
             return []
         return [one for one in self._row(form, term.name) if one not in places]
 
-    def alike(self, one: ArgumentPlace, other: ArgumentPlace) -> bool:
+    def alike(self, one: Place, other: Place) -> bool:
         """Whether one variable stands at both places: what fits one fits the other."""
         return self._census.together(one, other) > 0
 
-    def elsewhere(
-        self, form: Form, points: Sequence[_Point], place: ArgumentPlace
-    ) -> int:
+    def elsewhere(self, form: Form, points: Sequence[_Point], place: Place) -> int:
         """Return in how many other forms one of the points goes with a place.
 
         More than `_OFTEN` are not counted.
@@ -117,7 +115,7 @@ class _Links:
                     break
         return most
 
-    def _is_own(self, form: Form, point: _Point, place: ArgumentPlace) -> bool:
+    def _is_own(self, form: Form, point: _Point, place: Place) -> bool:
         """Whether a form itself has the two together."""
         if isinstance(point, str):
             return (point, place) in self._constants.get(id(form), ())
@@ -127,7 +125,7 @@ class _Links:
             rows = self._own[id(form)] = [self._row(form, name) for name in names]
         return any(point in row and place in row for row in rows)
 
-    def _row(self, form: Form, name: str) -> tuple[ArgumentPlace, ...]:
+    def _row(self, form: Form, name: str) -> tuple[Place, ...]:
         """Return the places of a variable, each once."""
         row = self._rows.get((id(form), name))
         if row is None:
@@ -164,7 +162,7 @@ def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
     """Yield two arguments that were swapped, with how much speaks for that."""
     terms = used.node.args[:_MOST_ARGUMENTS]
     space = SPACES[used.use]
-    places = [ArgumentPlace(space, used.name, at) for at in range(len(terms))]
+    places = [Place(space, used.name, at) for at in range(len(terms))]
     for one in range(len(terms)):
         for other in range(one + 1, len(terms)):
             pair = (terms[one], terms[other])
@@ -178,7 +176,7 @@ def _support(
     links: _Links,
     used: NameUse,
     terms: tuple[nodes.Term, nodes.Term],
-    places: tuple[ArgumentPlace, ArgumentPlace],
+    places: tuple[Place, Place],
 ) -> int:
     """Return how many other places say that two arguments were swapped."""
     form = used.owner

@@ -11,7 +11,7 @@ from rapc.base.values import Fact, Number
 Bindings = Mapping[str, Value]
 
 
-class Asking(Protocol):
+class QuestionContext(Protocol):
     """What generated code asks of memory and of the task whose clause it is."""
 
     #: How often a question may go back, and how often the one at hand still may.

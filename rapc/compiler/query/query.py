@@ -86,14 +86,14 @@ from rapc.compiler.query.code import (
     ResultMode,
     compile_source,
 )
-from rapc.compiler.query.context import Asking, Bindings
+from rapc.compiler.query.context import Bindings, QuestionContext
 from rapc.compiler.query.plan_steps import PlanStep
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.library.signatures import Signatures
 
 
-class QueryingContext(Asking, Protocol):
+class QueryingContext(QuestionContext, Protocol):
     """A context that keeps the queries bound to its memory."""
 
     @property
@@ -290,7 +290,7 @@ class Variant:
 
     def bind(
         self,
-        ctx: Asking,
+        ctx: QuestionContext,
         aliases: Mapping[str, str] | None = None,
         aliased: Callable[..., Any] | None = None,
     ) -> Callable[..., Any]:
@@ -309,7 +309,7 @@ class BoundQuery:
 
     __slots__ = ("first", "holds", "solutions")
 
-    def __init__(self, query: Query, ctx: Asking) -> None:
+    def __init__(self, query: Query, ctx: QuestionContext) -> None:
         names = query.variables
         select = _variant_selector(len(names))
         #: Returns the new bindings of the first solution, or None.
@@ -330,7 +330,7 @@ class BoundQueries(dict[Query, BoundQuery]):
 
     __slots__ = ("_ctx",)
 
-    def __init__(self, ctx: Asking) -> None:
+    def __init__(self, ctx: QuestionContext) -> None:
         super().__init__()
         self._ctx = ctx
 
@@ -344,7 +344,7 @@ class _Variants(dict[int, Ask]):
 
     __slots__ = ("_ctx", "_mode", "_query")
 
-    def __init__(self, query: Query, ctx: Asking, mode: ResultMode) -> None:
+    def __init__(self, query: Query, ctx: QuestionContext, mode: ResultMode) -> None:
         super().__init__()
         self._query = query
         self._ctx = ctx

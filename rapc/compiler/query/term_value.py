@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from rapc.base.resources import Value
 from rapc.base.values import Number
 from rapc.compiler.query import builtin
-from rapc.compiler.query.context import Asking, Bindings
+from rapc.compiler.query.context import Bindings, QuestionContext
 from rapc.ir import nodes
 
-Compute = Callable[[Asking, Bindings], Value]
+Compute = Callable[[QuestionContext, Bindings], Value]
 
 
 class TermValue:
@@ -28,7 +28,7 @@ class TermValue:
         self._known = term.value if isinstance(term, nodes.Const) else None
         self._compute: Compute | None = None
 
-    def value(self, ctx: Asking, env: Bindings) -> Value | None:
+    def value(self, ctx: QuestionContext, env: Bindings) -> Value | None:
         """The value, or None while a variable is unbound or of the wrong kind."""
         if self.name is not None:
             return env.get(self.name)
@@ -39,7 +39,7 @@ class TermValue:
         except builtin.QueryFault:
             return None
 
-    def needed(self, ctx: Asking, env: Bindings) -> Value | None:
+    def needed(self, ctx: QuestionContext, env: Bindings) -> Value | None:
         """Return what `value` returns; trace what is unbound or of the wrong kind."""
         if self._known is not None:
             return self._known
@@ -49,7 +49,7 @@ class TermValue:
             ctx.fault(self.where, str(fault))
             return None
 
-    def _computed(self, ctx: Asking, env: Bindings) -> Value:
+    def _computed(self, ctx: QuestionContext, env: Bindings) -> Value:
         if self._compute is None:
             self._compute = _compile_term(self.term)
         try:
@@ -73,7 +73,7 @@ def _compile_term(term: nodes.Term) -> Compute:
     if builtin_function is not None and len(parts) == 2:
         return _compile_pair(builtin_function, *parts)
 
-    def compute(ctx: Asking, env: Bindings) -> Value:
+    def compute(ctx: QuestionContext, env: Bindings) -> Value:
         args = [part(ctx, env) for part in parts]
         if builtin_function is not None:
             return builtin_function(args)
@@ -89,7 +89,7 @@ def _compile_pair(
 
 
 def _compile_variable(name: str) -> Compute:
-    def look_up(ctx: Asking, env: Bindings) -> Value:
+    def look_up(ctx: QuestionContext, env: Bindings) -> Value:
         value = env.get(name)
         if value is None:
             raise builtin.QueryFault(f"{name} is not bound")

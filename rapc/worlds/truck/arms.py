@@ -151,7 +151,7 @@ def arm_toggle(scene: Scene, name: Atom, thing: Atom) -> Reply:
     return Reply(OKAY)
 
 
-def _mends(scene: Scene, name: Atom, broken: Item) -> bool:
+def _mends(scene: Scene, name: Atom, broken: TruckItem) -> bool:
     """Whether an arm holds something to mend an item with."""
     held = scene.items_at(str(name))
     return any(broken.kind in scene.kind(tool).mends for tool in held)

@@ -44,7 +44,7 @@ TAKEN = frozenset(
 """Names that mean something else in a request or in memory."""
 
 
-class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class MapPlace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A place; `color` is that of the rocks of a quarry."""
 
     name: Word
@@ -106,7 +106,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A map as it is written: see docs/truck.md."""
 
     start: str
-    places: tuple[Place, ...]
+    places: tuple[MapPlace, ...]
     roads: tuple[Road, ...]
     items: tuple[Lying, ...] = ()
     sectors: tuple[Sector, ...] = ()
@@ -124,7 +124,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 yield WayOut(road, road.direction, road.b, 0.5)
                 yield WayOut(road, opposite(road.direction), road.a, 0.5)
 
-    def place(self, name: str) -> Place | None:
+    def place(self, name: str) -> MapPlace | None:
         """The place of a name, or None."""
         return next((p for p in self.places if p.name == name), None)
 

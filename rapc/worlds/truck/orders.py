@@ -11,7 +11,7 @@ from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import Color
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import Delivery, Order, State, TruckItem
+from rapc.worlds.truck.state import Delivery, Order, TruckItem, TruckState
 
 
 def read_orders(text: str, ground: Map) -> Iterator[Order]:
@@ -57,7 +57,7 @@ def deliver(scene: Scene, item: TruckItem) -> None:
         scene.remove(item)
 
 
-def _count(state: State, made: Delivery) -> None:
+def _count(state: TruckState, made: Delivery) -> None:
     """Count a delivery for the first order that still wants such a rock."""
     for order in state.orders:
         wanted = (order.color, order.factory) == (made.color, made.factory)

@@ -19,8 +19,8 @@ from rapc.worlds.truck.state import (
     EXTERNAL,
     FOLDED,
     Arm,
-    State,
     TruckItem,
+    TruckState,
 )
 
 STREAMS = ("shuffle", "enemies", "weapon", "weather", "dark", "wear")
@@ -35,7 +35,11 @@ class Scene:
     """
 
     def __init__(
-        self, ground: Map, settings: TruckSettings, rng: random.Random, state: State
+        self,
+        ground: Map,
+        settings: TruckSettings,
+        rng: random.Random,
+        state: TruckState,
     ) -> None:
         self.map = ground
         self.kinds = {**KINDS, **ground.kinds}

@@ -92,7 +92,7 @@ class Encounter(msgspec.Struct):
     how: str | None = None
 
 
-class State(msgspec.Struct):
+class TruckState(msgspec.Struct):
     """The whole state.
 
     Args:

@@ -43,14 +43,14 @@ from rapc.worlds.truck.picture import draw
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene
-from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, State, Truck
+from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, Truck, TruckState
 
 
 class Saved(msgspec.Struct, frozen=True):
     """What `save` writes: the options are kept to refuse a state of other ones."""
 
     settings: TruckSettings
-    state: State
+    state: TruckState
     rng: Stream
     chance: dict[str, Stream]
 
@@ -76,7 +76,7 @@ class TruckWorld(World):
             raise ValueError("`fuel` is more than `fuel-capacity`")
         ground = _read_map(settings)
         truck = Truck(ground.start, ground.heading, number(settings.fuel))
-        self._scene = Scene(ground, settings, rng, State(truck))
+        self._scene = Scene(ground, settings, rng, TruckState(truck))
         for lying in ground.items:
             for _ in range(lying.count):
                 self._place(lying)
@@ -229,9 +229,11 @@ class TruckWorld(World):
         return tuple(msgspec.structs.replace(o) for o in self._scene.state.orders)
 
     @property
-    def state(self) -> State:
+    def state(self) -> TruckState:
         """A copy of the whole truth, for tests; the robot has no part in it."""
-        return msgspec.json.decode(msgspec.json.encode(self._scene.state), type=State)
+        return msgspec.json.decode(
+            msgspec.json.encode(self._scene.state), type=TruckState
+        )
 
 
 def _read_map(settings: TruckSettings) -> Map:

@@ -231,7 +231,7 @@ class TrackLandmark(Skill):
         guess.normal = new.normal
 
 
-class Standing(msgspec.Struct):
+class LandmarkApproach(msgspec.Struct):
     """What `approach-landmark` remembers."""
 
     #: Whether the robot is in its place and only turns.
@@ -265,8 +265,8 @@ class ApproachLandmark(Skill):
     outputs = (TRAJECTORY, TRAVEL)
     parameters = (Parameter("standoff", "number", "m", low=0.4, high=3), SPEED)
     events = (AtLandmark, MovementComplete)
-    State = Standing
-    state: Standing
+    State = LandmarkApproach
+    state: LandmarkApproach
 
     def step(self, now: float, ports: Ports) -> None:
         """Say where the place is; wait while the landmark has not been seen."""
