@@ -17,9 +17,10 @@ from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
-from rapc.analysis.census import ENOUGH, Census, FormKey, sort_of
+from rapc.analysis.census import ENOUGH, Census, sort_of
 from rapc.analysis.change import Change
 from rapc.analysis.close_names import is_one_slip
+from rapc.analysis.file_census import FormKey, place_of
 from rapc.analysis.kept import AGENDAS, FileState, State, form_at
 from rapc.analysis.places import Place
 from rapc.base.diagnostics import Diagnostic
@@ -86,7 +87,7 @@ class Affected:
         return len(names) != len(set(names))
 
     def _changes_known(self) -> bool:
-        """Whether other facts or primitives than before are wanted of RAPs."""
+        """Whether RAPs change or ask for other facts or primitives than before."""
         return _wanted(self._old.files) != _wanted(self._files.values())
 
     # --- downwards --------------------------------------------------------------------
@@ -274,24 +275,20 @@ def words_of(text: str) -> list[str]:
     return _WORD.findall(text.lower())
 
 
-def _wanted(files: Iterable[FileState]) -> tuple[set[str], set[str]]:
+def _wanted(files: Iterable[FileState]) -> tuple[set[str], set[str], set[str]]:
     changed: set[str] = set()
+    conditions: set[str] = set()
     requested: set[str] = set()
     for file in files:
         changed.update(file.census.changed)
+        conditions.update(file.census.conditions)
         for one in file.census.asking:
             requested.update(one.requests)
-    return changed, requested
+    return changed, requested, conditions
 
 
 def _is_enough(forms: Sequence[FormKey]) -> bool:
     return len(set(forms)) >= ENOUGH
-
-
-def place_of(word: str) -> Place:
-    """Return a place by the words of its parts, as a census has it."""
-    space, name, position = word.split(" ")
-    return Place(space, name, int(position))
 
 
 def _pairs(

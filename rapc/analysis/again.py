@@ -19,7 +19,7 @@ import msgspec
 
 from rapc.analysis.affected import Affected, spans_of, words_of
 from rapc.analysis.analyzer import never
-from rapc.analysis.census import CENSUS, Census, FileCensus, FormKey, gather, key_of
+from rapc.analysis.census import CENSUS, Census
 from rapc.analysis.change import Change, change_of, requires_the_same
 from rapc.analysis.driver import (
     Analysis,
@@ -29,25 +29,28 @@ from rapc.analysis.driver import (
     needed_for,
     reported,
 )
-from rapc.analysis.index import Index
+from rapc.analysis.file_census import FileCensus, FormKey, gather
+from rapc.analysis.index import USES, Index
 from rapc.analysis.kept import (
     AGENDAS,
     FileState,
     FormState,
     State,
+    entangled_in,
     file_state,
     form_at,
 )
-from rapc.analysis.named import MISUSES
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
 from rapc.analysis.places import Places
 from rapc.analysis.selection import Selection
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile, Span
+from rapc.ir import nodes
 from rapc.library import library
 from rapc.library.library import Library
 from rapc.library.loader import Loaded, Parse
+from rapc.library.signature import RapSignatures
 from rapc.parser.parse import parse
 from rapc.parser.unit import SourceUnit
 
@@ -77,7 +80,7 @@ def check_again(
         chosen: the rules that may report, the same as before.
         digest: tells the text of a file from others.
     """
-    if not old.is_open or any(one.of_all for one in needed_for(chosen.enabled)):
+    if any(one.of_all for one in needed_for(chosen.enabled)):
         return None
     sources = sketched.files
     both = {one.name for one in old.files} & sources.keys()
@@ -110,19 +113,17 @@ def _files(
                 return None
             units[name] = unit, told
     written = Written.of(unit for unit, _ in units.values())
-    censuses = _censuses([unit for unit, _ in units.values()])
+    linked, _ = library.link([unit for unit, _ in units.values()])
+    index = Index(linked)
+    censuses = gather(linked, index, Places(index, ()))
+    entangled = entangled_in(index)
     return {
-        name: file_state(*units[name], censuses.get(name, FileCensus()), written)
-        if one is None
-        else one
+        name: one
+        or file_state(
+            *units[name], censuses.get(name, FileCensus()), written, entangled
+        )
         for name, one in files.items()
     }
-
-
-def _censuses(units: Sequence[SourceUnit]) -> Mapping[str, FileCensus]:
-    linked, _ = library.link(units)
-    index = Index(linked)
-    return gather(linked, index, Places(index, ()))
 
 
 class _Part:
@@ -174,8 +175,9 @@ class _Part:
             [(key, name) for key, name in self._unmarked() if key not in dirty]
         )
         wanted = needed_for(chosen.enabled)
-        known = {CENSUS.name: self._census}
-        analysis = analyzed(part, wanted, True, never, self._required, known)
+        known = {CENSUS.name: self._census, USES.name: self._census.uses()}
+        raps = RapSignatures(_Raps(part, self._raps, self._rap))
+        analysis = analyzed(part, wanted, True, never, self._required, known, raps)
         if not self._is_certain(analysis, dirty):
             return None
         found = [*self._kept(dirty), *self._new(analysis, dirty)]
@@ -208,6 +210,8 @@ class _Part:
             form = self._forms.get(key)
             if form is not None and form.rap:
                 waiting.append(form.rap)
+            elif form is not None and form.is_entangled:
+                return None
             elif form is not None:
                 words = words_of(self._sources[key[0]].text[form.start : form.end])
                 waiting += [word for word in words if word in self._raps]
@@ -216,7 +220,9 @@ class _Part:
         seen = set(waiting)
         while waiting:
             at = self._raps.get(waiting.pop())
-            if at is None or self._forms[at].is_entangled:
+            if at is None:
+                continue  # a pass will say so
+            if self._forms[at].is_entangled:
                 return None
             found.add(at)
             new = [name for name in calls[self._forms[at].rap] if name not in seen]
@@ -256,16 +262,20 @@ class _Part:
         forms = tuple([one for one in whole.forms if one.span.start in starts])
         return SourceUnit(source, forms)
 
+    def _rap(self, name: str) -> nodes.DefineRap:
+        """Return a RAP of the whole library."""
+        at = self._raps[name]
+        (form,) = self._unit(self._sources[at[0]], [self._forms[at]]).forms
+        assert isinstance(form, nodes.DefineRap)
+        return form
+
     # --- what is found ----------------------------------------------------------------
 
     def _is_certain(self, analysis: Analysis, dirty: set[FormKey]) -> bool:
-        """Whether no name is at fault, and no form left out needs to know more.
+        """Whether no form left out has a variable for which a constant stands now.
 
-        A form with a variable would, for which a constant stands now, or does no more.
+        Nor may it have one for which a constant stands no more.
         """
-        wrong = {key_of(one.used.owner) for one in analysis.result(MISUSES).found}
-        if not dirty.isdisjoint(wrong):
-            return False
         now = {(k, n) for (_, n), k in analysis.result(CONSTANTS).items() if k in dirty}
         turned = now ^ {(key, name) for key, name in self._unmarked() if key in dirty}
         others = {name for _, name in turned}
@@ -345,3 +355,35 @@ class _Part:
         left = written.applied(found, self._sources, chosen, never)
         raps = Counter(key[0] for key in self._raps.values())
         return reported(left, self._sources, raps, chosen)
+
+
+class _Raps(Mapping[str, nodes.DefineRap]):
+    """All RAPs of a library, of which those that are no part of it are read late.
+
+    Args:
+        part: the part.
+        names: the names of all RAPs.
+        read: reads one of them.
+    """
+
+    def __init__(
+        self,
+        part: Library,
+        names: Mapping[str, FormKey],
+        read: Callable[[str], nodes.DefineRap],
+    ) -> None:
+        self._part = part.raps
+        self._names = names
+        self._read = read
+
+    def __getitem__(self, name: str) -> nodes.DefineRap:
+        return self._part[name] if name in self._part else self._read(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)

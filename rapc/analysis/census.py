@@ -12,173 +12,32 @@ among many changes no answer.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-import msgspec
-
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.asking import Asking, asking
-from rapc.analysis.index import INDEX, Form, Index
+from rapc.analysis.asking import Asking
+from rapc.analysis.file_census import (
+    FileCensus,
+    FormKey,
+    Standing,
+    gather,
+    place_of,
+    word_of,
+)
+from rapc.analysis.index import INDEX, Uses
+from rapc.analysis.named import MISUSES
 from rapc.analysis.places import PLACES, Place, Places
 from rapc.base.source import Span
-from rapc.base.values import format_atom
-from rapc.ir import nodes
-from rapc.library.library import Library
 
 ENOUGH = 5
 """How far forms are counted."""
-
-MOST_PLACES = 12
-"""Of the places of a variable in a form only the first so many are told."""
 
 PLAIN = ("unknown", "true", "false", "nil", "t", "okay")
 """Constants that stand anywhere."""
 
 TRUTH = ("true", "false", "t", "nil")
 """Constants that answer a question."""
-
-FormKey = tuple[str, int]
-"""A form by its file and by where it begins."""
-
-
-class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """A constant where it stands."""
-
-    #: As it is written, so that a text has its quotes.
-    written: str
-    #: Where its form begins.
-    form: int
-    start: int
-    end: int
-    #: Whether it stands at its place itself; else it is compared with a variable.
-    filled: bool
-    #: The place that it is at, or those of the variable that it is compared with.
-    places: tuple[str, ...]
-
-
-class FileCensus(msgspec.Struct, array_like=True):
-    """What the forms of one file tell; a place is told by the words of its parts.
-
-    The variables of forms are numbered, as `groups`.
-    """
-
-    #: For each place the variables that stand at it.
-    groups: dict[str, list[int]] = {}
-    #: For each variable where its form begins.
-    owners: list[int] = []
-    constants: list[Standing] = []
-    #: The names of facts that RAPs bring about or take away.
-    changed: list[str] = []
-    #: What RAPs ask for.
-    asking: list[Asking] = []
-    #: The RAPs that agendas ask for.
-    given: list[str] = []
-    #: Where its first form begins.
-    first: int = 0
-    #: Where the forms begin that are tests, and those that are neither that nor RAPs.
-    tests: list[int] = []
-    others: list[int] = []
-
-
-def key_of(form: Form) -> FormKey:
-    """Return what tells a form from all others of its library."""
-    return form.span.file, form.span.start
-
-
-def gather(library: Library, index: Index, places: Places) -> Mapping[str, FileCensus]:
-    """Return what each file with forms or tests tells.
-
-    Args:
-        library: the files.
-        index: their nodes.
-        places: what stands at their places.
-    """
-    made: dict[str, FileCensus] = {}
-    for form in (*library.forms, *library.tests):
-        here = made.get(form.span.file)
-        if here is None:
-            here = made[form.span.file] = FileCensus(first=form.span.start)
-        if isinstance(form, nodes.DefineTest):
-            here.tests.append(form.span.start)
-        elif isinstance(form, nodes.DefineRap):
-            here.asking.append(asking(form))
-        else:
-            here.others.append(form.span.start)
-        if isinstance(form, nodes.DefineAgenda):
-            here.given += [task.goal.name for task in form.tasks]
-    words = _Words()
-    for form, names in places.forms():
-        here, start = made[form.span.file], form.span.start
-        for there in names.values():
-            group = len(here.owners)
-            here.owners.append(start)
-            for place in list(dict.fromkeys(there))[:MOST_PLACES]:
-                here.groups.setdefault(words.of(place), []).append(group)
-    for one in _standing(index, places, words):
-        made[one[0]].constants.append(one[1])
-    for file, name in dict.fromkeys(_changed(index)):
-        made[file].changed.append(name)
-    return made
-
-
-class _Words:
-    """The words of places, each made once."""
-
-    def __init__(self) -> None:
-        self._made: dict[Place, str] = {}
-
-    def of(self, place: Place) -> str:
-        made = self._made.get(place)
-        if made is None:
-            made = self._made[place] = _word(place)
-        return made
-
-
-def _word(place: Place) -> str:
-    return f"{place.space} {place.name} {place.position}"
-
-
-def _place(word: str) -> Place:
-    space, name, position = word.split(" ")
-    return Place(space, name, int(position))
-
-
-def _standing(
-    index: Index, places: Places, words: _Words
-) -> Iterator[tuple[str, Standing]]:
-    for one in places.filled:
-        if isinstance(one.term, nodes.Const):
-            at = words.of(one.place)
-            yield one.form.span.file, _one(one.term, one.form, (at,), filled=True)
-    for test in index.of(nodes.Compare):
-        for const, other in compared(test.node):
-            found = dict.fromkeys(places.of(test.owner, other.name))
-            there = tuple(map(words.of, found))
-            yield test.owner.span.file, _one(const, test.owner, there, filled=False)
-
-
-def compared(test: nodes.Compare) -> Iterator[tuple[nodes.Const, nodes.Var]]:
-    """Yield a constant that is compared with a variable, and the variable."""
-    for one, other in ((test.left, test.right), (test.right, test.left)):
-        if isinstance(one, nodes.Const) and isinstance(other, nodes.Var):
-            yield one, other
-
-
-def _one(
-    const: nodes.Const, form: Form, there: tuple[str, ...], *, filled: bool
-) -> Standing:
-    span, written = const.span, format_atom(const.value)
-    return Standing(written, form.span.start, span.start, span.end, filled, there)
-
-
-def _changed(index: Index) -> Iterator[tuple[str, str]]:
-    for one in index.uses():
-        if one.use in ("asserted", "erased") and type(one.owner) is nodes.DefineRap:
-            yield one.owner.span.file, one.name
-
-
-# --- of all files ---------------------------------------------------------------------
 
 
 class Found(NamedTuple):
@@ -215,8 +74,10 @@ class Census:
             self._tests.update([(name, start) for start in one.tests])
         self._merged: dict[str, list[int]] | None = None
         self._sets: dict[Place, frozenset[int]] = {}
-        self._together: dict[tuple[Place, Place], int] = {}
-        self._beside: dict[tuple[str, Place], int] = {}
+        self._together: dict[
+            tuple[Place, Place], tuple[int, Mapping[FormKey, int]]
+        ] = {}
+        self._beside: dict[tuple[str, Place], tuple[FormKey, ...]] = {}
         self._places: dict[str, Place] = {}
         self._standing: dict[str, tuple[Found, ...]] = {}
         self._by_word: dict[str, list[tuple[str, Standing]]] | None = None
@@ -224,30 +85,37 @@ class Census:
         self._changed: frozenset[str] | None = None
         self._requested: frozenset[str] | None = None
 
-    def together(
-        self, one: Place, other: Place, but: frozenset[FormKey] = frozenset()
-    ) -> int:
-        """Return in how many forms one variable stands at both places.
+    def together(self, one: Place, other: Place, but: Container[FormKey]) -> int:
+        """Return in how many forms, besides some, one variable stands at both places.
 
-        A declaration counts as two RAPs do; forms in `but` are left out.
+        A declaration counts as two RAPs do.
         """
-        if but:
-            return self._count(one, other, but)
-        pair = (one, other)
-        count = self._together.get(pair)
-        if count is None:
-            count = self._together[pair] = self._count(one, other, but)
-        return count
+        forms = self._forms_with_both(one, other, but)
+        return min(sum(forms.values()), ENOUGH)
 
-    def beside(self, written: str, place: Place) -> int:
-        """Return in how many forms a constant itself stands at a place."""
+    def together_elsewhere(self, one: Place, other: Place, form: FormKey) -> int:
+        """Return in how many forms but one a variable stands at both places."""
+        pair = (one, other)
+        found = self._together.get(pair)
+        if found is None:
+            forms = self._forms_with_both(one, other, ())
+            found = self._together[pair] = min(sum(forms.values()), ENOUGH), forms
+        count, forms = found
+        return count if count >= ENOUGH else count - forms.get(form, 0)
+
+    def beside_elsewhere(self, written: str, place: Place, form: FormKey) -> int:
+        """Return in how many forms but one a constant itself stands at a place."""
         pair = (written, place)
-        count = self._beside.get(pair)
-        if count is None:
+        forms = self._beside.get(pair)
+        if forms is None:
             there = [one for one in self.standing(written) if one.filled]
-            forms = {one.form for one in there if place in one.places}
-            count = self._beside[pair] = min(len(forms), ENOUGH)
-        return count
+            every = dict.fromkeys(one.form for one in there if place in one.places)
+            forms = self._beside[pair] = tuple(every)[: ENOUGH + 1]
+        return min(len(forms) - (form in forms), ENOUGH)
+
+    def uses(self) -> Uses:
+        """Return how often names are used."""
+        return Uses([one.uses for one in self.files.values()])
 
     def written(self) -> Iterator[str]:
         """Yield the constants of the library as they are written, each once."""
@@ -270,7 +138,7 @@ class Census:
                 for one in census.constants:
                     for word in one.places:
                         self._by_place.setdefault(word, []).append((file, one))
-        return self._by_place.get(_word(place), ())
+        return self._by_place.get(word_of(place), ())
 
     def is_changed(self, name: str) -> bool:
         """Whether any RAP brings or takes away facts of a name."""
@@ -278,6 +146,11 @@ class Census:
             every = [name for one in self.files.values() for name in one.changed]
             self._changed = frozenset(every)
         return name in self._changed
+
+    def conditions(self) -> Iterator[str]:
+        """Yield the names of what RAPs ask for in conditions of work."""
+        for one in self.files.values():
+            yield from one.conditions
 
     def is_requested(self, primitive: str) -> bool:
         """Whether any RAP requests a primitive."""
@@ -325,13 +198,13 @@ class Census:
     def _place(self, word: str) -> Place:
         place = self._places.get(word)
         if place is None:
-            place = self._places[word] = _place(word)
+            place = self._places[word] = place_of(word)
         return place
 
     def _set(self, place: Place) -> frozenset[int]:
         found = self._sets.get(place)
         if found is None:
-            found = self._sets[place] = frozenset(self._groups(_word(place)))
+            found = self._sets[place] = frozenset(self._groups(word_of(place)))
         return found
 
     def _groups(self, word: str) -> Iterable[int]:
@@ -350,20 +223,24 @@ class Census:
                     there += [first + group for group in groups]
         return self._merged.get(word, ())
 
-    def _count(self, one: Place, other: Place, but: frozenset[FormKey]) -> int:
-        if one == other:
-            return 0
+    def _forms_with_both(
+        self, one: Place, other: Place, but: Container[FormKey]
+    ) -> Mapping[FormKey, int]:
+        """Return the first forms in which one variable stands at both places.
+
+        More than are `ENOUGH` are left out; each is told with what it counts.
+        """
         small, large = sorted((self._set(one), self._set(other)), key=len)
-        forms: set[FormKey] = set()
+        forms: dict[FormKey, int] = {}
         count = 0
-        for group in small:
+        for group in small if one != other else ():
             owner = self._owners[group]
             if group in large and owner not in forms and owner not in but:
-                forms.add(owner)
-                count += 2 if owner in self._double else 1
+                forms[owner] = 2 if owner in self._double else 1
+                count += forms[owner]
                 if count >= ENOUGH:
-                    return ENOUGH
-        return count
+                    break
+        return forms
 
 
 _FEW = 300
@@ -371,14 +248,17 @@ _FEW = 300
 
 
 def _run(run: Pass) -> Census:
-    return Census(gather(run.library, run.result(INDEX), run.result(PLACES)))
+    index, places = run.result(INDEX), run.result(PLACES)
+    if run.result(MISUSES).found:
+        places = Places(index, ())  # all of it, so that it is told by the text alone
+    return Census(gather(run.library, index, places))
 
 
 CENSUS = Analyzer(
     name="census",
     doc="Gathers by files what forms tell of places and constants.",
     run=_run,
-    needs=(INDEX, PLACES),
+    needs=(INDEX, MISUSES, PLACES),
 )
 
 

@@ -10,7 +10,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.census import FormKey
+from rapc.analysis.file_census import FormKey
 from rapc.analysis.kept import FileState, FormState, State
 
 

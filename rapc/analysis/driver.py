@@ -18,8 +18,8 @@ import msgspec
 
 from rapc.analysis import suite, suppressions
 from rapc.analysis.analyzer import Analyzer, Pass, T, never
-from rapc.analysis.census import FormKey
 from rapc.analysis.damage import Damage
+from rapc.analysis.file_census import FormKey
 from rapc.analysis.selection import Selection, by_default, errors
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.gc_paused import gc_paused
@@ -29,6 +29,7 @@ from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library
 from rapc.library.loader import Loaded
 from rapc.library.requiring import UNRESOLVED
+from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
 
@@ -228,6 +229,7 @@ def analyzed(
     unsure: Callable[[Span], bool],
     required: Mapping[str, tuple[str, ...]],
     known: Mapping[str, object] = MappingProxyType({}),
+    raps: Mapping[str, Signature] | None = None,
 ) -> Analysis:
     """Run passes over the forms and tests of a library.
 
@@ -238,13 +240,14 @@ def analyzed(
         unsure: whether a slip of the pen may have to do with what is at a place.
         required: the files that files require themselves, by their names.
         known: the results of passes that need not run, by their names.
+        raps: the signatures of all RAPs, where the library is a part of another.
     """
     results: dict[str, object] = dict(known)
     found: list[tuple[Analyzer[Any], Diagnostic]] = []
     seen: set[tuple[str, Span, str]] = set()
     watched: set[FormKey] = set()
     watched_files: set[str] = set()
-    signatures = Signatures.of(library)
+    signatures = Signatures.of(library, raps)
     for analyzer in wanted:
         if analyzer.name in results:
             continue

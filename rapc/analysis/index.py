@@ -8,6 +8,7 @@ stands in. What a name means is for `rapc.library.signatures` to say.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Generic, TypeVar, cast
 
@@ -164,6 +165,41 @@ INDEX = Analyzer(
     name="index",
     doc="Gathers every node of the library by its type.",
     run=_run,
+)
+
+
+class Uses:
+    """How often names are used.
+
+    Args:
+        counts: the numbers by `use_key`, of one part of the library each.
+    """
+
+    def __init__(self, counts: Sequence[Mapping[str, int]]) -> None:
+        self._counts = counts
+
+    def count(self, use: Use, name: str) -> int:
+        """Return how often a name is used in one way, be it declared or not."""
+        key = use_key(use, name)
+        return sum(one.get(key, 0) for one in self._counts)
+
+
+def use_key(use: Use, name: str) -> str:
+    """Return the words for one way to use a name."""
+    return f"{use} {name}"
+
+
+def _count(run: Pass) -> Uses:
+    every = [(one.use, one.name) for one in run.result(INDEX).uses()]
+    counts = {use_key(*pair): number for pair, number in Counter(every).items()}
+    return Uses((counts,))
+
+
+USES = Analyzer(
+    name="uses",
+    doc="Counts how often each name is used.",
+    run=_count,
+    needs=(INDEX,),
 )
 
 

@@ -7,14 +7,14 @@ found. Which forms have to be looked at again is for `rapc.analysis.affected` to
 from __future__ import annotations
 
 import hashlib
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.census import CENSUS, FileCensus, FormKey
+from rapc.analysis.census import CENSUS
 from rapc.analysis.driver import Examined, Written
-from rapc.analysis.named import MISUSES
+from rapc.analysis.file_census import FileCensus, FormKey, key_of
+from rapc.analysis.index import INDEX, Index
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
 from rapc.analysis.suppressions import Suppression
 from rapc.base.diagnostics import Diagnostic
@@ -74,18 +74,12 @@ class State(msgspec.Struct, array_like=True, frozen=True):
     #: The files that files require themselves, by their names.
     required: Mapping[str, tuple[str, ...]]
 
-    @property
-    def is_open(self) -> bool:
-        """Whether parts of it can be checked: no queries ask how old beliefs are."""
-        forms = (form for file in self.files for form in file.forms)
-        return not any(form.is_entangled and not form.rap for form in forms)
-
 
 def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
     """Return what to keep of a check; None if the library is always checked as a whole.
 
-    That is so with slips of the pen, names that nothing declares, tests and skills, and
-    where the rules chosen need few passes.
+    That is so with slips of the pen, tests and skills, and where the rules chosen need
+    few passes.
 
     Args:
         examined: the check.
@@ -95,12 +89,11 @@ def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
     library = loaded.library
     if loaded.diagnostics or loaded.partial or library.tests or library.skills:
         return None
-    needed = (MISUSES, CENSUS, CONSTANTS)
+    needed = (CENSUS, CONSTANTS)
     if not all(analyzer.name in analysis.results for analyzer in needed):
         return None
-    if analysis.result(MISUSES).found:
-        return None
     censuses = analysis.result(CENSUS).files
+    entangled = entangled_in(analysis.result(INDEX))
     owners = Owners(loaded.units)
     found = [
         (AGENDAS if analyzer.by_agendas else owners.of(one.span), one)
@@ -115,6 +108,7 @@ def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
                     digest[unit.file.name],
                     censuses.get(unit.file.name, FileCensus()),
                     examined.written,
+                    entangled,
                 )
                 for unit in loaded.units
             ]
@@ -128,7 +122,11 @@ def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
 
 
 def file_state(
-    unit: SourceUnit, digest: str, census: FileCensus, written: Written
+    unit: SourceUnit,
+    digest: str,
+    census: FileCensus,
+    written: Written,
+    entangled: Container[FormKey],
 ) -> FileState:
     """Return what the text of a file tells.
 
@@ -137,12 +135,18 @@ def file_state(
         digest: what tells its text from others.
         census: what it tells of places and constants.
         written: the suppressions of this file, among others.
+        entangled: the forms that are entangled with others, among others.
     """
     name = unit.file.name
     return FileState(
         name,
         digest,
-        tuple([_form_state(unit.file, form) for form in unit.forms]),
+        tuple(
+            [
+                _form_state(unit.file, form, key_of(form) in entangled)
+                for form in unit.forms
+            ]
+        ),
         census,
         tuple(written.right.get(name, ())),
         tuple(written.wrong.get(name, ())),
@@ -185,16 +189,35 @@ def form_at(forms: Sequence[tuple[int, int]], place: Span) -> int:
     return forms[low][0] if inside else place.start
 
 
-def _form_state(source: SourceFile, form: nodes.TopForm) -> FormState:
+def entangled_in(index: Index) -> set[FormKey]:
+    """Return the forms that lead to others by things, sets or counters."""
+    found: set[FormKey] = set()
+    for kind in _ENTANGLED:
+        found.update(key_of(one.owner) for one in index.of(kind))
+    for call in index.of(nodes.Call):
+        if call.node.function in ("size-of", "value"):
+            found.add(key_of(call.owner))
+    return found
+
+
+_ENTANGLED: Sequence[type[nodes.Node]] = (
+    nodes.Thing,
+    nodes.Resource,
+    nodes.ResourceChange,
+    nodes.SetTest,
+)
+
+
+def _form_state(
+    source: SourceFile, form: nodes.TopForm, is_entangled: bool
+) -> FormState:
     start, end = form.span.start, form.span.end
     digest = _told(source.text[start:end])
     if not isinstance(form, nodes.DefineRap):
-        believes = "believe" in source.text[start:end].lower()
         sort = _SORTS.get(type(form), "")
-        return FormState("", start, end, digest, digest, sort, believes)
+        return FormState("", start, end, digest, digest, sort, is_entangled)
     shown = _told("".join(_shown(source.text, form)))
-    entangled = _ENTANGLED.search(source.text, start, end) is not None
-    return FormState(form.name, start, end, digest, shown, "", entangled)
+    return FormState(form.name, start, end, digest, shown, "", is_entangled)
 
 
 _SORTS: Mapping[type, str] = {nodes.DefineAgenda: "agenda", nodes.Require: "require"}
@@ -218,11 +241,3 @@ def _shown(text: str, rap: nodes.DefineRap) -> Iterator[str]:
                 if any(isinstance(a, nodes.Var) and a.name in inputs for a in args):
                     yield text[part.span.start : part.span.end]
     yield text[at : rap.span.end]
-
-
-_ENTANGLED = re.compile(
-    r"""(?<![^\s()";'])(?:claims|resources|skills|member|empty|size-of|value"""
-    r"""|set-add|set-sub|counter-add|counter-sub)(?![^\s()";'])""",
-    re.IGNORECASE,
-)
-"""Words of which one stands in each RAP with things, skills, sets or counters."""

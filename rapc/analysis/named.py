@@ -13,7 +13,7 @@ from typing import get_args
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, Form, Index, NameUse
+from rapc.analysis.index import INDEX, USES, Form, NameUse, Uses
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import Span
@@ -34,10 +34,10 @@ class Misuse(msgspec.Struct, frozen=True):
 
 
 class Misuses(msgspec.Struct, frozen=True):
-    """All misuses of a library, with the index in which its uses are found."""
+    """All misuses of a library, with how often names are used."""
 
     found: Sequence[Misuse]
-    index: Index
+    uses: Uses
 
 
 def _run(run: Pass) -> Misuses:
@@ -47,15 +47,16 @@ def _run(run: Pass) -> Misuses:
     for used in index.uses():
         fault = faults(used.use, used.name, used.count, used.outputs)
         if fault is not None:
+            run.watch(used.owner)  # what is said of it depends on all other names
             found.append(Misuse(used, fault))
-    return Misuses(found, index)
+    return Misuses(found, run.result(USES))
 
 
 MISUSES = Analyzer(
     name="misuses",
     doc="Holds every use of a name against its declaration.",
     run=_run,
-    needs=(INDEX,),
+    needs=(INDEX, USES),
 )
 
 
@@ -80,8 +81,8 @@ def report_arguments(run: Pass, rule: Rule, uses: Container[Use]) -> None:
     for one in misuses(run, uses, "arguments"):
         faults.setdefault((one.used.name, one.fault.message), []).append(one)
     for (name, _), wrong in faults.items():
-        index = run.result(MISUSES).index
-        every = sum(len(index.uses_of(use, name)) for use in _ALL_USES if use in uses)
+        count = run.result(MISUSES).uses.count
+        every = sum(count(use, name) for use in _ALL_USES if use in uses)
         alike = every == len(wrong) >= _ALL
         for one in wrong[:1] if alike else wrong:
             declared = one.fault.declared
@@ -181,8 +182,8 @@ def _unused(run: Pass, meant: Signature | None) -> Iterator[Label]:
     """Show the declaration that may be meant, if nothing uses its name."""
     if meant is None or meant.kind not in _SAME:
         return
-    index = run.result(MISUSES).index
-    if not any(index.uses_of(use, meant.name) for use in _SAME[meant.kind]):
+    uses = run.result(MISUSES).uses
+    if not any(uses.count(use, meant.name) for use in _SAME[meant.kind]):
         label = "nothing uses this, and the name is close"
         yield Label(declared_at(run, meant), label)
 

@@ -8,7 +8,7 @@ arguments draw; declarations take part as forms of their own, with their variabl
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import msgspec
@@ -73,10 +73,6 @@ class Places:
     def of(self, form: Form, name: str) -> Sequence[Place]:
         """Return the places at which a variable stands in a form."""
         return self._of.get(id(form), {}).get(name, ())
-
-    def variables(self, form: Form) -> Iterable[str]:
-        """Return the variables of a form that stand at places."""
-        return self._of.get(id(form), {})
 
     def forms(self) -> Iterator[tuple[Form, Mapping[str, Sequence[Place]]]]:
         """Yield the forms with their variables, and the places of each."""

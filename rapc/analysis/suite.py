@@ -89,6 +89,7 @@ from rapc.parser.rules import table as parser
 
 ANALYZERS: tuple[Analyzer[Any], ...] = (
     index.INDEX,
+    index.USES,
     named.MISUSES,
     places.PLACES,
     census.CENSUS,

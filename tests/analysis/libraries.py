@@ -130,8 +130,8 @@ def edited(
     name = dice.choice([name for name in texts if name != "a.rap"])
     forms = _forms(texts[name])
     at = dice.randrange(len(forms))
-    kind = dice.randrange(10)
-    number = int(forms[at].split("(r", 1)[1].split(" ", 1)[0])
+    kind = dice.randrange(11)
+    number = int(forms[at].split("(index (r", 1)[1].split(" ", 1)[0])
     if kind < 4:
         forms[at] = maker.rap(number)
     elif kind == 4:
@@ -141,11 +141,15 @@ def edited(
     elif kind == 6:
         forms[at] = _with_another_word(dice, forms[at])
     elif kind == 7:
-        forms.insert(at, maker.rap(100 + dice.randrange(9)))
-    elif kind == 8 and len(forms) > 1 and number > 99:
+        forms.insert(at, maker.rap(_ADDED + dice.randrange(9)))
+    elif kind == 8 and len(forms) > 1 and (number >= _ADDED or dice.random() < _SELDOM):
         del forms[at]
-    else:
+    elif kind == 9:
+        forms[at] = _with_another_name(dice, forms[at])
+    elif dice.random() < _SELDOM:
         texts["a.rap"] = texts["a.rap"].replace("shelf))", "hall))", 1)
+    else:
+        forms[0] = _with_another_require(dice, forms[0])
     texts[name] = "".join(forms)
     return texts
 
@@ -159,6 +163,25 @@ def _forms(text: str) -> list[str]:
     forms = [f"(define-rap{piece}" for piece in pieces[1:]]
     forms[0] = head + forms[0]
     return forms
+
+
+_ADDED = 1000
+"""The RAPs with these numbers and higher ones are asked for by none."""
+
+
+def _with_another_require(dice: random.Random, text: str) -> str:
+    head, begin, rest = text.partition("(define-rap")
+    head = dice.choice((head, "", '(require "a")\n', '(require "p1")\n'))
+    return head + begin + rest
+
+
+def _with_another_name(dice: random.Random, text: str) -> str:
+    """Ask for a RAP, a fact or a primitive that may not be there, or with too much."""
+    before = dice.choice(("(r1", "(r2", "(location ", "(drive ", "(seen "))
+    number = dice.randrange(99)
+    after = dice.choice((f"(r{number}", "(locatin ", "(drve ", "(seen box "))
+    head, begin, body = text.partition("?other))")
+    return head + begin + body.replace(before, after, 1)
 
 
 def _with_another_word(dice: random.Random, text: str) -> str:

@@ -130,6 +130,8 @@ EDITS = {
         "(go-to ?spot) ((at ?place) for t2)",
         ["p2.rap"],
     ),
+    "an unknown name": ("p4.rap", "(pickup-14 ", "(pickup-400 ", ["p4.rap"]),
+    "an argument more": ("p4.rap", "(pickup-14 ", "(pickup-14 box ", ["p4.rap"]),
     "another goal": ("p0.rap", "(arm-holding ?arm ?thing)", "(at ?arm)", ["p0.rap"]),
     "a comment": ("p3.rap", ";;; Number 20", ";;; No. 20", ["p3.rap"]),
 }
@@ -187,7 +189,6 @@ def test_suppressions_hold_for_what_is_kept(here: Path, parts: list[bool]) -> No
 
 WHOLE = {
     "a declaration": ("a.rap", "(?place) (okay road-closed)", "(?place) (okay)"),
-    "an unknown name": ("p4.rap", "(pickup-14 ", "(pickup-400 "),
     "a parenthesis": ("p4.rap", "(task-net", "task-net"),
     "forms in another order": (
         "p4.rap",

@@ -13,8 +13,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.census import CENSUS, FormKey, compared, key_of, sort_of
+from rapc.analysis.census import CENSUS, sort_of
 from rapc.analysis.close_names import Close, is_row
+from rapc.analysis.file_census import FormKey, compared, key_of
 from rapc.analysis.index import INDEX, Form
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.kinds import ANALYZER as KINDS

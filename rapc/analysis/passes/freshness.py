@@ -12,8 +12,8 @@ from collections.abc import Container, Iterator
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.asked import through
 from rapc.analysis.census import CENSUS, Census
+from rapc.analysis.file_census import CONDITIONS
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import number
 from rapc.analysis.passes.standing import is_described
@@ -21,7 +21,7 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.base.values import Number, format_atom
 from rapc.ir import nodes
-from rapc.ir.walk import Clause, formulas
+from rapc.ir.walk import formulas, subformulas
 from rapc.library.library import Library
 
 _GAUGE = """\
@@ -59,11 +59,6 @@ which anybody may ask for.""",
     better=_GAUGE.format(90),
 )
 
-_WHERE: frozenset[Clause] = frozenset(
-    ("context", "preconditions", "constraints", "repeat-while", "for")
-)
-"""The clauses in which a belief has to hold when its task comes up."""
-
 _AT_ANY_TIME = 0
 """How often what anybody may ask for is done."""
 
@@ -83,18 +78,35 @@ def _run(run: Pass) -> None:
     if not believed or not run.complete or not is_described(library):
         return
     sensing = _Sensing(library, run.result(CENSUS))
-    told: set[int] = set()
-    for rap in library.raps.values():
-        for whole in formulas(rap):
-            if whole.clause not in _WHERE:
-                continue
-            for part in through(library, whole.formula):
-                if isinstance(part, nodes.Believe) and id(part) not in told:
-                    found = sensing.of(part.pattern.name)
-                    age = number(part.age)
-                    if found is not None and age is not None and 0 < age < found.every:
-                        told.add(id(part))
-                        run.report(_finding(part, age, found))
+    for part in _told(run):
+        found, age = sensing.of(part.pattern.name), number(part.age)
+        if found is not None and age is not None and 0 < age < found.every:
+            run.report(_finding(part, age, found))
+
+
+def _told(run: Pass) -> Iterator[nodes.Believe]:
+    """Yield the beliefs in conditions of RAPs, and in queries that those name."""
+    library = run.library
+    asked = [
+        whole.formula
+        for rap in library.raps.values()
+        for whole in formulas(rap)
+        if whole.clause in CONDITIONS
+    ]
+    waiting = list(run.result(CENSUS).conditions())
+    seen: set[str] = set()
+    while waiting:
+        query = library.queries.get(waiting.pop())
+        if query is not None and query.name not in seen:
+            seen.add(query.name)
+            asked.append(query.formula)
+            for part in subformulas(query.formula):
+                if isinstance(part, nodes.Proposition):
+                    waiting.append(part.name)
+    for formula in asked:
+        for part in subformulas(formula):
+            if isinstance(part, nodes.Believe):
+                yield part
 
 
 ANALYZER = Analyzer(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.census import CENSUS, Census, FormKey, Found, key_of, sort_of
+from rapc.analysis.census import CENSUS, Census, Found, sort_of
+from rapc.analysis.file_census import FormKey, key_of
 from rapc.analysis.index import INDEX, Form, Occurrence
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.bindings import BINDINGS

@@ -5,7 +5,7 @@ Only what stands in the text can be seen here; what variables hold, a run will t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Index, Occurrence
@@ -13,8 +13,6 @@ from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
 from rapc.language.heads import CALLS
-from rapc.library.signature import Signature
-from rapc.library.signatures import Use
 
 NOT_A_NUMBER = Rule(
     code="RAP069",
@@ -135,30 +133,14 @@ def _must_be_numbers(why: str, *terms: nodes.Term | None) -> Found:
             yield term, why
 
 
-_STORED: tuple[Use, ...] = (
-    *("test", "believed", "asserted", "erased", "computed"),
-    *("goal", "primitive", "datum", "skill", "event"),
-)
-
-
 def _declared(run: Pass, index: Index) -> Found:
     """Arguments that were declared to be numbers."""
-    tables = {use: _with_numbers(run.signatures.table(use)) for use in _STORED}
-    for used in index.uses() if any(tables.values()) else ():
-        wanted = tables[used.use].get(used.name) if used.use in tables else None
-        if wanted is None:
-            continue
-        for term, arg in zip(used.node.args, wanted, strict=False):
+    for used in index.uses():
+        declared = run.signatures.table(used.use).get(used.name)
+        args = declared.args if declared is not None else None
+        for term, arg in zip(used.node.args, args or (), strict=False):
             if arg.kind == "number" and _is_other(term) and not _unknown(term):
                 yield term, f"is no number, which `{arg.variable.name}` was declared"
-
-
-def _with_numbers(
-    declared: Mapping[str, Signature],
-) -> dict[str, Sequence[nodes.Argument]]:
-    """The arguments of declarations that want a number among them."""
-    args = {name: signature.args or () for name, signature in declared.items()}
-    return {k: v for k, v in args.items() if any(arg.kind == "number" for arg in v)}
 
 
 def _unknown(term: nodes.Term) -> bool:

@@ -14,7 +14,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.census import CENSUS, MOST_PLACES, Census
+from rapc.analysis.census import CENSUS, Census
+from rapc.analysis.file_census import MOST_PLACES, key_of
 from rapc.analysis.index import INDEX, Form, NameUse
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.places import PLACES, SPACES, Place, Places
@@ -69,6 +70,10 @@ _Point = Place | str
 """A place, or a constant as it is written."""
 
 
+_NO_FORM = ("", 0)
+"""The key of no form at all."""
+
+
 class _Links:
     """In how many forms two places, or a constant and a place, go together."""
 
@@ -76,12 +81,6 @@ class _Links:
         self._places = places
         self._census = census
         self._rows: dict[tuple[int, str], tuple[Place, ...]] = {}
-        self._own: dict[int, list[tuple[Place, ...]]] = {}
-        self._constants: dict[int, set[tuple[str, Place]]] = {}
-        for one in places.filled:
-            if isinstance(one.term, nodes.Const):
-                there = self._constants.setdefault(id(one.form), set())
-                there.add((format_term(one.term), one.place))
 
     def points(
         self, form: Form, term: nodes.Term, places: Sequence[Place]
@@ -96,34 +95,23 @@ class _Links:
 
     def alike(self, one: Place, other: Place) -> bool:
         """Whether one variable stands at both places: what fits one fits the other."""
-        return self._census.together(one, other) > 0
+        return self._census.together_elsewhere(one, other, _NO_FORM) > 0
 
     def elsewhere(self, form: Form, points: Sequence[_Point], place: Place) -> int:
         """Return in how many other forms one of the points goes with a place.
 
         More than `_OFTEN` are not counted.
         """
-        most = 0
+        most, key = 0, key_of(form)
         for point in points:
             if isinstance(point, str):
-                count = self._census.beside(point, place)
+                count = self._census.beside_elsewhere(point, place, key)
             else:
-                count = self._census.together(point, place)
-            if count > most:
-                most = max(most, count - self._is_own(form, point, place))
-                if most >= _OFTEN:
-                    break
+                count = self._census.together_elsewhere(point, place, key)
+            most = max(most, count)
+            if most >= _OFTEN:
+                break
         return most
-
-    def _is_own(self, form: Form, point: _Point, place: Place) -> bool:
-        """Whether a form itself has the two together."""
-        if isinstance(point, str):
-            return (point, place) in self._constants.get(id(form), ())
-        rows = self._own.get(id(form))
-        if rows is None:
-            names = self._places.variables(form)
-            rows = self._own[id(form)] = [self._row(form, name) for name in names]
-        return any(point in row and place in row for row in rows)
 
     def _row(self, form: Form, name: str) -> tuple[Place, ...]:
         """Return the places of a variable, each once."""
