@@ -157,7 +157,7 @@ class Affected:
     # --- sideways: constants ----------------------------------------------------------
 
     def _by_constants(self) -> Iterator[FormKey]:
-        turned: Counter[tuple[str, bool, tuple[str, ...]]] = Counter()
+        turned: Counter[tuple[str, int, tuple[str, ...]]] = Counter()
         for sign, files, keys in (
             (-1, self._before, self._change.gone),
             (1, self._files, self._change.fresh),
@@ -165,13 +165,13 @@ class Affected:
             for name in self._change.files:
                 for one in files[name].census.constants if name in files else ():
                     if (name, one.form) in keys:
-                        turned[one.written, one.filled, one.places] += sign
+                        turned[one.written, one.count, one.places] += sign
         sorts: dict[str, Counter[str]] = {}
         words: dict[str, list[tuple[bool, tuple[str, ...]]]] = {}
-        for (written, filled, places), number in turned.items():
+        for (written, count, places), number in turned.items():
             sort = sort_of(written)
             if number and sort != "number":
-                words.setdefault(written, []).append((filled, places))
+                words.setdefault(written, []).append((count > 0, places))
             for place in places if sort else ():
                 sorts.setdefault(place, Counter())[sort] += number
         for written, where in words.items():

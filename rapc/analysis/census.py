@@ -190,7 +190,7 @@ class Census:
         return Found(
             Span(file, one.start, one.end),
             (file, one.form),
-            one.filled,
+            one.count > 0,
             tuple([self._place(word) for word in one.places]),
             (file, one.form) in self._tests,
         )

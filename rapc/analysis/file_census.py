@@ -35,8 +35,9 @@ class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     form: int
     start: int
     end: int
-    #: Whether it stands at its place itself; else it is compared with a variable.
-    filled: bool
+    #: With how many arguments it stands at its place; 0 if it is compared with a
+    #: variable.
+    count: int
     #: The place that it is at, or those of the variable that it is compared with.
     places: tuple[str, ...]
 
@@ -156,12 +157,12 @@ def _standing(
     for one in places.filled:
         if isinstance(one.term, nodes.Const):
             at = words.of(one.place)
-            yield one.form.span.file, _one(one.term, one.form, (at,), filled=True)
+            yield one.form.span.file, _one(one.term, one.form, (at,), one.count)
     for test in index.of(nodes.Compare):
         for const, other in compared(test.node):
             found = dict.fromkeys(places.of(test.owner, other.name))
             there = tuple(map(words.of, found))
-            yield test.owner.span.file, _one(const, test.owner, there, filled=False)
+            yield test.owner.span.file, _one(const, test.owner, there, 0)
 
 
 def compared(test: nodes.Compare) -> Iterator[tuple[nodes.Const, nodes.Var]]:
@@ -172,10 +173,10 @@ def compared(test: nodes.Compare) -> Iterator[tuple[nodes.Const, nodes.Var]]:
 
 
 def _one(
-    const: nodes.Const, form: Form, there: tuple[str, ...], *, filled: bool
+    const: nodes.Const, form: Form, there: tuple[str, ...], count: int
 ) -> Standing:
     span, written = const.span, format_atom(const.value)
-    return Standing(written, form.span.start, span.start, span.end, filled, there)
+    return Standing(written, form.span.start, span.start, span.end, count, there)
 
 
 def _changed(index: Index) -> Iterator[tuple[str, str]]:

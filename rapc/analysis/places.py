@@ -34,6 +34,8 @@ class Filled(msgspec.Struct, frozen=True, gc=False):
     place: Place
     term: nodes.Term
     form: Form
+    #: How many arguments stand with it.
+    count: int
 
 
 SPACES: Mapping[Use, str] = {
@@ -89,16 +91,18 @@ def _filled(index: Index, wrong: Container[int]) -> Iterator[Filled]:
         if isinstance(used.node, nodes.Goal):
             terms = (*terms, *used.node.outputs)
         for at, term in enumerate(terms):
-            yield Filled(Place(space, used.name, at), term, used.owner)
+            yield Filled(Place(space, used.name, at), term, used.owner, used.count)
     for rap in index.of(nodes.DefineRap):
         for at, variable in enumerate((*rap.node.inputs, *rap.node.outputs)):
-            yield Filled(Place("RAP", rap.node.name, at), variable, rap.owner)
+            count = len(rap.node.inputs)
+            yield Filled(Place("RAP", rap.node.name, at), variable, rap.owner, count)
     for space, kind in _DECLARED.items():
         for form in index.of(kind):
             node = form.node
             assert isinstance(node, _WithArguments)
             for at, arg in enumerate(node.args):
-                yield Filled(Place(space, node.name, at), arg.variable, form.owner)
+                count, place = len(node.args), Place(space, node.name, at)
+                yield Filled(place, arg.variable, form.owner, count)
 
 
 _DECLARED: Mapping[str, type[nodes.Node]] = {

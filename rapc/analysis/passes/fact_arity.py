@@ -143,7 +143,8 @@ class _Values:
         if kind is not None and not self._kinds.holds(kind, "true"):
             return True
         place = Place("predicate", declared.name, (declared.most or 1) - 1)
-        values = {one.written for _, one in self._census.at(place) if one.filled}
+        there = self._census.at(place)
+        values = {one.written for _, one in there if one.count == declared.most}
         values.discard("unknown")
         return bool(values) and values.isdisjoint(TRUTH)
 
