@@ -13,9 +13,11 @@ from collections.abc import Sequence
 import pytest
 
 from rapc.base.values import Text
-from rapc.worlds.truck.options import TruckSettings
+from rapc.experiments import reading
+from rapc.worlds.truck.default_map import MAP
+from rapc.worlds.truck.options import TruckSettings, read_settings
 
-from .runs import STDLIB, Run, agenda, library, task
+from .runs import EXAMPLES, STDLIB, Run, agenda, library, task
 
 WATCH = task("watch-surroundings", priority=8, background=True)
 
@@ -152,15 +154,37 @@ def test_trace_2_comes_about(seed: int) -> None:
     assert run.outcomes == ["succeeded"] * 5
 
 
-def test_the_defaults_are_within_the_bounds_of_the_traces() -> None:
-    one = TruckSettings()
+def calibrated() -> TruckSettings:
+    """The world that is calibrated on T's tables."""
+    file = EXAMPLES / "experiments" / "calibrated.toml"
+    return read_settings({**reading.read(file).set["truck"], "map": Text("")})
+
+
+@pytest.mark.parametrize(
+    ("one", "interval"),
+    [(TruckSettings(), 15), (calibrated(), 20)],
+    ids=["default", "calibrated"],
+)
+def test_hands_are_within_the_bounds_of_the_traces(
+    one: TruckSettings, interval: int
+) -> None:
+    """With the situation monitor's interval: 15 (T figure 5.7) or 20 (T 5.4.1)."""
     look, feel, scan = one.eye_examine_time, one.arm_examine_time, one.eye_scan_time
     move, grasp, ungrasp = one.arm_move_time, one.arm_grasp_time, one.arm_ungrasp_time
     before = 3 * look + 5 * move + 3 * grasp + ungrasp
-    assert before < 15 <= before + move
-    assert 3 * move + 4 * grasp < 15 <= 3 * move + 5 * grasp
+    assert before < interval <= before + move
+    assert 3 * move + 4 * grasp < interval <= 3 * move + 5 * grasp
     burst = 2 * one.arm_toggle_time + scan + feel
     assert burst < 18 <= burst + scan
+
+
+def test_full_quarries_are_the_default_map_with_eight_rocks_at_each() -> None:
+    full = json.loads((EXAMPLES / "truck-maps" / "full-quarries.json").read_text())
+    for item in full["items"]:
+        if item["kind"] == "rock":
+            assert item["count"] == 8
+            item["count"] = 4
+    assert full == json.loads(MAP)
 
 
 @pytest.mark.parametrize("seed", range(5))
