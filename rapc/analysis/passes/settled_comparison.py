@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import holds_between, number
@@ -16,8 +18,9 @@ SETTLED_COMPARISON = Rule(
     severity=Severity.WARNING,
     summary="a comparison holds always, or never, as it is written",
     why="""Two constants, or a variable and the same one with a number added, compare in
-one way whatever happens. Mostly one of the two was to be another variable: a test is
-missing, or stands in the way of all that depends on it.""",
+one way whatever happens; so do the age of a belief, a number, and a word. Mostly one of
+the two was to be another variable: a test is missing, or stands in the way of all that
+depends on it.""",
     ignore="never: write `true` or `nil` if that is meant",
     source="T 4.1",
     example="""\
@@ -36,8 +39,16 @@ missing, or stands in the way of all that depends on it.""",
 
 
 def _run(run: Pass) -> None:
-    for use in run.result(INDEX).of(nodes.Compare):
+    index = run.result(INDEX)
+    ages = {
+        (id(belief.owner), belief.node.age.name)
+        for belief in index.of(nodes.Believe)
+        if isinstance(belief.node.age, nodes.Var)
+    }
+    for use in index.of(nodes.Compare):
         holds = _answer(use.node)
+        if holds is None and _is_age_and_word(use.node, id(use.owner), ages):
+            holds = {"n=": True, "=": False}.get(use.node.op)
         if holds is not None:
             run.report(
                 Diagnostic(
@@ -71,6 +82,19 @@ def _answer(test: nodes.Compare) -> bool | None:
     if one is not None and one.anonymous:
         return None
     return holds_between(test.op, first, second)
+
+
+def _is_age_and_word(
+    test: nodes.Compare, form: int, ages: Container[tuple[int, str]]
+) -> bool:
+    """Whether an age, which is a number, is compared with a constant that is none."""
+    return any(
+        isinstance(one, nodes.Var)
+        and (form, one.name) in ages
+        and isinstance(other, nodes.Const)
+        and number(other) is None
+        for one, other in ((test.left, test.right), (test.right, test.left))
+    )
 
 
 def _apart(term: nodes.Term) -> tuple[nodes.Term | None, Number]:
