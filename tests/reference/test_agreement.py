@@ -8,11 +8,19 @@ from __future__ import annotations
 
 from collections import Counter
 
+import msgspec
 import pytest
 
 from tests.effort import first
-from tests.reference.case import Case, begin, interpreter_of, run_rapc, stepwise
-from tests.reference.compare import compare, kind_of, report
+from tests.reference.case import (
+    Case,
+    begin,
+    interpreter_of,
+    run_rapc,
+    run_reference,
+    stepwise,
+)
+from tests.reference.compare import compare, kind_of, report, rows
 from tests.reference.generate import generate
 from tests.reference.vocabulary import UNBROKEN
 
@@ -74,7 +82,8 @@ def test_both_interpreters_make_the_same_trace(chunk: int) -> None:
 def test_the_runs_compared_are_eventful() -> None:
     counts: Counter[str] = Counter()
     for seed in range(1200):
-        counts.update(kind_of(row) for row in compare(generate(seed)).reference)
+        trace = rows(run_reference(generate(seed)), msgspec.to_builtins)
+        counts.update(kind_of(row) for row in trace)
     assert [kind for kind in OFTEN if counts[kind] < 3] == []
     assert counts["task-selected"] > 1200 * 8
 
