@@ -93,7 +93,7 @@ EMPTY = Rule(
     code="RAP142",
     name="empty-promise",
     severity=Severity.WARNING,
-    summary="a RAP declares an effect that nothing it does has, or `succeed` denies",
+    summary="a RAP declares an effect that nothing it does has, or that it denies",
     why="""A planner builds on `effects` (T 7.4.1). One that no primitive below has, or
 the contrary of which `succeed` asks for, leads to plans that fail.""",
     ignore="where the world brings the effect about, and the primitive cannot say so",
@@ -123,7 +123,7 @@ def _run(run: Pass) -> None:
         wanted = rap.succeed or rap.effects
         if not run.complete or not rap.methods or not wanted or id(rap) in told:
             continue
-        denied = list(_against_succeed(rap))
+        denied = list(_denied(rap))
         for found in denied:
             run.report(found)
         done = effects.of(rap.name)
@@ -295,9 +295,20 @@ def _is_declared(library: Library, name: str) -> bool:
     return stored or is_computed(library, name)
 
 
-def _against_succeed(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    """Yield the effects the contrary of which is an effect too, or the goal."""
     asked = {one.formula: one for one in literals(rap.succeed)}
+    first: dict[nodes.Proposition, nodes.DeclaredEffect] = {}
     for effect in rap.effects:
+        other = first.setdefault(effect.pattern, effect)
+        if other.negated is not effect.negated:
+            yield Diagnostic(
+                rule=EMPTY.name,
+                message="the contrary of this effect is declared, too",
+                span=effect.span,
+                labels=(Label(other.span, "declared here"),),
+            )
+            continue
         one = asked.get(effect.pattern)
         if one is not None and one.holds is effect.negated:
             yield Diagnostic(

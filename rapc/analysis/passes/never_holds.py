@@ -30,8 +30,9 @@ UNREACHABLE = Rule(
     why="""A method is chosen when `succeed` has no solution and the monitor, the
 preconditions and the constraints of its RAP hold (T 3.2.3). A context that contradicts
 one of these, or from which `succeed` follows, never holds then; nor does `otherwise`
-behind a method without a context. The plan for that situation is missing, though it
-stands in the text.""",
+behind a method without a context. Where these clauses contradict each other no method
+is ever chosen. The plan for that situation is missing, though it stands in the
+text.""",
     ignore="where a method is kept for a situation that other libraries will bring "
     "about",
     source="T 3.2.2",
@@ -102,7 +103,7 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
     if id(rap) in run.result(SETTLED):
         goals = []
-    if _succeeds_first(reports, rap, held, goals):
+    if _succeeds_first(reports, rap, held, goals) or _apart(reports, rap, held):
         return
     looped = rap.repeat_while
     if looped is not None and id(looped) not in never:
@@ -148,6 +149,26 @@ def _succeeds_first(
                 )
                 return True
     return False
+
+
+def _apart(reports: Reports, rap: nodes.DefineRap, held: Sequence[_Asked]) -> bool:
+    """Report clauses that have to hold for any method, and never hold together."""
+    made = reports.conjunction(())
+    clash = first_clash(made, [one.literal for one in held]) if rap.methods else None
+    if clash is None:
+        return False
+    clauses = {id(one.literal): one.clause for one in held}
+    one = clauses.get(id(clash.first))
+    if one is None or one == clauses.get(id(clash.second)):
+        return False
+    reports.report(
+        UNREACHABLE,
+        f"no method is ever chosen: {said(clash.second)} never holds where "
+        f"`{one}` does",
+        clash.second.span,
+        Label(clash.first.span, _why(one)),
+    )
+    return True
 
 
 def _held(
