@@ -127,6 +127,8 @@ def edited(
 ) -> dict[str, str]:
     """Return a library with a change in one of its files."""
     texts = dict(files)
+    if dice.random() < _SELDOM / 2:
+        return _with_other_files(dice, maker, texts)
     name = dice.choice([name for name in texts if name != "a.rap"])
     forms = _forms(texts[name])
     at = dice.randrange(len(forms))
@@ -153,6 +155,34 @@ def edited(
     texts[name] = "".join(forms)
     return texts
 
+
+def _with_other_files(
+    dice: random.Random, maker: Maker, texts: dict[str, str]
+) -> dict[str, str]:
+    """Change declarations or the agenda, or have a file come or go."""
+    kind = dice.randrange(4)
+    if kind == 0:
+        before, after = dice.choice(_DECLARED)
+        texts["a.rap"] = texts["a.rap"].replace(before, after, 1)
+    elif kind == 1:
+        before = f":priority {dice.randrange(3, 5)}"
+        after = f":priority {dice.randrange(9)}"
+        texts["a.rap"] = texts["a.rap"].replace(before, after, 1)
+    elif "q.rap" in texts:
+        del texts["q.rap"]
+    else:
+        texts["q.rap"] = "".join(maker.rap(_ADDED + 50 + at) for at in range(2))
+    return texts
+
+
+_DECLARED = (
+    ("(okay jammed)", "(okay jammed stuck)"),
+    ("(okay jammed stuck)", "(okay jammed)"),
+    ("(front back side)", "(front back side shelf)"),
+    ("?state) unknown", "?state) shut"),
+    (" :on (okay (seen box))", " :on (okay (seen box) (at hall))"),
+    ("(seen ?thing)", "(seen ?thing ?place)"),
+)
 
 _RULES = ("misspelt-constant", "swapped-arguments", "unbound-variable")
 
