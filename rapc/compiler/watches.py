@@ -57,7 +57,7 @@ class Watch(msgspec.Struct, frozen=True):
 
 
 def of_call(node: nodes.Call, signatures: Signatures) -> Iterator[Watch]:
-    """Watches of a computed term, its arguments left out."""
+    """Return the watches of a computed term, its arguments left out."""
     if node.function in ("value", "size-of"):
         yield from of_resources(node.args)
     elif node.function in signatures.functions:

@@ -76,7 +76,7 @@ class Course(Stepped):
 
     @property
     def serial(self) -> int:
-        """The serial number that the next event will get."""
+        """Return the serial number that the next event will get."""
         return self.run.machine.recorder.serial
 
     def stand(self) -> str:

@@ -63,7 +63,7 @@ def read(path: Path) -> Iterator[_Event]:
 
 
 class Beginnings(msgspec.Struct, frozen=True):
-    """What a recorded run was begun with."""
+    """The library, world, seed and tasks with which a recorded run began."""
 
     library: str
     world: str

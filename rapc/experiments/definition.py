@@ -113,7 +113,7 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return self.agenda, self.tasks
 
     def part_named(self, name: str) -> Series:
-        """The part of a name.
+        """Return the part that is called `name`.
 
         Raises:
             ExperimentError: if there is none.

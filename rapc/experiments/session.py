@@ -78,5 +78,5 @@ class Batch:
         return next(point for point in self.points if point.digest == digest)
 
     def command(self, point: Point, seed: int) -> str:
-        """The command line that repeats one run of a point."""
+        """Return the command line that repeats one run of a point."""
         return command(self.made, point, seed)

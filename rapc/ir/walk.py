@@ -37,7 +37,7 @@ class FormulaAt(msgspec.Struct, frozen=True):
 
 
 def formulas(rap: nodes.DefineRap) -> Iterator[FormulaAt]:
-    """All formulas of a RAP: its own clauses, then contexts and annotations."""
+    """Iterate over the formulas of a RAP: its own, then contexts and annotations."""
     own: tuple[tuple[nodes.Formula | None, Clause], ...] = (
         (rap.monitor_state, "monitor-state"),
         (rap.repeat_while, "repeat-while"),

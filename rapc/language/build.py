@@ -88,7 +88,7 @@ def words() -> Mapping[str, str]:
 
 @cache
 def terminals() -> Mapping[str, str]:
-    """The regular expression of each named terminal, as lark understands it."""
+    """Return the regular expression of each named terminal, as lark reads it."""
     grammar = _read()
     compiled, _, _ = grammar.compile(list(STARTS), "*")
     found = {one.name: one.pattern.to_regexp() for one in compiled}

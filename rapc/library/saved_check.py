@@ -60,7 +60,7 @@ class Verifier:
         self._words: set[object] = set()
 
     def node(self, node: nodes.Node) -> None:
-        """Look at words, numbers, nesting and computed terms of anything."""
+        """Check the words, numbers, nesting and computed terms of any node."""
         level: list[Any] = [node]
         for _ in range(MAX_DEPTH):
             level = self._below(level)

@@ -211,7 +211,7 @@ class ReadLog:
             self._illegal.append((start, end))
 
     def finish(self, forms: Iterable[Datum]) -> Reading:
-        """The reading of a file with these data at its top level."""
+        """Return the reading of a file with these data at its top level."""
         for start, end in self._illegal:
             self._report_illegal(start, end)
         found = sorted(self.diagnostics, key=lambda d: d.span.start)

@@ -42,7 +42,7 @@ def lexicon() -> Lexicon:
 
 
 def read(source: SourceFile) -> Reading:
-    """All data of a file with everything that is to be said about its text."""
+    """Read a file: return its data, and the findings about its text."""
     log = ReadLog(source, lexicon())
     forms = _scan(log)
     if forms is None or _swallowed(source.text, forms):

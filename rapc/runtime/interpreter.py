@@ -92,7 +92,7 @@ class Interpreter:
 
     @property
     def now(self) -> Time:
-        """The time of the world's clock, as last looked at."""
+        """Return the time of the world's clock, as last looked at."""
         return self._machine.recorder.time
 
     @property

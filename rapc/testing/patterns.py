@@ -66,7 +66,7 @@ def _atom(word: str) -> Atom:
 
 
 def flat(node: nodes.Pattern | nodes.Goal) -> Fact:
-    """A goal or request as a flat pattern: variables by their names."""
+    """Return a goal or request as a flat pattern: variables by their names."""
     return (node.name, *[atom(arg) for arg in node.args])
 
 

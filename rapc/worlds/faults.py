@@ -185,7 +185,7 @@ class FaultyWorld(World):
         self._world.advance(to)
 
     def messages(self) -> Sequence[Message]:
-        """Return what the world behind has sent, as far as it has come through."""
+        """Return the messages of the world behind, as faults of signals change them."""
         sent = self._world.messages()
         if not (sent or self._signals.held) or not isinstance(sent, tuple | list):
             return sent

@@ -230,7 +230,7 @@ def _used_by_skills(machine: Machine, run: MethodRun) -> list[set[Thing]]:
 
 
 def resume_skills(machine: Machine) -> None:
-    """Switch on again what can come on again of the `skills` of methods, by number."""
+    """Switch suspended skills of methods on again where nothing is in the way."""
     things = machine.things
     for number in sorted(things.resumable):
         task = things.resumable.pop(number, None)

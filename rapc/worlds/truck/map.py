@@ -129,7 +129,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return next((p for p in self.places if p.name == name), None)
 
     def spots(self) -> tuple[str, ...]:
-        """The names of all places and roads."""
+        """Return the names of all places and roads."""
         places = (place.name for place in self.places)
         return (*places, *(road.name for road in self.roads))
 

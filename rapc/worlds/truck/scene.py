@@ -218,7 +218,7 @@ class Scene:
     # --- the end ---------------------------------------------------------------
 
     def end(self, why: str) -> None:
-        """The run is over, for the first reason that came up."""
+        """End the run for a reason, unless it has ended for another one before."""
         if self.state.ended is None:
             self.state.ended = why
 

@@ -76,7 +76,7 @@ class SameKnown:
                 yield from far
 
     def first(self, mask: int) -> Description | None:
-        """One of them to compare with, a real one if there is any."""
+        """Return one of the candidates, an empty description only if all are empty."""
         found = None
         for views, (near, far) in self._cells.items():
             if not views & mask:

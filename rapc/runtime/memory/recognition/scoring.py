@@ -142,6 +142,6 @@ class Scores:
                 self._by_place[node.class_name, node.place] = score
 
     def of(self, kind: str, place: Atom) -> Score:
-        """The comparator of a set."""
+        """Return the comparator of an expectation set, by its class and place."""
         found = self._by_place.get((kind, place))
         return found or self._by_class.get(kind) or self._plain
