@@ -136,7 +136,7 @@ class Record:
         return [e for e in self.events if e.__struct_config__.tag == name]
 
     def last_lines(self, count: int) -> Iterator[str]:
-        """Return the last cycles among the first `count` events, for a person to read."""
+        """Iterate over the last cycles among the first `count` events, for people."""
         told = self.events[:count]
         first = (told[-1].cycle if told else 0) - _LAST_CYCLES
         stream = StringIO()

@@ -172,7 +172,7 @@ class Task:
             failures[method.index] = failures.get(method.index, 0) + 1
 
     def remember(self) -> History:
-        """Return the history; one is made of the method tried so far if there is none."""
+        """Return the history, made of the method tried so far if there is none."""
         if self.history is None:
             self.history = History()
             if self.method is not None:
