@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from itertools import chain
+from operator import itemgetter
 from typing import Any
 
 import msgspec
@@ -24,6 +25,8 @@ class Slots(msgspec.Struct, frozen=True):
     rows: Mapping[str, str]
     #: What the fields hold where nothing is said.
     unsaid: Mapping[str, Any]
+    #: Gives the values of all fields, in their order, of a mapping by name.
+    in_order: Callable[[Mapping[str, Any]], tuple[Any, ...]]
 
 
 @cache
@@ -38,7 +41,7 @@ def slots(rule: str, kind: type[nodes.Node]) -> Slots:
             many = declared(kind, part.field).startswith("tuple[")
             (rows if many else single)[heads(clause)[0]] = part.field
             empty[part.field] = unsaid(clause, kind, part.field)
-    return Slots(single, rows, empty)
+    return Slots(single, rows, empty, itemgetter(*kind.__struct_fields__))
 
 
 def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> dict[str, Any]:

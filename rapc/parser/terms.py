@@ -220,10 +220,7 @@ def split_arrow(
 ) -> tuple[tuple[Datum, ...], tuple[Datum, ...]]:
     """Return what stands before and after the `=>` of an index or a goal."""
     items = datum.items[1:]
-    for item in items:
-        if type(item) is Arrow:
-            break
-    else:
+    if Arrow not in map(type, items):
         return items, ()
     places = [i for i, d in enumerate(items) if type(d) is Arrow]
     first = places[0]

@@ -20,7 +20,7 @@ def rejoin(log: ReadLog, forms: Iterable[Datum]) -> list[Datum]:
     kept: list[Datum] = []
     strays: list[List] = []
     for form in forms:
-        if kept and _head(kept[-1]) == "define-rap" and _head(form) in RAP_CLAUSES:
+        if _head(form) in RAP_CLAUSES and kept and _head(kept[-1]) == "define-rap":
             strays.append(cast(List, form))
             continue
         _adopt(log, kept, strays)

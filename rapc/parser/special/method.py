@@ -27,8 +27,11 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
     found = single(ctx, clauses(ctx, items, "method", METHOD_CLAUSES))
     read = read_clauses(ctx, found, "method")
     fields = filled(_SLOTS, read)
+    fields["name"] = name
+    fields["position"] = position
     fields["body"] = _body(ctx, datum, found, read)
-    return nodes.Method(name=name, position=position, span=ctx.span(datum), **fields)
+    fields["span"] = ctx.span(datum)
+    return nodes.Method(*_SLOTS.in_order(fields))
 
 
 _SLOTS = slots("method", nodes.Method)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 
@@ -122,9 +122,11 @@ def valued(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
 
 
 def parameters(
-    ctx: Context, data: Iterable[Datum], seen: dict[str, Datum]
+    ctx: Context, data: Sequence[Datum], seen: dict[str, Datum]
 ) -> tuple[nodes.Argument, ...]:
     """Variables in a row, with kinds or without, none of them among those `seen`."""
+    if not data:
+        return ()
     return tuple(filter(None, [_argument(ctx, one, seen) for one in data]))
 
 

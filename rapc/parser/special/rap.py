@@ -55,7 +55,7 @@ def _is_index(datum: Datum) -> bool:
         return isinstance(datum, Symbol | List)
     if name in RAP_CLAUSES or name in METHOD_CLAUSES:
         return False
-    plain = all(type(item) is not List for item in datum.items)
+    plain = List not in map(type, datum.items)
     return plain or nearest(name, RAP_CLAUSES) is None
 
 
@@ -126,21 +126,19 @@ def _rap(
     fields = filled(_SLOTS, read_clauses(ctx, found, "_rap_clause"))
     if rows:
         fields["methods"] = _methods(ctx, rows)
-    return nodes.DefineRap(
-        name=name.name,
-        inputs=tuple([one.variable for one in inputs]),
-        outputs=tuple([one.variable for one in outputs]),
-        kinds=tuple(
-            [
-                nodes.VariableKind(one.variable.name, one.kind, one.span)
-                for one in (*inputs, *outputs)
-                if one.kind is not None
-            ]
-        ),
-        name_span=ctx.span(name),
-        span=ctx.span(datum),
-        **fields,
+    fields["name"] = name.name
+    fields["inputs"] = tuple([one.variable for one in inputs])
+    fields["outputs"] = tuple([one.variable for one in outputs]) if outputs else ()
+    fields["kinds"] = tuple(
+        [
+            nodes.VariableKind(one.variable.name, one.kind, one.span)
+            for one in (*inputs, *outputs)
+            if one.kind is not None
+        ]
     )
+    fields["name_span"] = ctx.span(name)
+    fields["span"] = ctx.span(datum)
+    return nodes.DefineRap(*_SLOTS.in_order(fields))
 
 
 def _methods(ctx: Context, rows: Sequence[List]) -> tuple[nodes.Method, ...]:
