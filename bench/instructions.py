@@ -27,6 +27,8 @@ WORKS: Mapping[str, tuple[str, int, int]] = {
     "W1 lists": ("text to lists and atoms", 1, 3),
     "W1 nodes": ("text to typed nodes", 1, 3),
     "W1 library": ("text to a library to be run", 1, 2),
+    "parse 2": ("text to linked library, 100 RAPs", 1, 3),
+    "parse 3": ("all passes over it", 1, 3),
     "W2 first": ("first answers, 1,000 items", 2, 6),
     "W2 all": ("all answers, 1,000 items", 2, 6),
     "W3": ("firings among 200 monitors", 2, 5),

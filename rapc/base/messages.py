@@ -15,7 +15,7 @@ from rapc.base.values import Fact, Number
 Time = Number
 """Simulated time units since the start of the run; never negative."""
 
-OKAY = "okay"
+OKAY: Final = "okay"
 """The result symbol of a primitive that succeeded."""
 
 NOT_KNOWN: Final[Time] = math.inf
