@@ -160,6 +160,14 @@ def test_a_plot_in_text() -> None:
     assert wild == "40              |-----o------|                300"
 
 
+def test_an_average_beyond_the_range_of_the_runs_stands_in_the_plot() -> None:
+    """Runs that complete nothing take time, and have no time for each task."""
+    runs = [measures(3000, 1), *[measures(3000, 0)] * 3]
+    lost = [line.text for line in as_text(summary(runs, STILL), 60)][-2]
+    assert lost.endswith("o  12000")
+    assert lost.index("|") < lost.index("o")
+
+
 def test_nothing_to_plot_is_no_plot() -> None:
     made = summary(WILD, part=Series("drops", vary="truck.arm1-drops", values=(0,)))
     assert not any(line.text.startswith("time each") for line in as_text(made, 80))

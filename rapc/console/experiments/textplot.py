@@ -19,12 +19,14 @@ _LEAST = 10
 def plot(summary: PartSummary, width: int) -> Iterator[Line]:
     """The time for each task completed, against what the part varies (T 6.8 to 6.10).
 
-    `|---|` is the range, `o` the average, `x` the figure from elsewhere.
+    `|---|` is the range, `o` the average, `x` the figure from elsewhere. An average over
+    runs of which some complete nothing can lie beyond the range of the others.
     """
     reference = summary.part.reference
     spreads = [row.figures.get("time-each") for row in summary.rows]
     theirs = [summary.reference(row.value).get("time-each") for row in summary.rows]
-    known = [s.high for s in spreads if s] + [t for t in theirs if t is not None]
+    known = [max(s.high, s.mean) for s in spreads if s]
+    known += [t for t in theirs if t is not None]
     if not known:
         return
     labels = [show(row.value) for row in summary.rows]
