@@ -19,8 +19,8 @@ _LEAST = 10
 def plot(summary: PartSummary, width: int) -> Iterator[Line]:
     """The time for each task completed, against what the part varies (T 6.8 to 6.10).
 
-    `|---|` is the range, `o` the average, `x` the figure from elsewhere. An average over
-    runs of which some complete nothing can lie beyond the range of the others.
+    `|---|` is the range, `o` the average, `x` the figure from elsewhere. An average
+    over runs of which some complete nothing can lie beyond the range of the others.
     """
     reference = summary.part.reference
     spreads = [row.figures.get("time-each") for row in summary.rows]
