@@ -29,6 +29,9 @@ EVERYTHING = Selection(frozenset(suite.rules()))
 """All rules, those that are opt-in too."""
 
 _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[()]|[^\s()"]+')
+_TEXT = "<text>"
+"""What spans call the text."""
+
 _DAMAGE = 5
 """So many tokens are changed at most."""
 
@@ -46,12 +49,13 @@ def broken(text: str) -> list[str]:
 
 
 def _places(report: CheckReport, text: str) -> Iterator[str]:
-    """Everything said lies in the text."""
+    """What is said of the text lies in it; a file that it requires has its own end."""
     for finding in report.findings:
         said = finding.diagnostic
         edits = said.fix.edits if said.fix is not None else ()
-        spans = [said.span, *(label.span for label in said.labels)]
-        spans += [edit.span for edit in edits]
+        every = [said.span, *(label.span for label in said.labels)]
+        every += [edit.span for edit in edits]
+        spans = [span for span in every if span.file == _TEXT]
         if not all(0 <= span.start <= span.end <= len(text) + 1 for span in spans):
             yield f"{finding.rule.name} is outside of the text"
 
@@ -69,10 +73,10 @@ def _told(report: CheckReport) -> Iterator[str]:
 
 def _laid_out(report: CheckReport, text: str) -> Iterator[str]:
     """What is laid out has the same findings, and is laid out alike again."""
-    made = formatted(SourceFile("<text>", text))
+    made = formatted(SourceFile(_TEXT, text))
     if made.diagnostics:
         return
-    if formatted(SourceFile("<text>", made.text)).text != made.text:
+    if formatted(SourceFile(_TEXT, made.text)).text != made.text:
         yield "laid out twice is not once"
     again = check_library(load_text(made.text), EVERYTHING)
     if _rules(again) != _rules(report):
@@ -85,10 +89,10 @@ def _rules(report: CheckReport) -> Mapping[str, int]:
 
 def _more(loaded: Loaded) -> Iterator[str]:
     """Fixes can be carried out, and graphs drawn."""
-    text = loaded.files["<text>"].text
+    text = loaded.files[_TEXT].text
 
     def check(texts: Mapping[str, str]) -> CheckReport:
-        return check_library(load_text(texts.get("<text>", text)), EVERYTHING)
+        return check_library(load_text(texts.get(_TEXT, text)), EVERYTHING)
 
     mend(check, lambda _: True, unsafe=True)
     library = loaded.library
