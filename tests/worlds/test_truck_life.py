@@ -17,6 +17,14 @@ def kinds_at(driver: Driver, place: str) -> list[str]:
     return [i.kind for i in driver.world.state.items.values() if i.place == place]
 
 
+def test_a_stock_takes_the_place_of_the_rocks_that_the_map_has_at_quarries() -> None:
+    elsewhere = [rock("quarry-1"), rock("quarry-1"), rock("zone-1")]
+    driver = Driver(elsewhere, quarry_rocks=8)
+    assert kinds_at(driver, "quarry-1") == ["rock"] * 8
+    assert kinds_at(driver, "zone-1") == ["rock"]
+    assert kinds_at(Driver(elsewhere), "quarry-1") == ["rock"] * 2
+
+
 def test_none_is_made_where_more_than_ten_lie() -> None:
     driver = Driver(quarry_interval=10, warehouse_interval=20, depot_interval=5)
     driver.world.advance(60)

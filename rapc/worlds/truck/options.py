@@ -2,7 +2,8 @@
 
 `TruckSettings` is what the simulator works with; `rapc worlds truck` and `--set` see
 the same rows as `rapc.world.Option`. What T leaves open, durations above all, is
-chosen so that his basic experiment in a still world comes out as his did (T table 6.2).
+chosen so that his basic experiment in a still world comes out as his did (T table 6.2),
+with the rocks that `chapter6.toml` sets.
 """
 
 from __future__ import annotations
@@ -70,6 +71,9 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     eye_scan_time: Annotated[Number, _row(_TIME, "for eye-scan")] = 2
     eye_monitor_time: Annotated[Number, _row(_TIME, "for eye-(un)monitor")] = 1
 
+    quarry_rocks: Annotated[
+        int, _row("rocks", "at each quarry at the start; 0: the map's", 10_000)
+    ] = 0
     quarry_interval: Annotated[Number, _row(_TIME, "a quarry's rocks; 0: none")] = 300
     warehouse_interval: Annotated[Number, _row(_TIME, "a warehouse's boxes")] = 400
     depot_interval: Annotated[Number, _row(_TIME, "a depot's drums")] = 120

@@ -7,7 +7,7 @@ know nothing of it, in `handlers`.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 from msgspec.structs import replace
@@ -77,7 +77,7 @@ class TruckWorld(World):
         ground = _read_map(settings)
         truck = Truck(ground.start, ground.heading, number(settings.fuel))
         self._scene = Scene(ground, settings, rng, TruckState(truck))
-        for lying in ground.items:
+        for lying in _at_first(ground, settings.quarry_rocks):
             for _ in range(lying.count):
                 self._place(lying)
         self._scene.state.orders.extend(read_orders(settings.orders, ground))
@@ -249,3 +249,16 @@ def _first_data(truck: Truck) -> Iterable[Fact]:
     yield ("speed", truck.speed)
     yield ("fuel-level", truck.fuel)
     yield ("clock", 0)
+
+
+def _at_first(ground: Map, stock: int) -> Iterator[Lying]:
+    """The items that lie about at the start: `stock` rocks are at each quarry.
+
+    With a stock of 0 the map says how many rocks lie at quarries, too.
+    """
+    quarries = [each for each in ground.places if stock and each.kind == "quarry"]
+    names = {quarry.name for quarry in quarries}
+    yield from (Lying("rock", each.name, stock, each.color) for each in quarries)
+    for lying in ground.items:
+        if lying.kind != "rock" or lying.place not in names:
+            yield lying
