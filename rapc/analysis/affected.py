@@ -157,18 +157,20 @@ class Affected:
     # --- sideways: constants ----------------------------------------------------------
 
     def _by_constants(self) -> Iterator[FormKey]:
-        turned: Counter[tuple[str, int, tuple[str, ...]]] = Counter()
+        # told by RAPs: one that goes from a RAP to another may now be the first
+        turned: Counter[tuple[str, str, int, tuple[str, ...]]] = Counter()
         for sign, files, keys in (
             (-1, self._before, self._change.gone),
             (1, self._files, self._change.fresh),
         ):
             for name in self._change.files:
                 for one in files[name].census.constants if name in files else ():
-                    if (name, one.form) in keys:
-                        turned[one.written, one.count, one.places] += sign
+                    form = keys.get((name, one.form))
+                    if form is not None:
+                        turned[form.rap, one.written, one.count, one.places] += sign
         sorts: dict[str, Counter[str]] = {}
         words: dict[str, list[tuple[bool, tuple[str, ...]]]] = {}
-        for (written, count, places), number in turned.items():
+        for (_, written, count, places), number in turned.items():
             sort = sort_of(written)
             if number and sort != "number":
                 words.setdefault(written, []).append((count > 0, places))

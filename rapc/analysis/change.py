@@ -52,7 +52,7 @@ def change_of(old: State, files: Mapping[str, FileState]) -> Change | None:
         if [*_declared(was)] != [*_declared(now)]:
             return None
         pairs = _same(was, now)
-        if pairs is None:
+        if pairs is None or _in_both(was, now) != _in_both(now, was):
             return None
         moved.update(((name, a.start), (name, b.start)) for a, b in pairs)
         kept = {id(one) for pair in pairs for one in pair}
@@ -64,6 +64,12 @@ def change_of(old: State, files: Mapping[str, FileState]) -> Change | None:
     if any(key[0] != was_in.get(one.rap, key[0]) for key, one in fresh.items()):
         return None
     return Change(frozenset(changed), gone, fresh, moved)
+
+
+def _in_both(forms: Iterable[FormState], others: Iterable[FormState]) -> list[str]:
+    """Return the names of the RAPs among some forms that others have, too, in order."""
+    names = {one.rap for one in others}
+    return [one.rap for one in forms if one.rap and one.rap in names]
 
 
 def _declared(forms: Iterable[FormState]) -> Iterator[bytes]:

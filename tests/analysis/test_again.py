@@ -185,6 +185,32 @@ def test_suppressions_hold_for_what_is_kept(here: Path, parts: list[bool]) -> No
     assert parts == [True, True]
 
 
+STATES = """\
+(declare-memory-property door-state (?door ?state) unknown)
+(declare-primitive push (?door) (okay))
+"""
+ASKING = """\
+(define-rap ({} ?door)
+  (preconditions (not (door-state ?door {})))
+  (method (primitive (push ?door))))
+"""
+
+
+def _asking(**states: str) -> dict[str, str]:
+    raps = [ASKING.format(name, state) for name, state in states.items()]
+    return {"a.rap": STATES, "b.rap": "".join(raps)}
+
+
+def test_a_constant_may_go_from_one_rap_to_another(
+    here: Path, parts: list[bool]
+) -> None:
+    _write(here, _asking(a="shut", b="jammed", c="shut", d="jammed", e="jamed"))
+    before = _kept()
+    _write(here, _asking(a="jammed", b="jammed", c="shut", d="shut", e="jamed"))
+    assert _kept() == _plain() != before  # the first of these constants is another
+    assert parts == [True]
+
+
 # --- where a part is not enough -------------------------------------------------------
 
 WHOLE = {
@@ -213,6 +239,18 @@ def test_the_whole_is_checked_where_more_has_changed(
     assert parts == [False]
     _write(here, LIBRARY)
     assert _kept() == _plain()  # from what was known before
+
+
+def test_a_rap_that_is_edited_and_put_first_is_in_another_order(
+    here: Path, parts: list[bool]
+) -> None:
+    _write(here, _asking(b="jammed", d="jammed", e="jamed"))
+    _kept()
+    turned = _asking(d="jammed", b="jammed", e="jamed")
+    turned["b.rap"] = turned["b.rap"].replace("(d ?door)", "(d  ?door)")
+    _write(here, turned)
+    assert _kept() == _plain()
+    assert parts == [False]
 
 
 def test_rules_about_everybody_need_everybody(here: Path, parts: list[bool]) -> None:
