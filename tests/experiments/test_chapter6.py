@@ -21,10 +21,10 @@ def chapter6() -> Batch:
 def test_points_are_those_of_the_thesis_and_shared_where_they_are_alike() -> None:
     session = chapter6()
     at = {(point.part, point.value): point.digest for point in session.points}
-    parts = ["still", "one", "two", "three", "limit", "hands"]
+    parts = ["still", "one", "two", "three", "limit", "hands", "hands-two"]
     assert [part.name for part in session.made.part] == parts
-    assert len(at) == 1 + 5 + 11 + 11 + 3 + 6
-    assert (session.seeds.start, len(session.seeds)) == (1000, 30)
+    assert len(at) == 1 + 5 + 11 + 11 + 3 + 6 + 3
+    assert (session.seeds.start, len(session.seeds)) == (6000, 30)
     assert at["still", None] == at["two", 0]
     assert at["one", 15] == at["two", 40]
     assert at["limit", 2] == at["two", 60]
@@ -47,7 +47,7 @@ def test_figures_agree_with_one_another() -> None:
     """What T's tables say twice: shares of primitives, from their numbers."""
     references = [p.reference for p in chapter6().made.part if p.reference is not None]
     titles = [reference.title for reference in references]
-    assert titles == ["T 6.2", "T 6.1", "T 6.2", "T"]
+    assert titles == ["T 6.2", "T 6.1", "T 6.2", "T", "T"]
     for reference in references[:3]:
         told = reference.figures
         for place, sensor in enumerate(told["sensor"]):
