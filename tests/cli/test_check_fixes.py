@@ -70,11 +70,11 @@ def test_line_ends_mark_and_mode_of_a_file_stay(tmp_path: Path) -> None:
 
 def test_files_that_were_not_named_are_left_alone(tmp_path: Path) -> None:
     other = tmp_path / "other.rap"
-    other.write_text(UNUSED)
+    other.write_text(UNSAFE)
     (tmp_path / "one.rap").write_text('(require "other")\n')
-    done = rapc("check", "--fix", "one.rap", cwd=tmp_path)
+    done = rapc("check", "--fix", "--unsafe-fixes", "one.rap", cwd=tmp_path)
     assert done.returncode == 1
-    assert other.read_text() == UNUSED
+    assert other.read_text() == UNSAFE
 
 
 def test_a_text_on_standard_input_is_mended_on_standard_output(tmp_path: Path) -> None:
