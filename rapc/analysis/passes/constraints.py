@@ -14,19 +14,10 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.certain import contradict, done, fact_name
 from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
+from rapc.analysis.passes.threats import WORLD
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal
-
-_WORLD = """\
-(declare-memory-proposition bay-open ())
-(declare-primitive open-bay () (okay) :on (okay (bay-open)))
-(declare-primitive close-bay () (okay) :on (okay (not (bay-open))))
-(declare-primitive unload () (okay))
-(define-rap (open) (method (primitive (open-bay))))
-(define-rap (close) (method (primitive (close-bay))))
-(define-rap (empty) (method (primitive (unload))))
-"""
 
 BROKEN = Rule(
     code="RAP129",
@@ -39,7 +30,7 @@ surely makes one false is the end of those that come after it: they fail with
 step come last.""",
     ignore="where the steps that are left are to be dropped then",
     source="T 4.4.3, 5.3.4",
-    example=_WORLD
+    example=WORLD
     + """\
 (define-rap (deliver)
   (method
@@ -48,7 +39,7 @@ step come last.""",
       (t1 (close) (for t2))
       (t2 (empty)))))
 """,
-    better=_WORLD
+    better=WORLD
     + """\
 (define-rap (deliver)
   (method

@@ -8,6 +8,7 @@ from os.path import basename, dirname
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS
 from rapc.analysis.index import INDEX, NameUse
+from rapc.analysis.places import SPACES
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -64,7 +65,7 @@ def _run(run: Pass) -> None:
     first: dict[tuple[str, str], tuple[NameUse, nodes.TopForm]] = {}
     for use in run.result(INDEX).uses():
         here = use.span.file
-        form = homes.get((_SPACES[use.use], use.name))
+        form = homes.get((SPACES[use.use], use.name))
         if form is None or form.span.file == here or not brought.stands_alone(here):
             continue
         if form.span.file in brought.by(here):
@@ -84,21 +85,6 @@ ANALYZER = Analyzer(
     needs=(CENSUS, INDEX),
     rules=(MISSING,),
 )
-
-
-_SPACES: Mapping[str, str] = {
-    "goal": "RAP",
-    "test": "predicate",
-    "believed": "predicate",
-    "asserted": "predicate",
-    "erased": "predicate",
-    "computed": "predicate",
-    "primitive": "primitive",
-    "datum": "datum",
-    "skill": "skill",
-    "event": "event",
-}
-"""For each way to use a name: the space in which it is looked up."""
 
 
 def _homes(library: Library) -> dict[tuple[str, str], nodes.TopForm]:

@@ -18,7 +18,7 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal
 
-_WORLD = """\
+WORLD = """\
 (declare-memory-proposition bay-open ())
 (declare-primitive open-bay () (okay) :on (okay (bay-open)))
 (declare-primitive close-bay () (okay) :on (okay (not (bay-open))))
@@ -27,6 +27,7 @@ _WORLD = """\
 (define-rap (close) (method (primitive (close-bay))))
 (define-rap (empty) (method (primitive (unload))))
 """
+"""A bay that opens and closes, for the examples of rules on what steps undo."""
 
 THREAT = Rule(
     code="RAP126",
@@ -40,7 +41,7 @@ before the one that protects, or after the one that needs what is protected.""",
     ignore="where priorities, or things that both use, keep the step from coming "
     "between",
     source="T 4.7.3, 4.9",
-    example=_WORLD
+    example=WORLD
     + """\
 (define-rap (deliver)
   (method (task-net
@@ -48,7 +49,7 @@ before the one that protects, or after the one that needs what is protected.""",
     (t2 (empty))
     (t3 (close)))))
 """,
-    better=_WORLD
+    better=WORLD
     + """\
 (define-rap (deliver)
   (method (task-net
@@ -70,7 +71,7 @@ if the one that surely undoes such a fact comes first, the other one fails,
 its priority.""",
     ignore="where what both use keeps the one back until the other is done",
     source="T 4.4.2, 4.5.2",
-    example=_WORLD
+    example=WORLD
     + """\
 (define-rap (empty-well) (preconditions (bay-open)) (method (primitive (unload))))
 (define-rap (deliver)
@@ -78,7 +79,7 @@ its priority.""",
     (t1 (empty-well))
     (t2 (close)))))
 """,
-    better=_WORLD
+    better=WORLD
     + """\
 (define-rap (empty-well) (preconditions (bay-open)) (method (primitive (unload))))
 (define-rap (deliver)

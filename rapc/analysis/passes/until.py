@@ -17,6 +17,15 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
 
+_WORK = """\
+(define-rap (watch))
+(define-rap (carry))
+(define-rap (deliver)
+  (method (task-net
+    {}
+    {})))
+"""
+
 ITSELF = Rule(
     code="RAP074",
     name="until-itself",
@@ -26,22 +35,8 @@ ITSELF = Rule(
 its own tag such an annotation never does anything; another step is meant, or none.""",
     ignore="never: the annotation does nothing",
     source="T 4.5.2",
-    example="""\
-(define-rap (watch))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (watch) (until-end t1))
-    (t2 (carry)))))
-""",
-    better="""\
-(define-rap (watch))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (watch) (until-end t2))
-    (t2 (carry)))))
-""",
+    example=_WORK.format("(t1 (watch) (until-end t1))", "(t2 (carry))"),
+    better=_WORK.format("(t1 (watch) (until-end t2))", "(t2 (carry))"),
 )
 
 BOTH = Rule(
@@ -56,32 +51,11 @@ chance decides which. Steps that wait for something by monitors, signals or wind
 be alternatives of that form.""",
     ignore="where one of the two is to be dropped, whichever it is",
     source="T 4.5.2",
-    example="""\
-(define-rap (watch))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (watch) (until-start t2))
-    (t2 (carry) (until-start t1)))))
-""",
-    better="""\
-(define-rap (watch))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (watch) (until-end t2))
-    (t2 (carry)))))
-""",
+    example=_WORK.format(
+        "(t1 (watch) (until-start t2))", "(t2 (carry) (until-start t1))"
+    ),
+    better=_WORK.format("(t1 (watch) (until-end t2))", "(t2 (carry))"),
 )
-
-_WORK = """\
-(define-rap (watch))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    {}
-    {})))
-"""
 
 IDLE = Rule(
     code="RAP127",
