@@ -5,8 +5,8 @@ the node, or None if something had to be left out. For most rules the shape in
 `rapc.language.grammar` says all there is to know: which words head the list, how many
 operands of which kinds follow. What a shape leaves open is said in three tables:
 `MAKERS` (which node comes of the operands, where it is not the one of the same name),
-`FINDINGS` (the rule that a fault breaks) and `rapc.language.words` (what a finding
-calls the operands). Rules that need a hand have readers of their own in
+`rapc.parser.findings` (the rule that a fault breaks) and `rapc.language.words` (what a
+finding calls the operands). Rules that need a hand have readers of their own in
 `rapc.parser.special` and its neighbours; those are asked first.
 
 A list whose operands do not fit its shape is reported once, as a whole; operands that
@@ -26,12 +26,11 @@ from rapc.ir import nodes
 from rapc.language.grammar import RULES
 from rapc.language.heads import heads, rules_by_head, words
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
-from rapc.language.spelling import spelling
-from rapc.language.words import WORDS
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
+from rapc.parser.findings import FINDINGS, finding, wrong
 from rapc.parser.syntax import Datum, List, Symbol
 from rapc.parser.terminals import WANTED, OperandWanted, is_string, one_word, terminal
-from rapc.parser.terms import term
+from rapc.parser.terms import NAMED, REFUSED, term, with_arguments
 
 
 class Operand(msgspec.Struct, frozen=True):
@@ -70,7 +69,7 @@ class GrammarReaders(dict[str, Read]):
         elif shape[0] == "seq":
             made = self._option(rule, shape)
         elif is_list(shape):
-            made = self._list(rule, shape)
+            made = self._named(shape) or self._list(rule, shape)
         else:
             made = self._choice(rule)
         self[rule] = made
@@ -164,7 +163,7 @@ class GrammarReaders(dict[str, Read]):
                 found = "one list" if flat else kind_of(datum)
                 message = f"`{heads(rule)[0]}` wants {what}, not {found}"
                 fix = ctx.wrap(datum, datum, "(", sure=False)
-                ctx.report(_finding(rule), message, datum, fix=fix)
+                ctx.report(finding(rule), message, datum, fix=fix)
                 return ()
             return made(one(ctx, item) for item in items)
 
@@ -192,8 +191,18 @@ class GrammarReaders(dict[str, Read]):
 
         return read
 
+    def _named(self, shape: Shape) -> Read | None:
+        """The reader of a name with its arguments, for a rule that is just that."""
+        name, args = (shape[1], shape[2]) if len(shape) == 3 else ("", "")
+        if name in NAMED and args[0] == "*" and args[1] in REFUSED:
+            return with_arguments(str(name), str(args[1]))
+        return None
+
     def _list(self, rule: str, shape: Shape) -> Read:
-        """The reader of a list with a head, or with several to choose from."""
+        """The reader of a list with a head, with several to choose from, or none."""
+        if not heads(rule):
+            operands = [self._operand(one) for one in shape[1:]]
+            return _headless(rule, operands, self.makers.get(rule) or _named_like(rule))
         operands = [self._operand(one) for one in shape[2:]]
         make = self.makers.get(rule) or _named_like(rule)
         if all(one.least == one.most == 1 for one in operands):
@@ -209,19 +218,6 @@ class GrammarReaders(dict[str, Read]):
 
 _PLAIN = [rule for rule in RULES if all(map(is_terminal, leaves(RULES[rule])))]
 """Rules of terminals alone, which may stand for one."""
-
-FINDINGS: Mapping[str, str] = {
-    **dict.fromkeys(leaves(RULES["formula"]), "malformed-formula"),
-    **dict.fromkeys(leaves(RULES["annotation"]), "malformed-annotation"),
-    **dict.fromkeys(leaves(RULES["_form"]), "malformed-form"),
-    **dict.fromkeys(leaves(RULES["_rap_clause"]), "malformed-clause"),
-    **dict.fromkeys(("case", "rule", "alternative", "action"), "malformed-rule"),
-    **dict.fromkeys(leaves(RULES["expectation"]), "malformed-clause"),
-    "expectation": "malformed-clause",
-    **dict.fromkeys(("above", "reads", "uses", "tells"), "malformed-form"),
-    **dict.fromkeys(("primitive_atomic", "skill_events"), "malformed-form"),
-}
-"""Which rule of the checker a fault breaks; in clauses it is `malformed-clause`."""
 
 _COUNTS = {"?": (0, 1), "*": (0, None), "+": (1, None)}
 
@@ -273,12 +269,27 @@ def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
     return read
 
 
-def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
+def _headless(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
+    """The reader of a list that no word heads."""
+    read = _varied(rule, operands, make, headed=0)
+
+    def checked(ctx: Context, datum: Datum) -> Any:
+        if type(datum) is List:
+            return read(ctx, datum)
+        wrong(ctx, rule, datum)
+        return None
+
+    return checked
+
+
+def _varied(
+    rule: str, operands: Sequence[Operand], make: Maker, headed: int = 1
+) -> Read:
     """The reader of a list with operands that may be left out or repeated."""
     own = _own_word(rule)
 
     def read(ctx: Context, datum: List) -> Any:
-        rows = _shared_out(datum.items[1:], operands)
+        rows = _shared_out(datum.items[headed:], operands)
         if rows is None:
             wrong(ctx, rule, datum)
             return None
@@ -318,27 +329,13 @@ def _shared_out(
     return rows if at == len(items) else None
 
 
-def wrong(ctx: Context, rule: str, datum: Datum) -> None:
-    """Report a list whose operands are too few, too many or of the wrong kinds."""
-    row = WORDS.get(rule)
-    name = head_of(datum)
-    message = f"`{name}` is written `{spelling(rule)}`"
-    if row is not None and row.takes:
-        message = f"`{name}` takes {row.takes}"
-    ctx.report(_finding(rule), message, datum)
-
-
-def _finding(rule: str) -> str:
-    return FINDINGS.get(rule, "malformed-clause")
-
-
 def _truth(rule: str) -> Read:
     """The reader of `true` or `false`."""
 
     def read(ctx: Context, datum: Datum) -> bool | None:
         if isinstance(datum, Symbol) and datum.name in _TRUTHS:
             return datum.name == "true"
-        ctx.report(_finding(rule), "`true` or `false` is wanted here", datum)
+        ctx.report(finding(rule), "`true` or `false` is wanted here", datum)
         return None
 
     return read
@@ -357,7 +354,7 @@ def _wanted(rule: str, shape: Shape, part: OperandWanted) -> Read:
         if part.fits(datum):
             return part.read(ctx, datum)
         message = f"{what} is wanted here, not {kind_of(datum)}"
-        ctx.report(_finding(rule), message, datum)
+        ctx.report(finding(rule), message, datum)
         return None
 
     return read

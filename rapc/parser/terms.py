@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
 
 from rapc.base.source import Span
 from rapc.base.values import Atom, Text
@@ -11,7 +11,7 @@ from rapc.ir import nodes
 from rapc.language.grammar import RULES
 from rapc.language.heads import ARROW, CALLS, QUERIES, rules_by_head
 from rapc.language.words import WORDS
-from rapc.parser.context import Context, head_of, kind_of
+from rapc.parser.context import Context, Read, head_of, kind_of
 from rapc.parser.syntax import (
     Arrow,
     Datum,
@@ -107,7 +107,7 @@ def _call(ctx: Context, datum: List) -> nodes.Call | None:
     return nodes.Call(name, args, ctx.span(datum))
 
 
-P = TypeVar("P", nodes.Proposition, nodes.Request, nodes.Datum)
+P = TypeVar("P", nodes.Proposition, nodes.Request, nodes.Datum, nodes.Call)
 S = TypeVar("S", nodes.Signal, nodes.Skill)
 
 
@@ -246,3 +246,53 @@ def _what(datum: Datum) -> str:
     if isinstance(datum, List):
         return "a list without a name" if datum.items else "an empty list"
     return kind_of(datum)
+
+
+def _asked(ctx: Context, datum: Datum) -> nodes.Goal | None:
+    """A goal without outputs."""
+    found = goal(ctx, datum)
+    if found is None or not isinstance(datum, List):
+        return None
+    if Arrow in map(type, datum.items):
+        help = "in `succeeds` they stand behind it: `(succeeds (find box) kitchen)`"
+        ctx.report("malformed-goal", "no outputs can stand here", datum, help=help)
+        return None
+    return found
+
+
+NAMED: Mapping[str, Read] = {
+    "PREDICATE": proposition,
+    "PRIMITIVE": lambda ctx, datum: pattern(ctx, datum, nodes.Request),
+    "DATUM": lambda ctx, datum: pattern(ctx, datum, nodes.Datum),
+    "FUNCTION": lambda ctx, datum: pattern(ctx, datum, nodes.Call),
+    "SIGNAL": signal,
+    "SKILL": lambda ctx, datum: colon(ctx, datum, nodes.Skill),
+    "RAP": _asked,
+}
+"""What reads a name with its arguments, by the kind of name."""
+
+REFUSED: Mapping[str, Mapping[type[nodes.Term], str]] = {
+    "term": {},
+    "plain": {nodes.Call: "a computed term"},
+    "value": {nodes.Call: "a computed term", nodes.Var: "a variable"},
+}
+"""What cannot stand among arguments of a kind: some are compared with values."""
+
+
+def with_arguments(name: str, args: str) -> Read:
+    """Return what reads a name of a kind with arguments of a kind, as one node."""
+    read, refused = NAMED[name], REFUSED[args]
+    if not refused:
+        return read
+
+    def checked(ctx: Context, datum: Datum) -> Any:
+        node = read(ctx, datum)
+        for arg in node.args if node is not None else ():
+            if type(arg) in refused:
+                place = Symbol("", arg.span.start, arg.span.end)
+                message = f"{refused[type(arg)]} cannot stand here"
+                ctx.report("malformed-proposition", message, place)
+                return None
+        return node
+
+    return checked

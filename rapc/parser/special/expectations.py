@@ -7,10 +7,11 @@ from typing import cast
 
 from rapc.ir import nodes
 from rapc.language.heads import ARROW, rules_by_head
-from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.elaborate import made, wrong
-from rapc.parser.special.clauses import lone_formula
-from rapc.parser.special.script import options, whole
+from rapc.parser.context import Context, head_of
+from rapc.parser.elaborate import made
+from rapc.parser.findings import wrong
+from rapc.parser.options import options
+from rapc.parser.special.formulas import lone_formula
 from rapc.parser.syntax import Arrow, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import term
 
@@ -24,9 +25,8 @@ def memory(ctx: Context, datum: Datum) -> nodes.MemoryHolds | None:
     return nodes.MemoryHolds(asked, ctx.span(datum)) if asked else None
 
 
-def method_chosen(ctx: Context, datum: Datum) -> nodes.MethodChosen | None:
+def method_chosen(ctx: Context, datum: List) -> nodes.MethodChosen | None:
     """`(method rap name)`, `(method rap name n)` or `(method rap name n times)`."""
-    assert isinstance(datum, List)
     operands = list(datum.items[1:])
     last = operands[-1] if len(operands) == 4 else None
     if isinstance(last, Symbol) and last.name in ("times", "time"):
@@ -35,9 +35,18 @@ def method_chosen(ctx: Context, datum: Datum) -> nodes.MethodChosen | None:
     if not isinstance(rap, Symbol) or not isinstance(name, Symbol | Numeral):
         wrong(ctx, "method_chosen", datum)
         return None
-    times = whole(ctx, operands[2], "a number", least=0) if operands[2:] else None
+    times = _times(ctx, operands[2]) if operands[2:] else None
     word = name.name if isinstance(name, Symbol) else str(name.value)
     return nodes.MethodChosen(rap.name, word, times, ctx.span(datum))
+
+
+def _times(ctx: Context, datum: Datum) -> int:
+    """A whole number; 0 stands in for what is none."""
+    if isinstance(datum, Numeral) and isinstance(datum.value, int) and datum.value >= 0:
+        return datum.value
+    message = "a number is wanted here, a whole one"
+    ctx.report("malformed-clause", message, datum)
+    return 0
 
 
 # --- event patterns -------------------------------------------------------------------
@@ -47,9 +56,7 @@ def event_pattern(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
     """`(event-name :key value...)`."""
     name = head_of(datum)
     if name is None or not isinstance(datum, List):
-        message = f"an event pattern is wanted here, not {kind_of(datum)}"
-        help = "write `(task-failed :reason no-method)`"
-        ctx.report("malformed-clause", message, datum, help=help)
+        wrong(ctx, "event_pattern", datum)
         return None
     rest = _joined(ctx, datum.items[1:])
     words = {word.name: 1 for word in rest if isinstance(word, Keyword)}

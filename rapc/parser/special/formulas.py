@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.language.heads import ALONE, CALLS, TRUTHS
+from rapc.language.heads import ALONE, CALLS, METHOD_CLAUSES, RAP_CLAUSES, TRUTHS
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.elaborate import wrong
+from rapc.parser.findings import wrong
 from rapc.parser.syntax import Datum, List, Symbol
 from rapc.parser.terms import proposition, term, terms
 
@@ -175,3 +175,29 @@ def sensor_name(ctx: Context, datum: Datum) -> nodes.Formula | None:
         ctx.report("malformed-formula", message, operands[1])
         return None
     return nodes.SensorName(args[0], value, span)
+
+
+def lone_formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
+    """The formula of a clause that holds just one."""
+    assert type(datum) is List
+    if len(datum.items) == 2:
+        return formula(ctx, datum.items[1])
+    name, operands = head_of(datum), datum.items[1:]
+    if not operands:
+        ctx.report("malformed-clause", f"`{name}` has no formula", datum)
+        return None
+    first, *others = operands
+    stray = next((d for d in others if head_of(d) in _CLAUSES), None)
+    ctx.report(
+        "malformed-clause",
+        f"`{name}` takes one formula, not {len(operands)}",
+        others[0],
+        help=f"a `)` may be missing before `({head_of(stray)}`"
+        if stray
+        else "`and` joins several",
+        fix=None if stray else ctx.wrap(first, operands[-1], "(and ", sure=False),
+    )
+    return formula(ctx, first)
+
+
+_CLAUSES = frozenset((*RAP_CLAUSES, *METHOD_CLAUSES))

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, heads
+from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.fields import filled, slots
-from rapc.parser.special.clauses import clauses, read_clauses, single
 from rapc.parser.special.steps import wait_for
 from rapc.parser.syntax import Datum, List, Numeral, Symbol
 from rapc.parser.terms import colon, pattern

@@ -13,10 +13,11 @@ from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.grammar import RULES
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, words
+from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import ANY_CLAUSE, Context, head_of
-from rapc.parser.elaborate import made, wrong
+from rapc.parser.elaborate import made
 from rapc.parser.fields import filled, slots
-from rapc.parser.special.clauses import clauses, read_clauses, single
+from rapc.parser.findings import wrong
 from rapc.parser.special.effects import effects as read_effects
 from rapc.parser.special.method import method
 from rapc.parser.special.parts import parameter, parameters

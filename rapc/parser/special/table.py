@@ -7,11 +7,9 @@ from functools import cache
 
 from rapc.ir import nodes
 from rapc.parser import terms
-from rapc.parser.context import Context, Read
+from rapc.parser.context import Read
 from rapc.parser.elaborate import GrammarReaders, Maker
 from rapc.parser.special import (
-    agenda,
-    clauses,
     declarations,
     effects,
     expectations,
@@ -21,17 +19,10 @@ from rapc.parser.special import (
     parts,
     query,
     rap,
-    script,
     steps,
     tests,
 )
 from rapc.parser.special.require import require
-from rapc.parser.syntax import Datum
-
-
-def _skill(ctx: Context, datum: Datum) -> nodes.Skill | None:
-    return terms.colon(ctx, datum, nodes.Skill)
-
 
 _DECLARED: Mapping[str, type[nodes.Node]] = {
     "declare_memory_proposition": nodes.DeclareProposition,
@@ -54,7 +45,7 @@ SPECIAL: Mapping[str, Read] = {
     "define_memory_rule": memory_rules.memory_rule,
     "define_event_rule": memory_rules.event_rule,
     "define_query": query.define_query,
-    "define_agenda": agenda.define_agenda,
+    "define_agenda": tests.define_agenda,
     "define_test": tests.define_test,
     "define_test_defaults": tests.define_test_defaults,
     "require": require,
@@ -74,7 +65,7 @@ SPECIAL: Mapping[str, Read] = {
             *("succeed", "preconditions", "constraints", "repeat_while"),
             *("monitor_state", "context"),
         ),
-        clauses.lone_formula,
+        formulas.lone_formula,
     ),
     "monitor_time": rap.monitor_time,
     "resources": rap.resources,
@@ -91,30 +82,18 @@ SPECIAL: Mapping[str, Read] = {
     "sensor_name": formulas.sensor_name,
     "truth": formulas.truth,
     "term": terms.term,
-    "proposition": terms.proposition,
     "goal": terms.goal,
-    "signal": terms.signal,
-    "skill": _skill,
     "thing": terms.thing,
     # tests
-    "task": agenda.task,
-    "answer": tests.answer,
-    "world_option": tests.world_option,
+    "task": tests.given("_once_task_option"),
+    "agenda_task": tests.given("_once_agenda_option"),
     "at": tests.at,
-    "script_row": script.row,
+    "script_row": tests.row,
+    "moved": tests.pair("moved", "a value or a variable", (nodes.Const, nodes.Var)),
+    "placed": tests.pair("placed", "a value", (nodes.Const,)),
     "memory": expectations.memory,
     "method_chosen": expectations.method_chosen,
     "event_pattern": expectations.event_pattern,
-    "asked": script.asked_goal,
-    "required": script.request,
-    "enabled": script.enabled,
-    "told": script.told,
-    "moved": script.moved,
-    "placed": script.placed,
-    "told_datum": script.told_datum,
-    "told_signal": script.told_signal,
-    "fact": script.fact,
-    "arriving": script.arriving,
 }
 """Readers by rule; all other rules are read as the grammar has them."""
 
@@ -143,6 +122,9 @@ MAKERS: Mapping[str, Maker] = {
         values[0]
         if isinstance(values[0], nodes.Until)
         else nodes.Until(values[0], None, span)
+    ),
+    "world_option": lambda head, values, span: nodes.WorldOption(
+        values[0], values[1].value, span
     ),
     "trace": lambda head, values, span: nodes.TraceHas(values[0], span),
 }

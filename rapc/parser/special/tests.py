@@ -1,46 +1,55 @@
-"""`define-test`: its clauses, what is given, and what is done at a time.
+"""`define-test` and `define-agenda`: what is given, the script, what is done at a time.
 
-The rows of a script are read by `rapc.parser.special.script`, expectations by
-`rapc.parser.special.expectations`. What a test means is in docs/testing.md.
+Expectations are read by `rapc.parser.special.expectations`. What a test means is in
+docs/testing.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import msgspec
 
+from rapc.base.values import Number
 from rapc.ir import nodes
 from rapc.language.heads import TEST_CLAUSES, heads
-from rapc.parser.context import Context, head_of
+from rapc.parser.clauses import clauses, read_clauses, single
+from rapc.parser.context import Context, Read, head_of
 from rapc.parser.elaborate import made
 from rapc.parser.fields import filled, slots
-from rapc.parser.special.clauses import clauses, read_clauses, single
-from rapc.parser.special.script import number, plain
+from rapc.parser.findings import wrong
+from rapc.parser.options import read_options
 from rapc.parser.syntax import Datum, List, String, Symbol
-from rapc.parser.terms import constant, pattern
+from rapc.parser.terminals import terminal
+from rapc.parser.terms import term
 
 _ONCE = heads("_once_test_clause")
 
 
-def define_test(ctx: Context, datum: Datum) -> nodes.DefineTest | None:
+def define_test(ctx: Context, form: List) -> nodes.DefineTest | None:
     """`(define-test name ["doc"] clause...)`."""
-    assert isinstance(datum, List)
-    items = datum.items[1:]
-    name = items[0] if items else datum
-    if not isinstance(name, Symbol):
-        ctx.report("malformed-form", "`define-test` wants a symbol for its name", name)
+    name = _name(ctx, form, "define-test")
+    if name is None:
         return None
-    doc = ""
-    first = items[1] if len(items) > 1 else None
-    if isinstance(first, String):
-        doc, items = first.value, items[1:]
-    return _test(ctx, datum, name, doc, items[1:])
+    data = form.items[2:]
+    if data and isinstance(data[0], String):
+        return _test(ctx, form, name, data[0].value, data[1:])
+    return _test(ctx, form, name, "", data)
 
 
-def define_test_defaults(ctx: Context, form: Datum) -> nodes.DefineTest:
+def _name(ctx: Context, form: List, word: str) -> Symbol | None:
+    """The symbol that names a form; anything else is reported."""
+    name = form.items[1] if len(form.items) > 1 else form
+    if isinstance(name, Symbol):
+        return name
+    message = f"`{word}` wants a symbol for its name"
+    ctx.report("malformed-form", message, name)
+    return None
+
+
+def define_test_defaults(ctx: Context, form: List) -> nodes.DefineTest:
     """`(define-test-defaults clause...)`: what is said of all tests, as one of them."""
-    assert isinstance(form, List)
     return _test(ctx, form, None, "", form.items[1:])
 
 
@@ -69,7 +78,7 @@ def _test(
     found = clauses(ctx, data, owner, TEST_CLAUSES)
     kept = single(ctx, found, set(TEST_CLAUSES) - set(_ONCE))
     read = read_clauses(ctx, kept, "_test_clause")
-    fields = filled(_SLOTS, read)
+    fields = filled(slots("define_test", nodes.DefineTest), read)
     fields["until"] = _until(made((*read.get("until", ()), *read.get("cycles", ()))))
     return nodes.DefineTest(
         name="" if name is None else name.name,
@@ -78,9 +87,6 @@ def _test(
         span=ctx.span(form),
         **fields,
     )
-
-
-_SLOTS = slots("define_test", nodes.DefineTest)
 
 
 def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
@@ -96,50 +102,118 @@ def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
 # --- what is given ------------------------------------------------------------------
 
 
-def answer(ctx: Context, datum: Datum) -> nodes.Answer | None:
-    """`((function arg...) value)`."""
-    items = datum.items if isinstance(datum, List) else ()
-    asked = pattern(ctx, items[0], nodes.Request) if len(items) == 2 else None
-    value = constant(items[1]) if len(items) == 2 else None
-    if asked is None or value is None:
-        if len(items) != 2 or asked is not None:
-            message = "an answer is a question to a function, and a value"
-            help = "write `((function argument...) value)`"
-            ctx.report("malformed-clause", message, datum, help=help)
+def define_agenda(ctx: Context, form: List) -> nodes.DefineAgenda | None:
+    """`(define-agenda name (require "name")... task...)`."""
+    name = _name(ctx, form, "define-agenda")
+    if name is None:
         return None
-    asked = plain(ctx, asked)
-    if asked is None:
-        return None
-    call = nodes.Call(asked.name, asked.args, asked.span)
-    return nodes.Answer(call, nodes.Const(value, ctx.span(items[1])), ctx.span(datum))
+    known = ctx.readers.group("define_agenda")
+    found = list(clauses(ctx, form.items[2:], "define-agenda", tuple(known)))
+    required, given = (
+        made(known[word](ctx, one) for head, one in found if head == word)
+        for word in ("require", "task")
+    )
+    return nodes.DefineAgenda(
+        name.name, required, given, ctx.span(name), ctx.span(form)
+    )
 
 
-def world_option(ctx: Context, datum: Datum) -> nodes.WorldOption | None:
-    """`(name value)`."""
-    items = datum.items if isinstance(datum, List) else ()
-    name = items[0] if len(items) == 2 else None
-    value = constant(items[1]) if len(items) == 2 else None
-    if not isinstance(name, Symbol) or value is None:
-        message = "an option of the world is its name and a value"
-        help = "write `(name value)`"
-        ctx.report("malformed-clause", message, datum, help=help)
-        return None
-    return nodes.WorldOption(name.name, value, ctx.span(datum))
+def given(group: str) -> Read:
+    """Return what reads `(task goal option...)`, with options of a group."""
+
+    def read(ctx: Context, clause: List) -> nodes.GivenTask | None:
+        if len(clause.items) == 1:
+            ctx.report("malformed-clause", "`task` lacks its goal", clause)
+            return None
+        asked = ctx.readers["given"](ctx, clause.items[1])
+        read = read_options(ctx, clause.items[2:], "`task`", group)
+        if asked is None:
+            return None
+        fields = filled(slots("agenda_task", nodes.GivenTask), read)
+        return nodes.GivenTask(goal=asked, span=ctx.span(clause), **fields)
+
+    return read
 
 
-def at(ctx: Context, datum: Datum) -> nodes.At | None:
+def at(ctx: Context, clause: List) -> nodes.At | None:
     """`(at time action...)`."""
-    assert isinstance(datum, List)
-    time = number(ctx, datum.items[1], "a time") if len(datum.items) > 1 else None
-    if time is None:
-        if len(datum.items) == 1:
-            ctx.report("malformed-clause", "`at` lacks its time", datum)
+    if len(clause.items) == 1:
+        ctx.report("malformed-clause", "`at` lacks its time", clause)
         return None
-    found = clauses(ctx, datum.items[2:], "at", ACTIONS)
-    readers = ctx.readers.group("_action")
-    actions: tuple[nodes.Action, ...] = made(readers[n](ctx, one) for n, one in found)
-    return nodes.At(time, actions, ctx.span(datum))
+    time = terminal("TIME").read(ctx, clause.items[1])
+    if time is None:
+        return None
+    known = ctx.readers.group("_action")
+    found = clauses(ctx, clause.items[2:], "at", ACTIONS)
+    actions: tuple[nodes.Action, ...] = made(known[n](ctx, one) for n, one in found)
+    return nodes.At(time, actions, ctx.span(clause))
 
 
 ACTIONS = heads("_action")
 """What may be done at a time."""
+
+
+# --- the script ---------------------------------------------------------------------
+
+
+def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
+    """`((request) [result] option...)`."""
+    if not isinstance(datum, List) or not datum.items:
+        wrong(ctx, "script_row", datum)
+        return None
+    first, *rest = datum.items
+    word = head_of(first)
+    asked = ctx.readers[_ASKED.get(word or "", "required")](ctx, first)
+    result = None
+    if rest and isinstance(rest[0], Symbol):
+        result, rest = rest[0].name, rest[1:]
+    read = read_options(ctx, rest, "a row", "_once_row_option")
+    if asked is None:
+        return None
+    fields = filled(slots("script_row", nodes.ScriptRow), read)
+    fields["signals"], fields["pauses"] = _with_pauses(fields["signals"])
+    kind = cast(nodes.RowKind, word if word in _ASKED else "request")
+    return nodes.ScriptRow(
+        kind=kind, request=asked, result=result, span=ctx.span(datum), **fields
+    )
+
+
+_ASKED = {"enable": "enabled", "disable": "disabled"}
+"""The rules of what a row may answer besides a request, by their words."""
+
+
+def _with_pauses(
+    told: Sequence[nodes.Signal | Number],
+) -> tuple[tuple[nodes.Signal, ...], tuple[Number, ...]]:
+    """Return the signals of a row, and how long each waits for the one before it."""
+    found: list[nodes.Signal] = []
+    pauses: list[Number] = []
+    pause: Number = 0
+    for one in told:
+        if isinstance(one, nodes.Signal):
+            found.append(one)
+            pauses.append(pause)
+            pause = 0
+        else:
+            pause += one
+    return tuple(found), tuple(pauses) if any(pauses) else ()
+
+
+def pair(rule: str, wanted: str, kinds: tuple[type[nodes.Term], ...]) -> Read:
+    """Return what reads `(item place)`, two terms of some kinds."""
+
+    def read(ctx: Context, datum: Datum) -> nodes.Moved | None:
+        if not isinstance(datum, List) or len(datum.items) != 2:
+            wrong(ctx, rule, datum)
+            return None
+        item, place = (term(ctx, part) for part in datum.items)
+        if item is None or place is None:
+            return None
+        for one in (item, place):
+            if not isinstance(one, kinds):
+                spot = Symbol("", one.span.start, one.span.end)
+                ctx.report("malformed-clause", f"{wanted} is wanted here", spot)
+                return None
+        return nodes.Moved(item, place, ctx.span(datum))
+
+    return read

@@ -1,14 +1,12 @@
-"""What the clauses of several forms have in common: finding them, a lone formula."""
+"""Clauses of a form: those among its data, once or often, read by their rules."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, cast
 
-from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, List, Symbol
 
 
@@ -86,29 +84,3 @@ def read_clauses(
         read[name] = [reader(ctx, row) for row in rows]
     ctx.clause = outer
     return read
-
-
-def lone_formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
-    """The formula of a clause that holds just one."""
-    assert type(datum) is List
-    if len(datum.items) == 2:
-        return formula(ctx, datum.items[1])
-    name, operands = head_of(datum), datum.items[1:]
-    if not operands:
-        ctx.report("malformed-clause", f"`{name}` has no formula", datum)
-        return None
-    first, *others = operands
-    stray = next((d for d in others if head_of(d) in _CLAUSES), None)
-    ctx.report(
-        "malformed-clause",
-        f"`{name}` takes one formula, not {len(operands)}",
-        others[0],
-        help=f"a `)` may be missing before `({head_of(stray)}`"
-        if stray
-        else "`and` joins several",
-        fix=None if stray else ctx.wrap(first, operands[-1], "(and ", sure=False),
-    )
-    return formula(ctx, first)
-
-
-_CLAUSES = frozenset((*RAP_CLAUSES, *METHOD_CLAUSES))
