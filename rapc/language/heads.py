@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from rapc.language.grammar import RULES
 from rapc.language.shapes import Shape, is_list, is_rule, is_word, leaves
@@ -45,6 +46,22 @@ def rules_by_head(group: str) -> dict[str, str]:
         else:
             found |= dict.fromkeys(heads(rule), rule)
     return found
+
+
+def often(rule: str) -> frozenset[str]:
+    """The words of what may stand more than once in a list of a rule."""
+    return frozenset(_often(RULES[rule], repeated=False))
+
+
+def _often(shape: Shape, *, repeated: bool) -> Iterator[str]:
+    if isinstance(shape, tuple):
+        inner = repeated or shape[0] in ("*", "+")
+        for part in shape[1:]:
+            yield from _often(part, repeated=inner)
+    elif shape[0] == "_" and not shape.startswith("_once"):
+        yield from _often(RULES[shape], repeated=repeated)
+    elif repeated and is_rule(shape) and shape[0] != "_":
+        yield from heads(shape)
 
 
 def rule_named(node: str) -> str:

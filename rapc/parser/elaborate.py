@@ -25,6 +25,7 @@ from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.language.grammar import RULES
 from rapc.language.heads import heads, rules_by_head, words
+from rapc.language.misfits import MISFITS
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
 from rapc.parser.findings import FINDINGS, finding, wrong
@@ -61,10 +62,12 @@ class GrammarReaders(dict[str, Read]):
         self._groups: dict[str, dict[str, Read]] = {}
 
     def __missing__(self, rule: str) -> Read:
-        """Make the reader of a rule."""
-        shape = RULES[rule]
+        """Make the reader of a rule, or of a terminal alone."""
+        shape = RULES.get(rule, rule)
         made: Read
-        if is_word(shape):
+        if is_terminal(shape):
+            made = _wanted(rule, shape, terminal(rule))
+        elif is_word(shape):
             made = _alone(self.makers.get(rule) or _named_like(rule))
         elif shape[0] == "seq":
             made = self._option(rule, shape)
@@ -248,7 +251,8 @@ def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
     """The reader of a list with a fixed number of operands."""
     count = len(parts) + 1
     reads = [part.read for part in parts]
-    strict = [(at, part.fits) for at, part in enumerate(parts, 1) if part.strict]
+    told = rule in MISFITS
+    strict = [(at, p.fits) for at, p in enumerate(parts, 1) if p.strict or told]
     own = _own_word(rule)
 
     def read(ctx: Context, datum: List) -> Any:
@@ -353,6 +357,9 @@ def _wanted(rule: str, shape: Shape, part: OperandWanted) -> Read:
     def read(ctx: Context, datum: Datum) -> Any:
         if part.fits(datum):
             return part.read(ctx, datum)
+        if rule in MISFITS:
+            wrong(ctx, rule, datum)
+            return None
         message = f"{what} is wanted here, not {kind_of(datum)}"
         ctx.report(finding(rule), message, datum)
         return None

@@ -22,6 +22,7 @@ FINDINGS: Mapping[str, str] = {
     "expectation": "malformed-clause",
     **dict.fromkeys(("above", "reads", "uses", "tells"), "malformed-form"),
     **dict.fromkeys(("primitive_atomic", "skill_events"), "malformed-form"),
+    "COMPARATOR": "malformed-form",
 }
 """Which rule of the checker a fault breaks; in clauses it is `malformed-clause`."""
 

@@ -36,6 +36,7 @@ WANTED: Mapping[str, str] = {
     "SIGNAL": "a name with a colon",
     "told_signal": "a signal",
     "KIND": "the name of a kind",
+    "COMPARATOR": "the name of a comparator",
     "reads": "a list of predicates",
     "tells": "a list of data",
     "uses": "a list of things",
@@ -72,6 +73,8 @@ def terminal(name: str) -> OperandWanted:
         return OperandWanted(_NODES[name], term, True)
     if name in _NUMBERS:
         return OperandWanted(_is_numeral, _number(name), False)
+    if name == "FILE":
+        return OperandWanted(_names_file, _file, True)
     if name == "STRING":
         return OperandWanted(is_string, _text, True)
     if TERMINALS[name] == TERMINALS["SYMBOL"]:
@@ -89,6 +92,20 @@ def _named(ctx: Context, datum: Datum) -> str:
 def _text(ctx: Context, datum: Datum) -> str:
     assert isinstance(datum, String)
     return datum.value
+
+
+def _names_file(datum: Datum) -> bool:
+    return isinstance(datum, Symbol) or (isinstance(datum, String) and datum.value > "")
+
+
+def _file(ctx: Context, datum: Datum) -> str:
+    """The name of a file; a symbol is read as one that lacks its quotes."""
+    if isinstance(datum, String):
+        return datum.value
+    assert isinstance(datum, Symbol)
+    fix = ctx.replace(datum, f'"{datum.name}"')
+    ctx.report_fixable("malformed-form", "`require` takes a string", datum, fix=fix)
+    return datum.name
 
 
 def _is_numeral(datum: Datum) -> bool:

@@ -12,15 +12,14 @@ from rapc.base.diagnostics import Fix
 from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.grammar import RULES
-from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, words
+from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, often, words
 from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import ANY_CLAUSE, Context, head_of
 from rapc.parser.elaborate import made
 from rapc.parser.fields import filled, slots
 from rapc.parser.findings import wrong
-from rapc.parser.special.effects import effects as read_effects
 from rapc.parser.special.method import method
-from rapc.parser.special.parts import parameter, parameters
+from rapc.parser.special.parameters import parameter, parameters
 from rapc.parser.syntax import Datum, List, Symbol
 from rapc.parser.terms import split_arrow, term
 
@@ -32,7 +31,7 @@ def define_rap(ctx: Context, datum: Datum) -> nodes.DefineRap | None:
     index: Datum | None = None
     if items and _is_index(items[0]):
         index, items = items[0], items[1:]
-    found = single(ctx, clauses(ctx, items, "define-rap", RAP_CLAUSES), ("method",))
+    found = single(ctx, clauses(ctx, items, "define-rap", RAP_CLAUSES), _OFTEN)
     for clause in found.pop("index", ()):
         if index is None:
             index = _index(ctx, clause)
@@ -152,6 +151,7 @@ def _methods(ctx: Context, rows: Sequence[List]) -> tuple[nodes.Method, ...]:
 
 
 _SLOTS = slots("define_rap", nodes.DefineRap)
+_OFTEN = often("define_rap")
 
 
 def monitor_time(ctx: Context, clause: Datum) -> nodes.MonitorTime | None:
@@ -212,12 +212,6 @@ def _resource(
         return None
     named = cast(Literal["set", "counter"], kind)
     return nodes.Resource(named, variable, initial, ctx.span(datum))
-
-
-def effects(ctx: Context, clause: Datum) -> tuple[nodes.DeclaredEffect, ...]:
-    """`(effects fact... (not fact)...)`."""
-    assert isinstance(clause, List)
-    return read_effects(ctx, clause.items[1:], ("not",))
 
 
 def _check_method_names(

@@ -8,21 +8,19 @@ from functools import cache
 from rapc.ir import nodes
 from rapc.parser import terms
 from rapc.parser.context import Read
+from rapc.parser.declared import declaration
 from rapc.parser.elaborate import GrammarReaders, Maker
 from rapc.parser.special import (
     declarations,
-    effects,
     expectations,
     formulas,
     memory_rules,
     method,
-    parts,
-    query,
+    parameters,
     rap,
     steps,
     tests,
 )
-from rapc.parser.special.require import require
 
 _DECLARED: Mapping[str, type[nodes.Node]] = {
     "declare_memory_proposition": nodes.DeclareProposition,
@@ -40,25 +38,22 @@ _DECLARED: Mapping[str, type[nodes.Node]] = {
 SPECIAL: Mapping[str, Read] = {
     # forms
     "define_rap": rap.define_rap,
-    **{rule: declarations.declaration(rule, kind) for rule, kind in _DECLARED.items()},
+    **{rule: declaration(rule, kind) for rule, kind in _DECLARED.items()},
     "declare_class_comparator": declarations.comparator,
     "define_memory_rule": memory_rules.memory_rule,
     "define_event_rule": memory_rules.event_rule,
-    "define_query": query.define_query,
+    "define_query": declarations.query,
     "define_agenda": tests.define_agenda,
     "define_test": tests.define_test,
     "define_test_defaults": tests.define_test_defaults,
-    "require": require,
     # operands and options of declarations
-    "arguments": parts.arguments,
-    "valued": parts.valued,
-    "DEFAULT": declarations.default,
-    "COMPARATOR": declarations.comparator_name,
+    "arguments": parameters.arguments,
+    "valued": parameters.valued,
     "results": declarations.results,
     "kind_values": declarations.kind_values,
     "excludes": declarations.excludes,
     "datum_effects": declarations.datum_effects,
-    "result_effects": effects.result_effects,
+    "result_effects": declarations.result_effects,
     # clauses
     **dict.fromkeys(
         (
@@ -69,7 +64,7 @@ SPECIAL: Mapping[str, Read] = {
     ),
     "monitor_time": rap.monitor_time,
     "resources": rap.resources,
-    "effects": rap.effects,
+    "effects": declarations.rap_effects,
     "task_net": steps.task_net,
     "primitive": method.primitive,
     "wait_for": steps.wait_for,

@@ -13,7 +13,7 @@ import msgspec
 
 from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.language.heads import TEST_CLAUSES, heads
+from rapc.language.heads import TEST_CLAUSES, heads, often
 from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import Context, Read, head_of
 from rapc.parser.elaborate import made
@@ -23,8 +23,6 @@ from rapc.parser.options import read_options
 from rapc.parser.syntax import Datum, List, String, Symbol
 from rapc.parser.terminals import terminal
 from rapc.parser.terms import term
-
-_ONCE = heads("_once_test_clause")
 
 
 def define_test(ctx: Context, form: List) -> nodes.DefineTest | None:
@@ -76,7 +74,7 @@ def _test(
     """A test, or what is said of all of a file, of the data behind its name."""
     owner = head_of(form) or ""
     found = clauses(ctx, data, owner, TEST_CLAUSES)
-    kept = single(ctx, found, set(TEST_CLAUSES) - set(_ONCE))
+    kept = single(ctx, found, often("define_test"))
     read = read_clauses(ctx, kept, "_test_clause")
     fields = filled(slots("define_test", nodes.DefineTest), read)
     fields["until"] = _until(made((*read.get("until", ()), *read.get("cycles", ()))))
