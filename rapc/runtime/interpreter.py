@@ -144,8 +144,10 @@ class Interpreter:
         Raises:
             FactError: if the prefix names nothing declared.
         """
-        self._machine.access.erase_for("user", prefix)
-        self._machine.access.recognise()
+        machine = self._machine
+        machine.access.erase_for("user", prefix)
+        if machine.recognizer.unsettled:
+            machine.access.recognise()
 
     def move(self, item: str, place: Atom | None) -> None:
         """Let an introduced item be at another place; None: it is lost.
@@ -245,6 +247,8 @@ class Interpreter:
         if self._machine.state.reason is None:
             most = None if cycles is None else max(cycles, 0)
             try:
+                if until is not None and most != 0:
+                    self._machine.set_clock(self.now)  # it may not go on
                 reason = self._loop.run(most, wait=True) or self._loop.reason()
             except BaseException as error:
                 self._break(error)

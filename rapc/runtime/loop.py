@@ -15,14 +15,10 @@ from rapc.runtime.authors import is_time, wrong
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.port import next_in_the_past, no_time_passed, stopped_for_nothing
-from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.hold_things import resume_skills
 from rapc.runtime.tasks.start import create_top, release_at_start_time
 from rapc.world import NOT_KNOWN, Time, World
-
-_QUIET = ""
-"""No reason to be over, only for not turning on."""
 
 
 class Loop:
@@ -34,6 +30,16 @@ class Loop:
         # A world that may end the run by itself is asked in each turn.
         may_end = type(machine.world).ended is not World.ended
         self._patience = -1 if may_end else machine.settings.idle_cycles
+        #: What stays the same object for the life of the machine; see where they are.
+        self._parts = (
+            machine.recorder,
+            machine.agenda,
+            machine.monitors,
+            machine.monitors.to_test,
+            machine.host_timers,
+            machine.recognizer.unsettled,
+            machine.things.changed,
+        )
 
     def run(self, most: int | None, wait: bool, choose: bool = True) -> str | None:
         """Turn until the run is over, and return why, or `most` cycles are done.
@@ -42,31 +48,21 @@ class Loop:
         about to be chosen. Each of these returns None.
         """
         machine = self._machine
-        machine.turning = True
-        if machine.state.until is not None and most != 0:
-            machine.set_clock(machine.recorder.time)  # it may not go on
-        reason = self._run(most, wait, choose)
-        machine.turning = machine.broken = False
-        return reason
-
-    def _run(self, most: int | None, wait: bool, choose: bool) -> str | None:
-        machine, state = self._machine, self._machine.state
-        recorder, agenda, world = machine.recorder, machine.agenda, machine.world
-        chosen_from = agenda if choose else Agenda(machine.rng)
-        # These stay the same objects for the life of the machine; see where they are.
-        monitors, unsettled = machine.monitors, machine.recognizer.unsettled
-        to_test, host_timers = monitors.to_test, machine.host_timers
-        changed, gone = machine.things.changed, state.activations.off
-        cost, patience, cycle = self._cost, self._patience, recorder.cycle
+        state, world, patience = machine.state, machine.world, self._patience
+        recorder, agenda, monitors, to_test, timers, unsettled, changed = self._parts
+        gone, cycle, cost = state.activations.off, recorder.cycle, self._cost
         clock, receive = world.now, world.messages
         last = -1 if most is None else cycle + most
         # The last cycle that the clock may stand still; it moved `patience` before.
         limit = cycle - state.idle + patience
+        reason: str | None = None
+        machine.turning = True
         while cycle != last and not state.over:
             now = clock()
             if now != recorder.time and machine.set_clock(now):
-                return "until"
-            if host_timers or unsettled:
+                reason = "until"
+                break
+            if timers or unsettled:
                 machine.run_host_timers()
                 machine.access.recognise()
             messages = receive()
@@ -78,14 +74,16 @@ class Loop:
                 state.idle = cycle - limit + patience
                 reason = self.reason()
                 if reason is not None:
-                    return reason
-            task = chosen_from.choose()
+                    break
+            task = agenda.choose() if choose else None
             if task is None:
+                if not wait or len(agenda):
+                    break
                 state.idle = cycle - limit + patience
-                reason = self._wait() if wait and not len(agenda) else _QUIET
-                if reason is not None:
-                    return reason or None
+                reason = self._wait()
                 limit = cycle - state.idle + patience
+                if reason is not None:
+                    break
                 continue
             recorder.cycle = cycle = cycle + 1
             run_cycle(machine, task)
@@ -94,7 +92,8 @@ class Loop:
             if recorder.time != now:
                 limit = cycle + patience
         state.idle = cycle - limit + patience
-        return None
+        machine.turning = machine.broken = False
+        return reason
 
     def reason(self) -> str | None:
         """Return why the run is over, or None if it is not."""
@@ -110,30 +109,30 @@ class Loop:
             return "done"
         return "runaway" if state.idle > machine.settings.idle_cycles else None
 
-    def _create_scheduled(self) -> None:
+    def _wake(self) -> None:
+        """Start what has waited for this time, and test what has changed."""
+        machine = self._machine
+        monitors, things = machine.monitors, machine.things
+        if machine.recorder.time >= monitors.next_look:
+            self._start_due()
+        monitors.test_changed()
+        while things.resumable:
+            resume_skills(machine)
+            monitors.test_changed()
+        if machine.state.scheduled:
+            monitors.look_by(machine.state.scheduled[0][0])
+
+    def _start_due(self) -> None:
+        """Create the tasks, and start the steps, that have waited for this time."""
         machine = self._machine
         scheduled = machine.state.scheduled
         while scheduled and scheduled[0][0] <= machine.recorder.time:
             submission = heapq.heappop(scheduled)[2]
             machine.state.expected -= not submission.background
             create_top(machine, submission)
-
-    def _wake(self) -> None:
-        """Start what has waited for this time, and test what has changed."""
-        machine, monitors = self._machine, self._machine.monitors
-        scheduled = machine.state.scheduled
-        if scheduled:
-            self._create_scheduled()
-        if machine.recorder.time >= monitors.next_look:
-            for task in monitors.due():
-                if task.wait is None or not task.wait.awaits_signal:
-                    release_at_start_time(machine, task)
-        monitors.test_changed()
-        while machine.things.resumable:
-            resume_skills(machine)
-            monitors.test_changed()
-        if scheduled:
-            monitors.look_by(scheduled[0][0])
+        for task in machine.monitors.due():
+            if task.wait is None or not task.wait.awaits_signal:
+                release_at_start_time(machine, task)
 
     def _spend(self, cost: Time) -> None:
         """Let a cycle take its time."""

@@ -86,7 +86,7 @@ class Machine:
         self.things = Things()
         self.held, self.waits = self.things.held, self.things.waits  # parts of them
         self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)
-        parts.observe(self.monitors)
+        parts.observe(self.monitors.listeners)
         #: What the host wants done at a time: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
         #: What the host wants done when the run is over, and each time that it waits.
@@ -126,7 +126,7 @@ class Machine:
         if now < before:
             times = f"from {format_atom(before)} to {format_atom(now)}"
             raise breach(self.world, "now", f"sets its clock back, {times}")
-        self.monitors.changes += now != before
+        self.monitors.listeners.changes += now != before
         self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)
         return self.state.past_until

@@ -8,17 +8,20 @@ not used up answers it, and its variables serve its effects. Symbols that begin 
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import msgspec
 
-from rapc.base.values import Atom, Bindings, Fact, format_list, is_variable
+from rapc.base.values import Atom, Fact, format_list, is_variable
 from rapc.errors import FactError
 from rapc.ir.nodes import DeclareDatum, DeclareEvent, DeclarePrimitive, DeclareSkill
 from rapc.library.signatures import Fault, Signatures, Use
 from rapc.world import OKAY, HandlerMemory, Offer, Time
 
 _AS_THEY_ARE: Mapping[Atom, Atom] = {}
+
+_EFFECTS = ("asserts", "erases", "moves", "loses", "data", "signals")
+"""What of a row may have its variables."""
 
 
 class Row(msgspec.Struct, frozen=True):
@@ -100,27 +103,36 @@ class Declarations(Protocol):
         """The events declared, by name."""
 
 
-def fill(row: Row, bound: Bindings) -> Row:
-    """A row with its variables put into its effects."""
-    if not bound:
+def fillers(row: Row) -> tuple[str, ...]:
+    """Return the names of a row's effects that there are: those that `fill` fills."""
+    return tuple([name for name in _EFFECTS if getattr(row, name)])
+
+
+def fill(
+    row: Row, effects: Iterable[str], bound: Mapping[Any, Any], pattern: Fact
+) -> Row:
+    """Return a row with its variables put into its effects.
+
+    Args:
+        row: the row.
+        effects: what `fillers` says of the row.
+        bound: the values of its variables.
+        pattern: the pattern of the row to be returned.
+    """
+    filled: dict[str, Any] = {}
+    if bound:
+        for name in effects:
+            filled[name] = tuple([_put(bound, part) for part in getattr(row, name)])
+    elif row.pattern is pattern:
         return row
+    return msgspec.structs.replace(row, pattern=pattern, **filled)
 
-    def one(part: Atom) -> Atom:
-        value: Atom = bound.get(str(part), part)
-        return value
 
-    def put(facts: Iterable[Fact]) -> tuple[Fact, ...]:
-        return tuple(tuple(map(one, fact)) for fact in facts)
-
-    return msgspec.structs.replace(
-        row,
-        asserts=put(row.asserts),
-        erases=put(row.erases),
-        moves=tuple((one(item), one(place)) for item, place in row.moves),
-        loses=tuple(map(one, row.loses)),
-        data=put(row.data),
-        signals=put(row.signals),
-    )
+def _put(bound: Mapping[Any, Any], part: Atom | Fact) -> Any:
+    """Return an atom, or a fact, with the values of its variables."""
+    if type(part) is tuple:
+        return tuple([bound.get(one, one) for one in part])
+    return bound.get(part, part)
 
 
 def change(
@@ -136,10 +148,10 @@ def change(
     Raises:
         FactError: for an item that no handler has introduced, naming the row.
     """
-    for name, *parts in effects.erases:
-        memory.erase(name, *(names.get(part, part) for part in parts))
-    for name, *parts in effects.asserts:
-        memory.assert_fact(name, *(names.get(part, part) for part in parts))
+    for fact in effects.erases:
+        memory.erase(*_by_names(fact, names))
+    for fact in effects.asserts:
+        memory.assert_fact(*_by_names(fact, names))
     try:
         for item, place in effects.moves:
             memory.move(str(names.get(item, item)), names.get(place, place))
@@ -147,6 +159,13 @@ def change(
             memory.lose(str(names.get(item, item)))
     except FactError as error:
         raise FactError(f"{_named(effects)}: {error}") from error
+
+
+def _by_names(fact: Fact, names: Mapping[Atom, Atom]) -> Fact:
+    """Return a fact with memory's names of items."""
+    if not names:
+        return fact
+    return (fact[0], *[names.get(part, part) for part in fact[1:]])
 
 
 def _named(effects: Row | At) -> str:

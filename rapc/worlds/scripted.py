@@ -31,6 +31,7 @@ from rapc.worlds.script import (
     change,
     check_script,
     fill,
+    fillers,
     mentioned,
     offer_of,
 )
@@ -76,6 +77,7 @@ class ScriptedWorld(World):
         leaving: Callable[[], None] | None = None,
     ) -> None:
         self._rows = tuple(rows)
+        self._fillers = [fillers(row) for row in self._rows]
         self._leaving = leaving
         offer = offer_of(declared) if declared else mentioned(self._rows, at)
         handled = kit.handlers.data
@@ -109,8 +111,10 @@ class ScriptedWorld(World):
             return None
         self.advance(end)
         state.before, state.entries = state.entries, []
-        state.sent = [m for m in state.sent if m != ENTRY]
-        self._send(row.signals)
+        if state.sent:
+            state.sent = [m for m in state.sent if m != ENTRY]
+        if row.signals:
+            self._send(row.signals)
         state.answered = row
         return Reply(row.result, row.data)
 
@@ -290,7 +294,7 @@ class ScriptedWorld(World):
         found = self._row_for("request", request)
         if found is None:
             raise UnansweredRequest(request)
-        return msgspec.structs.replace(self._use(found), pattern=request)
+        return self._use(found, request)
 
     def _row_for(self, kind: str, asked: Fact) -> tuple[int, Bindings] | None:
         """Return the first row of a kind that matches and is not used up."""
@@ -303,11 +307,14 @@ class ScriptedWorld(World):
                 return index, bound
         return None
 
-    def _use(self, found: tuple[int, Bindings]) -> Row:
-        """Use a row that was found, with what it binds; return it filled in."""
-        index, bound = found
+    def _use(self, found: tuple[int, Bindings], asked: Fact | None = None) -> Row:
+        """Use a row that was found, with what it binds; return it filled in.
+
+        With `asked`, the request that it answers, that is its pattern.
+        """
+        (index, bound), row = found, self._rows[found[0]]
         self._state.used[index] += 1
-        return fill(self._rows[index], bound)
+        return fill(row, self._fillers[index], bound, asked or row.pattern)
 
     def _handle_result(self, memory: HandlerMemory, request: Fact, _: str) -> None:
         """Handle the answer just given and what came before it, else the next end told.

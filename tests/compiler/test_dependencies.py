@@ -36,21 +36,13 @@ class Ear:
     ) -> None:
         found = watches(asked, SIGNATURES)
         self.aging = any(w.age is not None and w.age not in env for w in found)
-        self._listeners = Listeners()
         self._heard: dict[int, Task] = {}
+        listeners = Listeners(self._heard)
         task = Task(_NOBODY, None, None)
         for key in {watch.resolve(env) for watch in found}:
             if key is not None:
-                self._listeners.add(key, task)
-        both.memory.observe(self)
-
-    def fact_changed(self, fact: Fact, how: str) -> None:
-        """Hear of a fact."""
-        self._listeners.of_fact(fact, self._heard)
-
-    def other_changed(self, word: str) -> None:
-        """Hear of another change."""
-        self._listeners.of_word(word, self._heard)
+                listeners.add(key, task)
+        both.memory.observe(listeners)
 
     @property
     def heard(self) -> bool:

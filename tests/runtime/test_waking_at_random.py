@@ -51,7 +51,7 @@ class Sleepers:
         self.both = both
         self.agenda = Agenda(random.Random(0))
         self.monitors = Monitors(both.context, both.recorder, self.agenda, Things())
-        both.memory.observe(self.monitors)
+        both.memory.observe(self.monitors.listeners)
         self.tasks: list[Task] = []
         for number in range(1, TASKS + 1):
             formula, env = thrown.formula(leaves), thrown.env()
@@ -84,10 +84,10 @@ class Sleepers:
         for value in found:
             if isinstance(value, SetResource) and thrown.odds(0.5):
                 (value.add if thrown.odds(0.5) else value.remove)(thrown.one(ATOMS))
-                self.monitors.resource_changed(value)
+                self.monitors.listeners.resource_changed(value)
             elif isinstance(value, Counter):
                 value.add(thrown.one((1, -1)))
-                self.monitors.resource_changed(value)
+                self.monitors.listeners.resource_changed(value)
 
 
 @examples(400)

@@ -10,10 +10,6 @@ from rapc.world import Time
 
 Listener = Callable[[Event], None]
 
-RawEvent = tuple[type[Event], int, Time, dict[str, Any]]
-"""An event before it is made: its kind, cycle, time and other keys."""
-
-
 _WITH_CAUSES: frozenset[type[Event]] = frozenset((MethodEnded, TaskFailed))
 """The kinds of events that tell of causes."""
 
@@ -30,7 +26,10 @@ class Recorder:
         self.time: Time = 0
         self.cycle = 0
         self.serial = 0
-        self.buffer: list[RawEvent] | None = None
+        #: For each event its kind, cycle, time and other keys, one after the other:
+        #: Python's garbage collector looks at what is kept again and again, and so
+        #: finds half as many objects.
+        self.buffer: list[Any] | None = None
         #: Places in the buffer from which serials are counted anew, each with the
         #: first.
         self.jumps: list[tuple[int, int]] = []
@@ -75,7 +74,7 @@ class Recorder:
         self._of_kind, self._makes_events = dict(other._of_kind), other._makes_events
         self._tells_all = other._tells_all
 
-    def start_buffer(self) -> list[RawEvent]:
+    def start_buffer(self) -> list[Any]:
         """The buffer to which all is added that is told from now on."""
         if self.buffer is None:
             self.buffer = []
@@ -100,28 +99,28 @@ class Recorder:
 
     def emit(self, event_class: type[Event], /, **keys: Any) -> None:
         """Hand an event of a kind to all listeners that want it."""
-        if not self._tells_all and event_class not in self._of_kind:
-            self.serial += 1
-            return
         buffer = self.buffer
         if buffer is not None:
-            buffer.append((event_class, self.cycle, self.time, keys))
-        for raw in self._raw:
-            raw(event_class, self.serial, self.cycle, self.time, keys)
+            buffer.extend((event_class, self.cycle, self.time, keys))
+        elif not self._tells_all and event_class not in self._of_kind:
+            self.serial += 1
+            return
+        if self._raw:
+            for raw in self._raw:
+                raw(event_class, self.serial, self.cycle, self.time, keys)
         if self._makes_events:
             listeners = self._of_kind.get(event_class, self._listeners)
             if listeners:
-                told = event_class, self.cycle, self.time, keys
-                event = to_event(told, self.serial)
+                event = event_class(
+                    n=self.serial, cycle=self.cycle, time=self.time, **keys
+                )
                 for listener in listeners:
                     listener(event)
         self.serial += 1
 
 
-def to_event(told: RawEvent, serial: int) -> Event:
-    """An event with its serial number, from what was told of it."""
-    what, cycle, time, keys = told
-    return what(n=serial, cycle=cycle, time=time, **keys)
+_PARTS = 4
+"""How many entries of a buffer an event takes."""
 
 
 class Recording:
@@ -134,13 +133,14 @@ class Recording:
         self._jumps = recorder.jumps
 
     def __len__(self) -> int:
-        return len(self._buffer) - self._start
+        return (len(self._buffer) - self._start) // _PARTS
 
     def __iter__(self) -> Iterator[Event]:
         """The events, in order: what a listener would have been called with."""
         jumps = dict(self._jumps)
         serial = self._first
-        for at in range(self._start, len(self._buffer)):
+        for at in range(self._start, len(self._buffer), _PARTS):
             serial = jumps.get(at, serial)
-            yield to_event(self._buffer[at], serial)
+            kind, cycle, time, keys = self._buffer[at : at + _PARTS]
+            yield kind(n=serial, cycle=cycle, time=time, **keys)
             serial += 1

@@ -139,10 +139,13 @@ class Gate(MemoryView):
             FactError: if the declarations do not allow it, or for an item's place
                 and introducing class.
         """
-        fact = self.checked(fact)
+        memory = self._memory
+        fact = memory.checked(fact)
+        if self._of_kinds:
+            self._check_kinds(fact)
         if fact[0] in _BY_HANDLERS:
             self.check_owner(fact)
-        self._memory.store(fact, by)
+        memory.store(fact, by)
 
     def checked(self, fact: Fact) -> Fact:
         """Return a fact from outside in the form in which it is kept.
@@ -152,14 +155,16 @@ class Gate(MemoryView):
                 arguments, or their kinds.
         """
         fact = self._memory.checked(fact)
-        if not self._of_kinds:
-            return fact
+        if self._of_kinds:
+            self._check_kinds(fact)
+        return fact
+
+    def _check_kinds(self, fact: Fact) -> None:
         for at, holds in self._of_kinds.get(fact[0], ()):
             if not holds(fact[at]):
                 signatures = self._memory.signatures
                 wrong = signatures.wrong_kind("asserted", str(fact[0]), fact[1:])
                 raise FactError(f"{format_list(fact)}: {wrong}")
-        return fact
 
     def erase_for(self, by: str, prefix: Fact) -> None:
         """Erase every fact that starts with `prefix`, on behalf of `by`.

@@ -10,7 +10,8 @@ Not here: queries (`rapc.compiler.query`), which facts exclude each other
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, Final, Protocol
 
 from rapc.base.values import Atom, Fact
@@ -51,6 +52,14 @@ class Observer(Protocol):
         `word` is `external`, `know-sensor-name`, or `location` for the size of an
         expectation set.
         """
+
+
+_FactChanged = Callable[[Fact, str], None]
+
+
+def _tell_each(told: Sequence[_FactChanged], fact: Fact, how: str) -> None:
+    for changed in told:
+        changed(fact, how)
 
 
 class Sized(Protocol):
@@ -97,13 +106,17 @@ class Memory:
         )
         self._recorder = recorder
         self._observers: tuple[Observer, ...] = ()
-        #: Their methods, found once: a fact comes or goes many times in a cycle.
-        self._fact_changed: tuple[Callable[[Fact, str], None], ...] = ()
+        #: Tells all observers of a fact: the only one's own method in most runs.
+        self._fact_changed: _FactChanged = partial(_tell_each, ())
+        #: The notations in force: part of `notations`, and the same object for good.
+        self._noted = self.notations.by_fact
+        self._relations = signatures.relations
 
     def observe(self, *observers: Observer) -> None:
         """Tell these observers of each change from now on, in this order."""
         self._observers = observers
-        self._fact_changed = tuple([each.fact_changed for each in self._observers])
+        told = [each.fact_changed for each in observers]
+        self._fact_changed = told[0] if len(told) == 1 else partial(_tell_each, told)
 
     # --- the two verbs -----------------------------------------------------------
 
@@ -114,8 +127,7 @@ class Memory:
         that it excludes go, and it is no notation any more. With one it is stored as
         it was asserted at another time, or never (`NEVER`). `by` is for the trace.
         """
-        recorder = self._recorder
-        noted = self.notations.by_fact
+        recorder, noted = self._recorder, self._noted
         if stamp is None:
             stamp = recorder.time
             if noted:
@@ -129,23 +141,19 @@ class Memory:
                 noted.pop(replaced, None)
             if recorder.on:
                 recorder.emit(FactErased, fact=replaced, by=by)
-            for changed in self._fact_changed:
-                changed(replaced, REPLACED)
+            self._fact_changed(replaced, REPLACED)
         if recorder.on:
             recorder.emit(FactAsserted, fact=fact, by=by)
-        for changed in self._fact_changed:
-            changed(fact, STORED)
+        self._fact_changed(fact, STORED)
 
     def remove(self, fact: Fact, by: str) -> None:
         """Remove a fact that is there. `by` is for the trace."""
-        noted = self.notations.by_fact
-        if noted:
-            noted.pop(fact, None)
+        if self._noted:
+            self._noted.pop(fact, None)
         self.facts.remove(fact)
         if self._recorder.on:
             self._recorder.emit(FactErased, fact=fact, by=by)
-        for changed in self._fact_changed:
-            changed(fact, REMOVED)
+        self._fact_changed(fact, REMOVED)
 
     def tell(self, word: str) -> None:
         """Tell the observers of a change that is no fact's: see `Observer`."""
@@ -160,7 +168,7 @@ class Memory:
         Raises:
             FactError: if the declarations do not allow it.
         """
-        fact = full_form(fact, self.signatures.relations)
+        fact = full_form(fact, self._relations)
         return self.canonical(fact) if self.items.aliases else fact
 
     def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:

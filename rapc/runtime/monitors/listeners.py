@@ -1,12 +1,12 @@
 """Who listens to which change, found from what has changed without looking at others.
 
-What a formula listens to is said by `rapc.compiler.watches`; when its task is
-tested is for `rapc.runtime.monitors.monitors` to say [L 5].
+What a formula listens to is said by `rapc.compiler.watches`; when the tasks that are
+marked here are tested is for `rapc.runtime.monitors.monitors` to say [L 5].
 """
 
 from __future__ import annotations
 
-from rapc.base.resources import Counter, SetResource
+from rapc.base.resources import Counter, Resource, SetResource
 from rapc.base.values import Atom, Fact
 from rapc.compiler.watches import ANYTHING, WatchKey
 from rapc.runtime.state.states import RUNNING
@@ -18,17 +18,28 @@ _Table = dict[object, "Task | _Found"]
 
 
 class Listeners:
-    """The tasks that listen, by what they listen to.
+    """The tasks that listen, by what they listen to; an observer of memory.
 
     A listener to a fact stands under its name and one argument, or under its name
     alone, as position 0; other changes have words or resources for keys.
+
+    Args:
+        to_test: gets the tasks that listen to what has changed, by number.
     """
 
-    __slots__ = ("_names", "_others")
+    __slots__ = ("_names", "_others", "_to_test", "changes")
 
-    def __init__(self) -> None:
+    def __init__(self, to_test: _Found) -> None:
+        #: How often memory, a resource or the clock has changed in this process.
+        self.changes = 0
+        self._to_test = to_test
         self._names: dict[Atom, dict[int, _Table]] = {}
         self._others: _Table = {}
+
+    def clear(self) -> None:
+        """Let nobody listen to anything."""
+        self._names.clear()
+        self._others.clear()
 
     def add(self, key: WatchKey, task: Task) -> None:
         """A task listens to a change from now on."""
@@ -57,36 +68,39 @@ class Listeners:
             return self._others, key
         places = self._names.setdefault(key[0], {})
         if len(key) == 1:
-            return places.setdefault(0, {}), None
+            return places.setdefault(0, {}), key[0]
         _, at, value = key
         assert isinstance(at, int)
         return places.setdefault(at, {}), value
 
-    def of_fact(self, fact: Fact, found: _Found) -> None:
-        """Add to `found` the tasks registered for `fact`, which has changed."""
+    def fact_changed(self, fact: Fact, how: str) -> None:
+        """Mark the tasks that listen to a fact of memory to be tested."""
+        self.changes += 1
         places = self._names.get(fact[0])
         if places is not None:
             size = len(fact)
             for at, table in places.items():
                 if at < size:
-                    there = table.get(fact[at] if at else None)
+                    there = table.get(fact[at])
                     if there is not None:
-                        _join(there, found)
+                        _join(there, self._to_test)
         if self._others:
-            self.of(ANYTHING, found)
+            self._mark(self._others.get(ANYTHING))
 
-    def of_word(self, word: str, found: _Found) -> None:
-        """Add to `found` the tasks registered for the change named `word`, no fact."""
-        there = self._names.get(word, {}).get(0, {}).get(None)
-        if there is not None:
-            _join(there, found)
-        self.of(ANYTHING, found)
+    def other_changed(self, word: str) -> None:
+        """Mark the tasks that listen to a change that is no fact's to be tested."""
+        self.changes += 1
+        self._mark(self._names.get(word, {}).get(0, {}).get(word))
+        self._mark(self._others.get(ANYTHING))
 
-    def of(self, key: WatchKey, found: _Found) -> None:
-        """Add to `found` the tasks registered for a resource, or for any change."""
-        there = self._others.get(key)
+    def resource_changed(self, resource: Resource) -> None:
+        """Mark the tasks that listen to a set or counter to be tested."""
+        self.changes += 1
+        self._mark(self._others.get(resource))
+
+    def _mark(self, there: Task | _Found | None) -> None:
         if there is not None:
-            _join(there, found)
+            _join(there, self._to_test)
 
 
 def _join(there: Task | _Found, found: _Found) -> None:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Final
 
-from rapc.base.resources import Resource
-from rapc.base.values import Fact, format_atom, number
+from rapc.base.values import format_atom, number
 from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.events import DeadlineMissed, Event, TaskBlocked, TaskWoken
@@ -27,12 +27,12 @@ from rapc.runtime.state.things import Things, ThingWait, words
 from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 
-_NOW = -math.inf
-_NEVER = math.inf
+_NOW: Final = -math.inf
+_NEVER: Final = math.inf
 
 
 class Monitors:
-    """All waiting for states and times in a run; an observer of memory.
+    """All waiting for states and times in a run.
 
     Tasks to be tested are collected and then tested by number.
 
@@ -55,17 +55,16 @@ class Monitors:
         self._waits, self._ways = things.waits, things.changed
         self._recorder = recorder
         self._agenda = agenda
-        self._listeners = Listeners()
         self._timers = Timers()
         self.deadlines = Deadlines()
         #: The tasks to be tested, by number. It stays the same object: loops hold it.
         self.to_test: dict[int, Task] = {}
-        #: Before this time nothing falls due.
+        #: Who listens to what: to be told of all that changes.
+        self.listeners = Listeners(self.to_test)
+        #: Before this time nothing falls due; never, where nothing waits for a time.
         self.next_look: float = _NEVER
         #: The tasks whose monitors ask how old a belief is, by number.
         self.aging: dict[int, Task] = {}
-        #: How often memory, a resource or the clock has changed in this process.
-        self.changes = 0
         #: When changed monitors were last tested.
         self.tested_at: Time = -1
 
@@ -77,12 +76,12 @@ class Monitors:
         deadlines: Iterable[tuple[float, Task]],
     ) -> None:
         """Wait for what the `live` tasks say they wait for, and for nothing else."""
-        self._listeners = Listeners()
+        self.listeners.clear()
         tasks = list(live)
         for task in tasks:
             keys = () if task.wait is None else task.wait.keys or ()
             for key in keys:
-                self._listeners.add(key, task)
+                self.listeners.add(key, task)
         self._timers.load(tasks)
         self.deadlines.load(deadlines)
         self.deadlines.missed = {}
@@ -92,21 +91,6 @@ class Monitors:
         self.next_look = _NOW
 
     # --- listening -------------------------------------------------------------
-
-    def fact_changed(self, fact: Fact, how: str) -> None:
-        """Mark the tasks that listen to a fact of memory to be tested."""
-        self.changes += 1
-        self._listeners.of_fact(fact, self.to_test)
-
-    def other_changed(self, word: str) -> None:
-        """Mark the tasks that listen to a change that is no fact's to be tested."""
-        self.changes += 1
-        self._listeners.of_word(word, self.to_test)
-
-    def resource_changed(self, resource: Resource) -> None:
-        """A set or counter has changed: who asks about it is tested again."""
-        self.changes += 1
-        self._listeners.of(resource, self.to_test)
 
     def _listen(self, task: Task, wait: WaitState) -> None:
         keys: dict[WatchKey, None] = {}
@@ -118,7 +102,7 @@ class Monitors:
                 self.aging[task.number] = task
                 self.next_look = _NOW
         for key in keys:
-            self._listeners.add(key, task)
+            self.listeners.add(key, task)
         wait.keys = tuple(keys)
 
     def forget(self, task: Task) -> None:
@@ -133,7 +117,7 @@ class Monitors:
         self.to_test.pop(task.number, None)
         self.aging.pop(task.number, None)
         for key in wait.keys or ():
-            self._listeners.drop(key, task)
+            self.listeners.drop(key, task)
         wait.keys = None
 
     def rebind(self, task: Task) -> None:
@@ -204,13 +188,9 @@ class Monitors:
 
     def test_changed(self) -> None:
         """Test all that may have changed, by task number; tell missed deadlines."""
-        if self.aging and self._recorder.time != self.tested_at:
-            self.to_test.update(self.aging)
+        missed = self.next_look != _NEVER and self._look_at_times()
         self.tested_at = self._recorder.time
-        deadlines = self.deadlines
-        if deadlines.heap:
-            deadlines.look(self._recorder.time)
-        if deadlines.missed or self._ways:
+        if missed or self._ways:
             self._test_with_others()
         elif len(self.to_test) == 1:
             self._test(self.to_test.popitem()[1])
@@ -219,7 +199,17 @@ class Monitors:
             self.to_test.clear()
             for tasknumber in sorted(dirty):
                 self._test(dirty[tasknumber])
-        self._look_ahead()
+        if self.next_look != _NEVER:
+            self._look_ahead()
+
+    def _look_at_times(self) -> bool:
+        """Mark who asks how old beliefs are; whether there are deadlines to tell of."""
+        now, deadlines = self._recorder.time, self.deadlines
+        if self.aging and now != self.tested_at:
+            self.to_test.update(self.aging)
+        if deadlines.heap:
+            deadlines.look(now)
+        return bool(deadlines.missed)
 
     def _test_with_others(self) -> None:
         """Test monitors, and what is in the way of tasks, and tell what was missed."""

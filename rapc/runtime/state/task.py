@@ -120,7 +120,7 @@ class Task:
         self.last_result: str | None = None
         #: The goal, once an event holds it and if it stays as it is.
         self.told: Goal | None = None
-        #: `Monitors.changes` when its constraints, and those above, last held.
+        #: `Listeners.changes` when its constraints, and those above, last held.
         self.held_at = -1
 
     @property

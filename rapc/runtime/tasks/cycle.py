@@ -168,7 +168,7 @@ def _constraints_hold(machine: Machine, nearest: Task | MethodRun) -> bool:
     Where nothing has changed since they were all found to hold, they still do: so an
     endless descent looks at each of its tasks but once.
     """
-    context, changes = machine.context, machine.monitors.changes
+    context, changes = machine.context, machine.monitors.listeners.changes
     faults, steady = context.faults, True
     stated: Task | MethodRun | None = nearest
     # fast twin of asking all of them: holds when nothing has changed since, and what

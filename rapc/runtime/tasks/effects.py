@@ -76,7 +76,7 @@ def carry_out(machine: Machine, task: Task, change: Change) -> None:
         resource.add(by)  # type: ignore[arg-type]  # resources were refused
     else:
         resource.remove(by)  # type: ignore[arg-type]  # resources were refused
-    machine.monitors.resource_changed(resource)
+    machine.monitors.listeners.resource_changed(resource)
     if machine.recorder.on:
         what = ResourceChange(op, by, str(resource))  # type: ignore[arg-type]
         machine.recorder.emit(ResourceChanged, task=task.number, what=what)

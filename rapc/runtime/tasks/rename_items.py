@@ -37,7 +37,7 @@ def rename(machine: Machine, lost: str, kept: str) -> None:
     for resource in sets.values():
         if lost in resource.members:
             _in_set(resource, lost, kept)
-            machine.monitors.resource_changed(resource)
+            machine.monitors.listeners.resource_changed(resource)
 
 
 def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
