@@ -6,6 +6,7 @@ checked and joins the library, a goal is submitted, a formula is asked of memory
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterable, Sequence
 from io import StringIO
 
@@ -60,6 +61,24 @@ class Command(msgspec.Struct, frozen=True):
     more: str = ""
     #: The group under which `:help` lists it.
     group: str = ""
+
+
+def command(takes: str, *examples: str, more: str = "") -> Callable[[Does], Command]:
+    """Return what makes a command of a function, by its name and its docstring.
+
+    Args:
+        takes: what the command is given.
+        examples: inputs that use it.
+        more: what else there is to know, behind the docstring's further paragraphs.
+    """
+
+    def made(does: Does) -> Command:
+        name = does.__name__.strip("_").replace("_", "-")
+        doc, _, rest = inspect.cleandoc(does.__doc__ or "").partition("\n\n")
+        known = " ".join([*rest.split(), *more.split()])
+        return Command(name, takes, doc, does, examples, known)
+
+    return made
 
 
 _ONLY_TO_LOOK_AT = (

@@ -24,7 +24,7 @@ from rapc.errors import TextError
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments, split
 from rapc.repl.patterns import pattern
-from rapc.repl.shell import Command, Shell
+from rapc.repl.shell import Shell, command
 
 
 def _do(shell: Shell, act: Act) -> ShownAnswer:
@@ -33,37 +33,52 @@ def _do(shell: Shell, act: Act) -> ShownAnswer:
     return say(*shell.happened(before), *shell.branched(branch), f"done: {act}")
 
 
-def _with_fact(
-    make: Callable[[Fact], Act],
-) -> Callable[[Shell, Arguments], ShownAnswer]:
-    def does(shell: Shell, args: Arguments) -> ShownAnswer:
-        return _do(shell, make(args.fact("a fact")))
+@command("FACT", ":assert (truck-status ready)")
+def _assert(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Assert a fact.
 
-    return does
-
-
-def _with_task(make: Callable[[int], Act]) -> Callable[[Shell, Arguments], ShownAnswer]:
-    def does(shell: Shell, args: Arguments) -> ShownAnswer:
-        return _do(shell, make(shell.task(args)))
-
-    return does
+    All that is done to the run is done again when it is replayed. Done in the past,
+    it begins a new branch.
+    """
+    return _do(shell, AssertFact(args.fact("a fact")))
 
 
+@command("PREFIX", ":erase (color item-1)")
+def _erase(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Erase every fact that starts so."""
+    return _do(shell, EraseFacts(args.fact("a fact")))
+
+
+@command("GOAL [OPTIONS]", ":submit (rock-order red 1) :priority 2 :deadline 400")
 def _submit(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Give the robot a task; a goal typed by itself does the same."""
     args.word("a goal")
     args.rest()
     return shell.submit(args.text)
 
 
+@command("GOAL", ":cancel (rock-order red ?)")
 def _cancel(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Take away the top-level tasks that a goal matches."""
     return _do(shell, CancelTasks(pattern(args.word("a goal"))))
 
 
+@command("SIGNAL", ":signal (:door-open hall)")
 def _signal(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Send a signal to the tasks that wait for it."""
     return _do(shell, SendSignal(args.signal()))
 
 
+@command(
+    "(assert FACT) | (erase PREFIX) ... [CYCLES]",
+    ":what-if (assert (truck-fuel 2))",
+    ":what-if (erase (color item-1)) 5",
+)
 def _what_if(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Say what the next cycles would bring if memory were another.
+
+    It is tried aside and undone.
+    """
     acts: list[Act] = []
     cycles = 1
     for said in args.rest():
@@ -103,14 +118,41 @@ def _told(shell: Shell, told: tuple[ToldEvent, ...]) -> list[str]:
     return lines or ["  nothing"]
 
 
+@command(
+    "REQUEST RESULT [TIMES]",
+    ":force (arm-grasp ? ?) arm-dropped",
+    ":force (truck-move) okay 3",
+)
 def _force(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Let the next request that is like this end with a result.
+
+    The request does not reach the world: nothing is done there, and it takes as
+    long as such a request usually does. Items are those of the sensors.
+    """
     request = pattern(args.word("a request"))
     result = args.word("a result").lower()
     return _do(shell, ForceResult(request, result, max(args.count("times", 1), 1)))
 
 
+@command("[TASK]", ":fail 12")
+def _fail(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Let a task fail, as if a condition of it did not hold."""
+    return _do(shell, FailTask(shell.task(args)))
+
+
+@command("[TASK]", ":retry 12")
+def _retry(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Let the method of a task end badly, so that the task chooses again."""
+    return _do(shell, RetryTask(shell.task(args)))
+
+
+@command("", ":reload")
 def _reload(shell: Shell, args: Arguments) -> ShownAnswer:
-    """Read the library again; what was typed stays in place of what the files say."""
+    """Read the files of the library again, and go on with what they say now.
+
+    What is found in them is shown, and a faulty file is refused. A method under way
+    keeps the text that it began with; the next choice sees the new one.
+    """
     if not shell.paths:
         raise TextError("it is not known which files the library was read from")
     name = shell.session.run.machine.library.name
@@ -118,8 +160,17 @@ def _reload(shell: Shell, args: Arguments) -> ShownAnswer:
     return shell.renew(reread(shell.paths, typed, name))
 
 
+@command(
+    "[OPTION VALUE]",
+    ":option",
+    ":option rapc.futile-limit 3",
+    ":option truck.arm1-drops 0",
+)
 def _option(shell: Shell, args: Arguments) -> ShownAnswer:
-    """List the options that can be changed, or change one."""
+    """Change a setting of the interpreter or an option of the world, or list them.
+
+    Listed are those that can be changed while a run goes on, with their values.
+    """
     run = shell.session.run
     if not args:
         rows = [(f"{one.owner}.{one.name}", said_of(one.value)) for one in options(run)]
@@ -135,89 +186,15 @@ def _option(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 ACTING = (
-    Command(
-        "assert",
-        "FACT",
-        "Assert a fact.",
-        _with_fact(AssertFact),
-        (":assert (truck-status ready)",),
-        "All that is done to the run is done again when it is replayed. Done in the "
-        "past, it begins a new branch.",
-    ),
-    Command(
-        "erase",
-        "PREFIX",
-        "Erase every fact that starts so.",
-        _with_fact(EraseFacts),
-        (":erase (color item-1)",),
-    ),
-    Command(
-        "submit",
-        "GOAL [OPTIONS]",
-        "Give the robot a task; a goal typed by itself does the same.",
-        _submit,
-        (":submit (rock-order red 1) :priority 2 :deadline 400",),
-    ),
-    Command(
-        "cancel",
-        "GOAL",
-        "Take away the top-level tasks that a goal matches.",
-        _cancel,
-        (":cancel (rock-order red ?)",),
-    ),
-    Command(
-        "signal",
-        "SIGNAL",
-        "Send a signal to the tasks that wait for it.",
-        _signal,
-        (":signal (:door-open hall)",),
-    ),
-    Command(
-        "force",
-        "REQUEST RESULT [TIMES]",
-        "Let the next request that is like this end with a result.",
-        _force,
-        (":force (arm-grasp ? ?) arm-dropped", ":force (truck-move) okay 3"),
-        "The request does not reach the world: nothing is done there, and it takes as "
-        "long as such a request usually does. Items are those of the sensors.",
-    ),
-    Command(
-        "fail",
-        "[TASK]",
-        "Let a task fail, as if a condition of it did not hold.",
-        _with_task(FailTask),
-        (":fail 12",),
-    ),
-    Command(
-        "retry",
-        "[TASK]",
-        "Let the method of a task end badly, so that the task chooses again.",
-        _with_task(RetryTask),
-        (":retry 12",),
-    ),
-    Command(
-        "option",
-        "[OPTION VALUE]",
-        "Change a setting of the interpreter or an option of the world, or list them.",
-        _option,
-        (":option", ":option rapc.futile-limit 3", ":option truck.arm1-drops 0"),
-        "Listed are those that can be changed while a run goes on, with their values.",
-    ),
-    Command(
-        "reload",
-        "",
-        "Read the files of the library again, and go on with what they say now.",
-        _reload,
-        (":reload",),
-        "What is found in them is shown, and a faulty file is refused. A method under "
-        "way keeps the text that it began with; the next choice sees the new one.",
-    ),
-    Command(
-        "what-if",
-        "(assert FACT) | (erase PREFIX) ... [CYCLES]",
-        "Say what the next cycles would bring if memory were another.",
-        _what_if,
-        (":what-if (assert (truck-fuel 2))", ":what-if (erase (color item-1)) 5"),
-        "It is tried aside and undone.",
-    ),
+    _assert,
+    _erase,
+    _submit,
+    _cancel,
+    _signal,
+    _force,
+    _fail,
+    _retry,
+    _option,
+    _reload,
+    _what_if,
 )

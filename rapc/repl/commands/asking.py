@@ -12,11 +12,24 @@ from rapc.debug.why import Choice, Origin, Why, why
 from rapc.debug.why_not import MethodAnswer, TaskAnswer
 from rapc.repl.answer import ShownAnswer, say
 from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Command, Shell
+from rapc.repl.shell import Shell, command
 from rapc.runtime.events.report import cause_lines
 
 
+@command(
+    "[TASK] [in CYCLE] | failed [TASK]",
+    ":why",
+    ":why 12",
+    ":why 12 in 30",
+    ":why failed",
+    ":why failed 92",
+)
 def _why(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Say why a task came up and what it did then, or why it failed.
+
+    Each rule of choice is told with the tasks that it left, then the method with
+    the facts that its context rested on: when each was asserted, and by what.
+    """
     if args.takes("failed"):
         return _why_failed(shell, args)
     number = shell.task(args)
@@ -109,7 +122,19 @@ def _why_failed(shell: Shell, args: Arguments) -> ShownAnswer:
     return say(*lines)
 
 
+@command(
+    "[TASK] [METHOD | CLAUSE] | QUERY",
+    ":why-not 12",
+    ":why-not 132 take",
+    ":why-not 132 succeed",
+    ":why-not (and (p ?x) (q ?x))",
+)
 def _why_not(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Say what keeps a task from going on, a method from being chosen, a query from holding.
+
+    Behind each conjunct stands how many solutions all up to it have. A task that
+    has ended is asked about as it stood before its last cycle.
+    """  # noqa: E501  # the help has it in one sentence
     if args.peek().startswith("("):
         return say(*clause.lines(why_not.why_not_query(shell.session, args.word(""))))
     answer = why_not.why_not(shell.session, shell.task(args))
@@ -155,8 +180,12 @@ def _task(answer: TaskAnswer) -> Iterator[str]:
         yield f"  method {method.name}: {_method(method)}"
 
 
+@command("chosen [TASK]", ":when chosen 106", ":when chosen")
 def _when(shell: Shell, args: Arguments) -> ShownAnswer:
-    """`:when chosen N`, or all methods whose choice rests on what is gone."""
+    """Say what the choice of a method rested on, and what of that is no longer so.
+
+    Without a task: all methods under way that rest on what is no longer so.
+    """
     args.takes("chosen")
     if args:
         found = [commitments.commitment(shell.session, shell.task(args))]
@@ -180,36 +209,7 @@ def _commitment(one: commitments.Commitment) -> Iterator[str]:
 
 
 ASKING = (
-    Command(
-        "why",
-        "[TASK] [in CYCLE] | failed [TASK]",
-        "Say why a task came up and what it did then, or why it failed.",
-        _why,
-        (":why", ":why 12", ":why 12 in 30", ":why failed", ":why failed 92"),
-        "Each rule of choice is told with the tasks that it left, then the method with "
-        "the facts that its context rested on: when each was asserted, and by what.",
-    ),
-    Command(
-        "why-not",
-        "[TASK] [METHOD | CLAUSE] | QUERY",
-        "Say what keeps a task from going on, a method from being chosen, a query from "
-        "holding.",
-        _why_not,
-        (
-            ":why-not 12",
-            ":why-not 132 take",
-            ":why-not 132 succeed",
-            ":why-not (and (p ?x) (q ?x))",
-        ),
-        "Behind each conjunct stands how many solutions all up to it have. A task that "
-        "has ended is asked about as it stood before its last cycle.",
-    ),
-    Command(
-        "when",
-        "chosen [TASK]",
-        "Say what the choice of a method rested on, and what of that is no longer so.",
-        _when,
-        (":when chosen 106", ":when chosen"),
-        "Without a task: all methods under way that rest on what is no longer so.",
-    ),
+    _why,
+    _why_not,
+    _when,
 )

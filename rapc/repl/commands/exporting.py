@@ -13,7 +13,7 @@ from rapc.errors import LoadError, StateError, TextError
 from rapc.ir.nodes import DefineTest
 from rapc.repl.answer import ShownAnswer, say
 from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Command, Shell
+from rapc.repl.shell import Shell, command
 from rapc.runtime.events.events import Event
 from rapc.runtime.task_request import as_text
 from rapc.testing.discover import find
@@ -24,8 +24,21 @@ from rapc.world import Time
 _SUFFIX = ".test.rap"
 
 
-def _export(shell: Shell, args: Arguments) -> ShownAnswer:
-    """Make a test of the run, shorten it, write it, and run what was written."""
+@command(
+    "FILE [TASK] [succeeds]",
+    ":export-test dropped.test.rap",
+    ":export-test wanted.test.rap 1 succeeds",
+)
+def _export_test(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Write what just happened as a define-test that passes now.
+
+    The world is a script in it: each request with the result, the time and the
+    changes of memory that came with it, as far as these matter. What became of the
+    task is expected, the first one if none is named, and all requests. With
+    `succeeds` the test wants the task to succeed: one that failed makes a test that
+    fails now. A run that a script cannot tell is refused; an earlier moment of it
+    may do.
+    """
     path = Path(args.word("a file"))
     task = 1 if args.peek() in ("", "succeeds") else args.count("a task")
     wanted = args.takes("succeeds")
@@ -109,18 +122,4 @@ def _write(path: Path, text: str, *, wanted: bool) -> bool:
     return passes[0]
 
 
-EXPORTING = (
-    Command(
-        "export-test",
-        "FILE [TASK] [succeeds]",
-        "Write what just happened as a define-test that passes now.",
-        _export,
-        (":export-test dropped.test.rap", ":export-test wanted.test.rap 1 succeeds"),
-        "The world is a script in it: each request with the result, the time and the "
-        "changes of memory that came with it, as far as these matter. What became of "
-        "the task is expected, the first one if none is named, and all requests. With "
-        "`succeeds` the test wants the task to succeed: one that failed makes a test "
-        "that fails now. A run that a script cannot tell is refused; an earlier "
-        "moment of it may do.",
-    ),
-)
+EXPORTING = (_export_test,)

@@ -6,7 +6,7 @@ from rapc.base.names import nearest
 from rapc.errors import TextError
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Command, Shell
+from rapc.repl.shell import Shell, command
 
 _TYPED = (
     "(define-rap ...)   a definition is checked and joins the library",
@@ -15,16 +15,18 @@ _TYPED = (
 )
 
 
+@command("[COMMAND]", ":help", ":help goto")
 def _help(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the commands, or say more of one."""
     if args:
         return _of_command(shell, args.word("a command").removeprefix(":"))
     rows: list[tuple[str, str]] = []
     group = ""
-    for command in shell.commands.values():
-        if command.group != group:
-            group = command.group
+    for one in shell.commands.values():
+        if one.group != group:
+            group = one.group
             rows.append((group.upper(), ""))
-        rows.append((f":{command.name} {command.takes}".rstrip(), command.doc))
+        rows.append((f":{one.name} {one.takes}".rstrip(), one.doc))
     notes = ("", *_TYPED, "", "`:help COMMAND` says more, with examples.")
     return table(("command", "what it does"), rows, notes=notes)
 
@@ -43,18 +45,14 @@ def _of_command(shell: Shell, name: str) -> ShownAnswer:
     return say(*lines)
 
 
+@command("", ":quit")
 def _quit(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Leave; the run is given up."""
     shell.left = True
     return ShownAnswer()
 
 
 HELPING = (
-    Command(
-        "help",
-        "[COMMAND]",
-        "List the commands, or say more of one.",
-        _help,
-        (":help", ":help goto"),
-    ),
-    Command("quit", "", "Leave; the run is given up.", _quit, (":quit",)),
+    _help,
+    _quit,
 )

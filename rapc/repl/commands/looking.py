@@ -12,12 +12,14 @@ from rapc.ir.nodes import Const, Proposition
 from rapc.parser.parse import parse_formula, parse_pattern
 from rapc.repl.answer import Cell, ShownAnswer, table
 from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Command, Shell
+from rapc.repl.shell import Shell, command
 from rapc.runtime.events.report import cause_lines
 from rapc.world import Drawable, Thing
 
 
+@command("", ":agenda")
 def _agenda(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the tasks under way, and what keeps each from going on."""
     entries = shell.session.run.agenda()
     rows = [
         (
@@ -35,7 +37,9 @@ def _agenda(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none="no task is under way")
 
 
+@command("", ":tree")
 def _tree(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show the families of tasks, with states, methods and last results."""
     subject = shell.subject
     if isinstance(subject, Session):
         nodes = look.tree(subject.run)
@@ -55,13 +59,17 @@ def _tree(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none="no task is under way")
 
 
+@command("[TASK]", ":chain 157")
 def _chain(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show a task and all above it, up to its top-level task."""
     found = look.chain(shell.session.run, shell.task(args))
     rows = [(number, str(goal), method) for number, goal, method in found]
     return table(("task", "goal", "method"), rows)
 
 
+@command("[TASK]", ":task", ":task 12")
 def _task(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show all of a task: its bindings, method, times, and what it came to."""
     run = shell.session.run
     number = shell.task(args)
     task = live_task(run, number)
@@ -100,7 +108,11 @@ def _task(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(("of", "is"), kept, f"task [{number}]", notes=notes)
 
 
+@command(
+    "[NAME | QUERY]", ":memory", ":memory location", ":memory (location ?item depot)"
+)
 def _memory(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show facts with their ages, or the answers to a query."""
     run = shell.session.run
     if not args:
         names = look.names_with_facts(run)
@@ -132,7 +144,9 @@ def _beliefs(shell: Shell, pattern: Proposition) -> ShownAnswer:
     return table(("fact", "since", "age"), rows, none="no such fact")
 
 
+@command("", ":items")
 def _items(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the items that memory knows."""
     rows = [
         (one.name, one.kind, one.place, one.sensor)
         for one in look.items(shell.session.run)
@@ -141,7 +155,9 @@ def _items(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none="memory knows no items")
 
 
+@command("", ":monitors")
 def _monitors(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the tasks with monitors, and what each waits for."""
     rows = [
         (one.task, str(one.goal), one.state, one.formula, one.at, one.deadline)
         for one in look.monitors(shell.session.run)
@@ -150,7 +166,12 @@ def _monitors(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none="no task has a monitor")
 
 
+@command("", ":claims")
 def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the things that are held, by whom, and who waits for them.
+
+    Circles of tasks that wait for each other are named below.
+    """
     found, circles = look.claims(shell.session.run)
     rows = [
         (
@@ -166,14 +187,18 @@ def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none="no thing is held", notes=circles)
 
 
+@command("", ":requests")
 def _requests(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the requests that the world has not answered yet."""
     rows = [
         (one.ticket, one.task, one.request) for one in look.requests(shell.session.run)
     ]
     return table(("ticket", "task", "request"), rows, none="no request is under way")
 
 
+@command("", ":stack")
 def _stack(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show the families that were chosen, the one that is preferred now first."""
     rows = [
         (priority, f"[{family}]", goal)
         for priority, family, goal in look.stack(shell.session.run)
@@ -182,7 +207,9 @@ def _stack(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none="no family has been chosen yet")
 
 
+@command("", ":skills")
 def _skills(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the skills that methods have switched on."""
     rows = [
         (one.ticket, one.task, one.skills, "on" if one.on else "off")
         for one in look.skills(shell.session.run)
@@ -190,7 +217,9 @@ def _skills(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(("ticket", "task", "skills", ""), rows, none="no skill is on")
 
 
+@command("", ":world")
 def _world(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show what is true in the world, which the robot need not know."""
     world = shell.session.run.machine.world
     if not isinstance(world, Drawable):
         raise ArgumentError(f"the world `{world.name}` has no picture of itself")
@@ -214,7 +243,9 @@ def _thing(thing: Thing) -> str:
     )
 
 
+@command("[TASK | RAP]", ":source", ":source 12", ":source fill-order")
 def _source(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show the text of a RAP, or of the RAP of a task."""
     library = shell.session.library.program.library
     name = args.peek()
     if not name or name.strip("[]").isdecimal():
@@ -241,102 +272,25 @@ def _numbered(source: SourceFile, span: Span) -> list[str]:
     return [source.name, *(f"{row:>{width}} {source.line(row)}" for row in rows)]
 
 
+@command("", ":more")
 def _more(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show further answers to the query that was asked last."""
     return shell.more()
 
 
 LOOKING = (
-    Command(
-        "agenda",
-        "",
-        "List the tasks under way, and what keeps each from going on.",
-        _agenda,
-        (":agenda",),
-    ),
-    Command(
-        "tree",
-        "",
-        "Show the families of tasks, with states, methods and last results.",
-        _tree,
-        (":tree",),
-    ),
-    Command(
-        "task",
-        "[TASK]",
-        "Show all of a task: its bindings, method, times, and what it came to.",
-        _task,
-        (":task", ":task 12"),
-    ),
-    Command(
-        "chain",
-        "[TASK]",
-        "Show a task and all above it, up to its top-level task.",
-        _chain,
-        (":chain 157",),
-    ),
-    Command(
-        "memory",
-        "[NAME | QUERY]",
-        "Show facts with their ages, or the answers to a query.",
-        _memory,
-        (":memory", ":memory location", ":memory (location ?item depot)"),
-    ),
-    Command(
-        "more",
-        "",
-        "Show further answers to the query that was asked last.",
-        _more,
-        (":more",),
-    ),
-    Command("items", "", "List the items that memory knows.", _items, (":items",)),
-    Command(
-        "monitors",
-        "",
-        "List the tasks with monitors, and what each waits for.",
-        _monitors,
-        (":monitors",),
-    ),
-    Command(
-        "claims",
-        "",
-        "List the things that are held, by whom, and who waits for them.",
-        _claims,
-        (":claims",),
-        "Circles of tasks that wait for each other are named below.",
-    ),
-    Command(
-        "requests",
-        "",
-        "List the requests that the world has not answered yet.",
-        _requests,
-        (":requests",),
-    ),
-    Command(
-        "stack",
-        "",
-        "Show the families that were chosen, the one that is preferred now first.",
-        _stack,
-        (":stack",),
-    ),
-    Command(
-        "skills",
-        "",
-        "List the skills that methods have switched on.",
-        _skills,
-        (":skills",),
-    ),
-    Command(
-        "world",
-        "",
-        "Show what is true in the world, which the robot need not know.",
-        _world,
-        (":world",),
-    ),
-    Command(
-        "source",
-        "[TASK | RAP]",
-        "Show the text of a RAP, or of the RAP of a task.",
-        _source,
-        (":source", ":source 12", ":source fill-order"),
-    ),
+    _agenda,
+    _tree,
+    _task,
+    _chain,
+    _memory,
+    _more,
+    _items,
+    _monitors,
+    _claims,
+    _requests,
+    _stack,
+    _skills,
+    _world,
+    _source,
 )

@@ -10,7 +10,7 @@ from rapc.debug.stepped import Stepped, Stop
 from rapc.errors import ArgumentError
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Command, Shell
+from rapc.repl.shell import Shell, command
 from rapc.runtime.events.events import PrimitiveEnded
 
 _SHOWN = 40
@@ -35,16 +35,26 @@ def _went(shell: Shell, go: Callable[[], Stop]) -> ShownAnswer:
     return ShownAnswer(tuple(told), failed=stop.kind == "broken")
 
 
+@command("[N]", ":step", ":step 10")
 def _step(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Run a cycle, or N of them.
+
+    A cycle is what happens to one task from being chosen to succeeding, failing,
+    waiting, or beginning a method.
+    """
     cycles = args.count("how many cycles", 1)
     return _went(shell, lambda: shell.subject.step(cycles))
 
 
+@command("", ":run")
 def _run(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Run until a breakpoint, Ctrl-C or the end stops it."""
     return _went(shell, shell.subject.go)
 
 
+@command("[TASK]", ":out", ":out 12")
 def _out(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Run until a task has ended."""
     session = shell.session
     task = live_task(session.run, shell.task(args))
 
@@ -54,7 +64,9 @@ def _out(shell: Shell, args: Arguments) -> ShownAnswer:
     return _went(shell, lambda: session.go(ended))
 
 
+@command("[TASK]", ":parent", ":parent 12")
 def _parent(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Run until the task above a task comes up again."""
     session = shell.session
     parent = live_task(session.run, shell.task(args)).parent
     if parent is None:
@@ -70,7 +82,9 @@ def _parent(shell: Shell, args: Arguments) -> ShownAnswer:
     return _went(shell, lambda: session.go(came_up))
 
 
+@command("", ":primitive")
 def _primitive(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Run until the next primitive has been carried out."""
     session, begun = shell.subject, shell.subject.serial
 
     def answered() -> str | None:
@@ -80,8 +94,9 @@ def _primitive(shell: Shell, args: Arguments) -> ShownAnswer:
     return _went(shell, lambda: session.go(answered))
 
 
+@command("CYCLE | at TIME", ":to 264", ":to at 240")
 def _to(shell: Shell, args: Arguments) -> ShownAnswer:
-    """Go on to a cycle or a time, never back."""
+    """Run to the end of a cycle, or as far as a time."""
     session = shell.subject
     if args.takes("at"):
         time = args.time("a time")
@@ -103,13 +118,21 @@ def _moved(shell: Shell, move: Callable[[Stepped], Stop]) -> ShownAnswer:
     return ShownAnswer((*lines, *shell.watched(), shell.subject.stand()), failed=failed)
 
 
+@command("[N]", ":back", ":back 100")
 def _back(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Go back a cycle, or N of them.
+
+    The run is then as it was, and goes on as it did. Changing it there begins a new
+    branch.
+    """
     cycles = args.count("how many cycles", 1)
     cycles -= shell.subject.over  # the end of the run is a step of its own
     return _moved(shell, lambda session: session.goto(session.cycle - cycles))
 
 
+@command("CYCLE | at TIME | end", ":goto 264", ":goto at 240", ":goto end")
 def _goto(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Go to the end of a cycle, or to a time, back or forth."""
     if args.takes("at"):
         time = args.time("a time")
         return _moved(shell, lambda session: session.goto_time(time))
@@ -119,7 +142,9 @@ def _goto(shell: Shell, args: Arguments) -> ShownAnswer:
     return _moved(shell, lambda session: session.goto(cycle))
 
 
+@command("[NAME]", ":branch", ":branch main", ":branch with-fuel")
 def _branch(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Go on in another branch, or begin a new one here."""
     session = shell.session
     name = args.peek() and args.word("a name")
     if any(branch.name == name for branch in session.branches):
@@ -130,7 +155,9 @@ def _branch(shell: Shell, args: Arguments) -> ShownAnswer:
     return say(f"on {session.branch.name}", session.stand())
 
 
+@command("", ":branches")
 def _branches(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the branches."""
     session = shell.session
     rows = [
         (
@@ -145,7 +172,9 @@ def _branches(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(("", "branch", "from", "seen to", "acts"), rows)
 
 
+@command("[all | requests | none]", ":show requests")
 def _show(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Say what is shown of the events after a step."""
     ways = ("all", "requests", "none")
     if args:
         way = args.word("what to show")
@@ -155,7 +184,9 @@ def _show(shell: Shell, args: Arguments) -> ShownAnswer:
     return say(f"after a step is shown: {shell.shows}")
 
 
+@command("[N]", ":trace", ":trace 20")
 def _trace(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show what has happened in the last cycles once more."""
     cycles = args.count("how many cycles", 5)
     session = shell.subject
     first = max(session.cycle - cycles + 1, 1)
@@ -164,83 +195,19 @@ def _trace(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 MOVING = (
-    Command(
-        "step",
-        "[N]",
-        "Run a cycle, or N of them.",
-        _step,
-        (":step", ":step 10"),
-        "A cycle is what happens to one task from being chosen to succeeding, failing, "
-        "waiting, or beginning a method.",
-    ),
-    Command("out", "[TASK]", "Run until a task has ended.", _out, (":out", ":out 12")),
-    Command(
-        "parent",
-        "[TASK]",
-        "Run until the task above a task comes up again.",
-        _parent,
-        (":parent", ":parent 12"),
-    ),
-    Command(
-        "primitive",
-        "",
-        "Run until the next primitive has been carried out.",
-        _primitive,
-        (":primitive",),
-    ),
-    Command(
-        "to",
-        "CYCLE | at TIME",
-        "Run to the end of a cycle, or as far as a time.",
-        _to,
-        (":to 264", ":to at 240"),
-    ),
-    Command(
-        "run",
-        "",
-        "Run until a breakpoint, Ctrl-C or the end stops it.",
-        _run,
-        (":run",),
-    ),
-    Command(
-        "show",
-        "[all | requests | none]",
-        "Say what is shown of the events after a step.",
-        _show,
-        (":show requests",),
-    ),
-    Command(
-        "trace",
-        "[N]",
-        "Show what has happened in the last cycles once more.",
-        _trace,
-        (":trace", ":trace 20"),
-    ),
+    _step,
+    _out,
+    _parent,
+    _primitive,
+    _to,
+    _run,
+    _show,
+    _trace,
 )
 
 TIME = (
-    Command(
-        "back",
-        "[N]",
-        "Go back a cycle, or N of them.",
-        _back,
-        (":back", ":back 100"),
-        "The run is then as it was, and goes on as it did. Changing it there begins a "
-        "new branch.",
-    ),
-    Command(
-        "goto",
-        "CYCLE | at TIME | end",
-        "Go to the end of a cycle, or to a time, back or forth.",
-        _goto,
-        (":goto 264", ":goto at 240", ":goto end"),
-    ),
-    Command(
-        "branch",
-        "[NAME]",
-        "Go on in another branch, or begin a new one here.",
-        _branch,
-        (":branch", ":branch main", ":branch with-fuel"),
-    ),
-    Command("branches", "", "List the branches.", _branches, (":branches",)),
+    _back,
+    _goto,
+    _branch,
+    _branches,
 )

@@ -10,11 +10,18 @@ from rapc.debug.who import who
 from rapc.repl.answer import ShownAnswer, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.patterns import pattern
-from rapc.repl.shell import Command, Shell
+from rapc.repl.shell import Shell, command
 from rapc.world import Time
 
 
+@command(
+    "ITEM [PREDICATE] | FACT",
+    ":history item-1",
+    ":history item-1 color",
+    ":history (truck-location ?)",
+)
 def _history(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Tell when facts came and went, and what became of an item, with who did it."""
     said = args.word("an item or a fact")
     if said.startswith("("):
         found = history.of_facts(shell.subject, pattern(said))
@@ -26,7 +33,9 @@ def _history(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none=f"nothing has become of {said}")
 
 
+@command("FACT", ":who (truck-location depot)", ":who (location ?item external)")
 def _who(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Tell who asserted a fact, who asks for it, and who waits for it."""
     found = who(shell.session, pattern(args.word("a fact")))
     rows = [
         (
@@ -49,7 +58,12 @@ def _at(time: Time | None) -> str:
     return "the beginning" if time is None else format_atom(time)
 
 
+@command("", ":retries")
 def _retries(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the goals that have failed more than once, and why.
+
+    Where `times` is 1, all of it happened with the clock standing still.
+    """
     rows = [
         (
             one.goal,
@@ -65,7 +79,9 @@ def _retries(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none="no goal has failed twice")
 
 
+@command("", ":deadlines")
 def _deadlines(shell: Shell, args: Arguments) -> ShownAnswer:
+    """List the deadlines that were missed, by how much, and those ahead."""
     rows = [
         (
             one.task,
@@ -81,7 +97,14 @@ def _deadlines(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(columns, rows, none="no task has a deadline")
 
 
+@command("[FROM [TO]]", ":timeline", ":timeline 200 240")
 def _timeline(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Tell what the time went by with, and how much of it each family used.
+
+    Requests and skills stand by the time at which they began, with the events heard
+    of the skills. Of several at a time the last to begin is reckoned to have used
+    it.
+    """
     start = args.time("a time") if args else 0
     stop = args.time("a time") if args else None
     spells = timeline.timeline(shell.subject, start, stop)
@@ -120,43 +143,9 @@ def _heard(signals: Sequence[Fact]) -> str:
 
 
 REMEMBERING = (
-    Command(
-        "history",
-        "ITEM [PREDICATE] | FACT",
-        "Tell when facts came and went, and what became of an item, with who did it.",
-        _history,
-        (":history item-1", ":history item-1 color", ":history (truck-location ?)"),
-    ),
-    Command(
-        "who",
-        "FACT",
-        "Tell who asserted a fact, who asks for it, and who waits for it.",
-        _who,
-        (":who (truck-location depot)", ":who (location ?item external)"),
-    ),
-    Command(
-        "retries",
-        "",
-        "List the goals that have failed more than once, and why.",
-        _retries,
-        (":retries",),
-        "Where `times` is 1, all of it happened with the clock standing still.",
-    ),
-    Command(
-        "deadlines",
-        "",
-        "List the deadlines that were missed, by how much, and those ahead.",
-        _deadlines,
-        (":deadlines",),
-    ),
-    Command(
-        "timeline",
-        "[FROM [TO]]",
-        "Tell what the time went by with, and how much of it each family used.",
-        _timeline,
-        (":timeline", ":timeline 200 240"),
-        "Requests and skills stand by the time at which they began, with the events "
-        "heard of the skills. Of several at a time the last to begin is reckoned to "
-        "have used it.",
-    ),
+    _history,
+    _who,
+    _retries,
+    _deadlines,
+    _timeline,
 )

@@ -15,10 +15,33 @@ from rapc.debug.find import Finder, find
 from rapc.errors import ArgumentError, TextError
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Command, Shell
+from rapc.repl.shell import Shell, command
+
+_KINDS = f"Kinds: {'; '.join(f'`{kind}`: {said}' for kind, said in KINDS.items())}."
 
 
+@command(
+    "[KIND [WHAT] [if QUERY] [after N] [log] [before]] | save FILE | load FILE",
+    ":break rap fill-order",
+    ":break rap (travel-road ?from ?way zone-2)",
+    ":break task 12",
+    ":break method carry",
+    ":break failure interference",
+    ":break primitive (arm-grasp ? ?) if (truck-status ready)",
+    ":break fact (location ?thing bay1) after 2",
+    ":break true (truck-location zone-4) before",
+    ":break deadline log",
+    ":break time 200",
+    ":break save my-breakpoints.json",
+    more=_KINDS,
+)
 def _break(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Set a breakpoint, or list them.
+
+    A cycle is one piece: the run stops after the cycle in which it happened, or with
+    `before` at the end of the one before. `if` asks memory then, `after N` lets it
+    happen N times first, `log` takes note and goes on.
+    """
     if not args:
         return _listed(shell)
     kind = args.word("what to stop at")
@@ -82,7 +105,9 @@ def _load(shell: Shell, path: Path) -> ShownAnswer:
     return _listed(shell)
 
 
+@command("NUMBER | all", ":unbreak 2", ":unbreak all")
 def _unbreak(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Remove a breakpoint, or all."""
     if args.takes("all"):
         for number in list(shell.breakpoints.all):
             shell.breakpoints.remove(number)
@@ -91,14 +116,18 @@ def _unbreak(shell: Shell, args: Arguments) -> ShownAnswer:
     return _listed(shell)
 
 
+@command("[QUERY]", ":watch (truck-location ?where)")
 def _watch(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Show the answers to a query after every stop, and mark what has changed."""
     if args:
         shell.watch(args.word("a query"))
     lines = shell.watched()
     return say(*(lines or ["nothing is watched"]))
 
 
+@command("NUMBER | all", ":unwatch 1")
 def _unwatch(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Watch a query no more."""
     if args.takes("all"):
         shell.watches.clear()
     else:
@@ -109,7 +138,19 @@ def _unwatch(shell: Shell, args: Arguments) -> ShownAnswer:
     return say(*(shell.watched() or ["nothing is watched"]))
 
 
+@command(
+    "[back] KIND [KEY=VALUE | TEXT]...",
+    ":find task-failed",
+    ":find back method-chosen task=12",
+    ":find fact-asserted location bay1",
+    ":find primitive-ended result=arm-dropped",
+)
 def _find(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Go to the next event of a kind, or back to the last one.
+
+    Kinds and keys are those of a trace. Other words must occur in the event. The
+    session then stands at the end of the cycle in which it happened.
+    """
     back = args.takes("back")
     kind = args.word("a kind of event")
     said = args.rest()
@@ -121,7 +162,12 @@ def _find(shell: Shell, args: Arguments) -> ShownAnswer:
     return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.subject.stand())
 
 
+@command("FILE", ":record run.jsonl")
 def _record(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Write the trace of the run up to now, in the form jsonl.
+
+    `rapc repl run.jsonl` opens it again.
+    """
     path = Path(args.word("a file"))
     count = recorded.write(shell.session, path)
     done = len(shell.session.branch.acts)
@@ -151,7 +197,13 @@ def _decision(event: dict[str, Any] | None) -> str:
     return f"{chose} with {bound}" if bound else chose
 
 
+@command("CYCLE [CYCLE] | FILE", ":diff 20", ":diff 20 60", ":diff other-seed.jsonl")
 def _diff(shell: Shell, args: Arguments) -> ShownAnswer:
+    """Say what differs between two moments, or from a run that was recorded.
+
+    Of two runs the first decision is told that differs: which task came up, or
+    which method was chosen.
+    """
     if args and not args.peek().isdecimal():
         return _diff_of_runs(shell, Path(args.word("a file")))
     session = shell.session
@@ -171,83 +223,14 @@ def _diff(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 STOPPING = (
-    Command(
-        "break",
-        "[KIND [WHAT] [if QUERY] [after N] [log] [before]] | save FILE | load FILE",
-        "Set a breakpoint, or list them.",
-        _break,
-        (
-            ":break rap fill-order",
-            ":break rap (travel-road ?from ?way zone-2)",
-            ":break task 12",
-            ":break method carry",
-            ":break failure interference",
-            ":break primitive (arm-grasp ? ?) if (truck-status ready)",
-            ":break fact (location ?thing bay1) after 2",
-            ":break true (truck-location zone-4) before",
-            ":break deadline log",
-            ":break time 200",
-            ":break save my-breakpoints.json",
-        ),
-        "A cycle is one piece: the run stops after the cycle in which it happened, or "
-        "with `before` at the end of the one before. `if` asks memory then, `after N` "
-        "lets it happen N times first, `log` takes note and goes on. Kinds: "
-        + "; ".join(f"`{kind}`: {said}" for kind, said in KINDS.items())
-        + ".",
-    ),
-    Command(
-        "unbreak",
-        "NUMBER | all",
-        "Remove a breakpoint, or all.",
-        _unbreak,
-        (":unbreak 2", ":unbreak all"),
-    ),
-    Command(
-        "watch",
-        "[QUERY]",
-        "Show the answers to a query after every stop, and mark what has changed.",
-        _watch,
-        (":watch (truck-location ?where)",),
-    ),
-    Command(
-        "unwatch",
-        "NUMBER | all",
-        "Watch a query no more.",
-        _unwatch,
-        (":unwatch 1",),
-    ),
+    _break,
+    _unbreak,
+    _watch,
+    _unwatch,
 )
 
 SEARCHING = (
-    Command(
-        "find",
-        "[back] KIND [KEY=VALUE | TEXT]...",
-        "Go to the next event of a kind, or back to the last one.",
-        _find,
-        (
-            ":find task-failed",
-            ":find back method-chosen task=12",
-            ":find fact-asserted location bay1",
-            ":find primitive-ended result=arm-dropped",
-        ),
-        "Kinds and keys are those of a trace. Other words must occur in the event. The "
-        "session then stands at the end of the cycle in which it happened.",
-    ),
-    Command(
-        "diff",
-        "CYCLE [CYCLE] | FILE",
-        "Say what differs between two moments, or from a run that was recorded.",
-        _diff,
-        (":diff 20", ":diff 20 60", ":diff other-seed.jsonl"),
-        "Of two runs the first decision is told that differs: which task came up, or "
-        "which method was chosen.",
-    ),
-    Command(
-        "record",
-        "FILE",
-        "Write the trace of the run up to now, in the form jsonl.",
-        _record,
-        (":record run.jsonl",),
-        "`rapc repl run.jsonl` opens it again.",
-    ),
+    _find,
+    _diff,
+    _record,
 )
