@@ -27,7 +27,7 @@ from rapc.cli.common import (
     FOR_PEOPLE,
     FORMATS,
     STATISTICS,
-    common_options,
+    command,
     diff,
     fail,
     findings_text,
@@ -57,9 +57,7 @@ RULES: dict[str, Any] = {"multiple": True, "metavar": "RULES"}
 FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True)
 @click.option("--select", **RULES, help="Only these rules.")
 @click.option("--extend-select", **RULES, help="These rules besides.")
@@ -97,7 +95,6 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
 @click.option("--watch", is_flag=True, help="Check again whenever a file changes.")
 @click.option("--config", **FILE, help="The configuration to use.")
 @click.option("--isolated", is_flag=True, help="Use no configuration.")
-@common_options
 def check(**given: Any) -> None:
     """Check RAP libraries: files, folders with RAP files, or - for standard input.
 

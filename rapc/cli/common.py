@@ -17,7 +17,7 @@ import click
 
 from rapc.analysis.driver import CheckReport
 from rapc.base.files import write_whole
-from rapc.cli.options import USAGE, common_options, fail, say, settings
+from rapc.cli.options import USAGE, command, fail, say, settings
 from rapc.errors import LoadError, WriteError
 from rapc.library.loader import Loaded, load
 
@@ -26,7 +26,7 @@ __all__ = (
     "FOR_PEOPLE",
     "STATISTICS",
     "USAGE",
-    "common_options",
+    "command",
     "diff",
     "fail",
     "findings_text",

@@ -13,7 +13,7 @@ from rapc.base.gc_paused import gc_paused
 from rapc.cli.checked import load_checked
 from rapc.cli.common import (
     USAGE,
-    common_options,
+    command,
     fail,
     print_findings,
     same_file,
@@ -34,9 +34,7 @@ Examples:
 """
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("path")
 @click.option(
     "-o", "--output", metavar="FILE", help="File for the library; replaced if there."
@@ -48,7 +46,6 @@ Examples:
     metavar="RAP",
     help="Say how the clauses of a RAP are asked of memory.",
 )
-@common_options
 def compile(path: str, output: str | None, explained: tuple[str, ...]) -> None:
     """Check the library at PATH and write it, with its tests, into one file.
 

@@ -13,7 +13,7 @@ import click
 
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
-from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
+from rapc.cli.common import PIPED_WIDTH, command, fail, settings
 from rapc.cli.options import WholeNumber, say
 from rapc.compiler.program import Program
 from rapc.console.experiments import output
@@ -48,9 +48,7 @@ _MOST_FAULTS = 10
 """How many runs without a result are told of."""
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("name", metavar="NAME|FILE.toml")
 @click.option(
     "--part", "parts", multiple=True, metavar="NAME", help="Only this part, or these."
@@ -79,7 +77,6 @@ _MOST_FAULTS = 10
     metavar="ADDRESS",
     help="Run on the workers of the Dask scheduler at this address.",
 )
-@common_options
 def experiment(
     name: str,
     parts: Sequence[str],

@@ -20,7 +20,7 @@ from rapc.base.names import plural
 from rapc.base.source import SourceFile
 from rapc.cli.common import (
     USAGE,
-    common_options,
+    command,
     diff,
     fail,
     print_findings,
@@ -40,13 +40,10 @@ Examples:
 """
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True)
 @click.option("--check", is_flag=True, help="Change nothing; exit with 1 if it would.")
 @click.option("--diff", "differ", is_flag=True, help="The same, and show the changes.")
-@common_options
 def fmt(paths: Sequence[str], check: bool, differ: bool) -> None:
     """Bring RAP files, and all below folders, into their canonical layout, in place.
 

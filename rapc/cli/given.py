@@ -22,7 +22,7 @@ from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.settings import Settings, read_settings
+from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import (
     TaskRequest,
     as_text,
@@ -35,6 +35,19 @@ from rapc.worlds import registry
 from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
 
 F = TypeVar("F", bound=Callable[..., Any])
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class RunOptions(NamedTuple):
+    """What the options say that `run_options` adds, each under its name there."""
+
+    tasks: Sequence[str] = ()
+    agenda: str | None = None
+    seed: int = 0
+    facts: Sequence[str] = ()
+    values: Sequence[str] = ()
+    faults: Sequence[str] = ()
 
 
 class GivenRun(NamedTuple):
@@ -106,36 +119,25 @@ def run_options(command: F) -> F:
     return command
 
 
-def prepare(
-    library: Program,
-    world_name: str,
-    tasks: Sequence[str],
-    agenda: str | None,
-    seed: int,
-    facts: Sequence[str],
-    values: Sequence[str],
-    faults: Sequence[str],
-) -> GivenRun:
+def prepare(library: Program, world_name: str, given: RunOptions) -> GivenRun:
     """Return a run of a library in a world that can begin; else end the command.
 
     Args:
         library: what is run.
         world_name: the name of a world, or `module:Class`.
-        tasks: the options `--task`.
-        agenda: the option `--agenda`.
-        seed: the option `--seed`.
-        facts: the options `--fact`.
-        values: the options `--set`.
-        faults: the options `--fault`.
+        given: what the run is to begin with.
     """
-    first = _of_agenda(library, agenda)
-    requests = (*first, *map(_submission, tasks))
-    known = tuple(map(_fact, facts))
-    failing = [_fault(text) for text in faults]
-    interpreter, options, world = _build(library, world_name, seed, values, failing)
-    _refuse(interpreter, requests, known)
-    texts = (*map(as_text, first), *tasks)
-    return GivenRun(interpreter, world, options, requests, known, texts, tuple(faults))
+    first = _of_agenda(library, given.agenda)
+    tasks = [read_option("--task", read_task_request, text) for text in given.tasks]
+    requests = (*first, *tasks)
+    facts = tuple([read_option("--fact", parse_fact, text) for text in given.facts])
+    faults = [read_option("--fault", read_fault, text) for text in given.faults]
+    interpreter, options, world = _build(library, world_name, given, faults)
+    _refuse(interpreter, requests, facts)
+    texts = (*map(as_text, first), *given.tasks)
+    return GivenRun(
+        interpreter, world, options, requests, facts, texts, tuple(given.faults)
+    )
 
 
 def _of_agenda(library: Program, name: str | None) -> tuple[TaskRequest, ...]:
@@ -147,25 +149,12 @@ def _of_agenda(library: Program, name: str | None) -> tuple[TaskRequest, ...]:
         fail(*[f"--agenda: {reason}" for reason in refused.reasons])
 
 
-def _submission(text: str) -> TaskRequest:
+def read_option(name: str, read: Callable[[T], R], given: T) -> R:
+    """Return what `read` makes of an option; a fault in it ends the command."""
     try:
-        return read_task_request(text)
-    except TextError as error:
-        fail(f"--task: {error}")
-
-
-def _fact(text: str) -> Fact:
-    try:
-        return parse_fact(text)
-    except TextError as error:
-        fail(f"--fact: {error}")
-
-
-def _fault(text: str) -> InjectedFault:
-    try:
-        return read_fault(text)
-    except TextError as error:
-        fail(f"--fault: {error}")
+        return read(given)
+    except (TextError, SettingError) as error:
+        fail(f"{name}: {error}")
 
 
 def _with_faults(
@@ -183,8 +172,7 @@ def _with_faults(
 def _build(
     library: Program,
     world_name: str,
-    seed: int,
-    values: Sequence[str],
+    given: RunOptions,
     faults: Sequence[InjectedFault],
 ) -> tuple[Interpreter, Mapping[str, Any], World]:
     """The interpreter for a library in a world; ends the command if it cannot be."""
@@ -192,29 +180,23 @@ def _build(
     texts: dict[str, str] = {}
     try:
         world_class = registry.find_world(world_name)
-        for setting in values:
+        for setting in given.values:
             owner, name, value = registry.split_setting(setting)
             if owner not in ("rapc", world_class.name):
                 fail(f"--set: `{owner}` is neither `rapc` nor `{world_class.name}`")
             (own if owner == "rapc" else texts)[name] = value
         options = registry.read_options(world_class, texts)
-        world = registry.build_world(world_class, seed, options)
-        world = _with_faults(world, library.library, faults, seed)
+        world = registry.build_world(world_class, given.seed, options)
+        world = _with_faults(world, library.library, faults, given.seed)
     except WorldError as error:
         fail(error.message, error.help)
     try:
-        return Interpreter(library, world, seed, _settings(own)), options, world
+        settings = read_option("--set", read_settings, own)
+        return Interpreter(library, world, given.seed, settings), options, world
     except RefusedError as refused:
         others = registry.having(refused.lacking) if refused.lacking else ()
         meant = [f"the world `{name}` has them all" for name in others]
         fail(*refused.reasons, *meant)
-
-
-def _settings(texts: Mapping[str, str]) -> Settings:
-    try:
-        return read_settings(texts)
-    except SettingError as error:
-        fail(f"--set: {error}")
 
 
 def _refuse(

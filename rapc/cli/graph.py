@@ -16,12 +16,12 @@ from rapc.base.values import format_atom, number
 from rapc.cli.checked import load_checked
 from rapc.cli.common import (
     USAGE,
-    common_options,
+    command,
     fail,
     print_findings,
     read_paths,
 )
-from rapc.cli.given import prepare, run_options
+from rapc.cli.given import RunOptions, prepare, run_options
 from rapc.cli.options import Amount
 from rapc.ir import nodes
 from rapc.library.library import Library
@@ -43,9 +43,7 @@ Examples:
 """
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("path", metavar="PATH")
 @click.option("--rap", metavar="RAP", help="The task-nets of a RAP instead.")
 @click.option("--effects", metavar="RAP", help="What a RAP may do, all told.")
@@ -68,7 +66,6 @@ Examples:
 )
 @click.option("--world", "world_name", metavar="WORLD", help="World of --skills.")
 @run_options
-@common_options
 def graph(
     path: str,
     rap: str | None,
@@ -78,12 +75,13 @@ def graph(
     output_format: str,
     moment: float | None,
     world_name: str | None,
-    **given: Any,
+    **more: Any,
 ) -> None:
     """Print a graph of a library: which RAP asks for which RAPs and primitives.
 
     Exit status: 0; 2 for a library with errors, and for what cannot be read.
     """
+    given = RunOptions(**more)
     wholes = (rap is not None, effects is not None, moment is not None)
     if sum((*wholes, monitors, claims)) > 1:
         said = "--rap, --effects, --monitors, --claims and --skills"
@@ -94,7 +92,7 @@ def graph(
         written = _SKILLS[output_format](_network(path, world_name, moment, given))
         click.echo(written, nl=False)
         return
-    if moment is not None or world_name is not None or any(given.values()):
+    if moment is not None or world_name is not None or any(given):
         fail("--skills takes --world; --world, --task and the like take --skills")
     library = _library(path)
     if rap is not None:
@@ -121,11 +119,9 @@ _SKILLS: Mapping[str, Callable[[Drawing], str]] = {
 }
 
 
-def _network(
-    path: str, world_name: str, moment: float, given: Mapping[str, Any]
-) -> Drawing:
+def _network(path: str, world_name: str, moment: float, given: RunOptions) -> Drawing:
     """Return the network of skills at a time of a run; else end the command."""
-    begun = prepare(load_checked(path), world_name, **given)
+    begun = prepare(load_checked(path), world_name, given)
     world = inspect.unwrap(begun.world)  # type: ignore[arg-type]  # an object, too
     if not isinstance(world, Networked):
         fail(f"the world `{world.name}` has no network of skills to be drawn")

@@ -18,7 +18,7 @@ import click
 from rapc.base.gc_paused import gc_spared
 from rapc.base.names import nearest
 from rapc.base.visible import visible
-from rapc.cli.options import USAGE, common_options, show_traceback
+from rapc.cli.options import USAGE, command, show_traceback
 from rapc.errors import Error
 
 COMMANDS = {
@@ -76,13 +76,8 @@ class Commands(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-@click.group(
-    cls=Commands,
-    epilog=EXAMPLES,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+@command(EXAMPLES, cls=Commands)
 @click.version_option(package_name="rapc", message="rapc %(version)s")
-@common_options
 def cli() -> None:
     """Reactive Action Packages: check them, run them, see why."""
 

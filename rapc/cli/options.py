@@ -10,7 +10,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NoReturn
 
 import click
 
@@ -18,8 +18,6 @@ from rapc.base.visible import visible
 
 USAGE = 2
 """The exit status of what could not be tried."""
-
-F = TypeVar("F", bound=Callable[..., Any])
 
 
 class WholeNumber(click.IntRange):
@@ -66,32 +64,38 @@ def settings() -> CliSettings:
     return click.get_current_context().find_root().ensure_object(CliSettings)
 
 
-def common_options(command: F) -> F:
-    """Add `--color`, `-v` and `-q` to a command or group."""
-    color = click.option(
-        "--color",
-        type=click.Choice(["auto", "always", "never"]),
-        expose_value=False,
-        callback=_keep,
-        help="Whether to colour the output (NO_COLOR is heeded).",
-    )
-    verbose = click.option(
-        "-v",
-        "--verbose",
-        is_flag=True,
-        expose_value=False,
-        callback=_keep,
-        help="Say on standard error what is done.",
-    )
-    quiet = click.option(
-        "-q",
-        "--quiet",
-        is_flag=True,
-        expose_value=False,
-        callback=_keep,
-        help="Print nothing but findings and results.",
-    )
-    return color(verbose(quiet(command)))
+def command(
+    examples: str, **more: Any
+) -> Callable[[Callable[..., None]], click.Command]:
+    """Return what makes a command of a function, with the options that all have.
+
+    Args:
+        examples: what stands below its help.
+        more: what else `click.command` takes.
+    """
+    names = {"help_option_names": ["-h", "--help"]}
+
+    def made(does: Callable[..., None]) -> click.Command:
+        make: Any = click.command(epilog=examples, context_settings=names, **more)
+        found: click.Command = make(does)
+        found.params += _common()
+        return found
+
+    return made
+
+
+def _common() -> list[click.Parameter]:
+    """Return the options `--color`, `-v` and `-q`."""
+    colors = click.Choice(["auto", "always", "never"])
+    told = "Whether to colour the output (NO_COLOR is heeded)."
+    loud = "Say on standard error what is done."
+    quiet = "Print nothing but findings and results."
+    kept: dict[str, Any] = {"expose_value": False, "callback": _keep}
+    return [
+        click.Option(["--color"], type=colors, help=told, **kept),
+        click.Option(["-v", "--verbose"], is_flag=True, help=loud, **kept),
+        click.Option(["-q", "--quiet"], is_flag=True, help=quiet, **kept),
+    ]
 
 
 def _keep(context: click.Context, option: click.Parameter, value: object) -> None:

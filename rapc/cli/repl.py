@@ -6,12 +6,13 @@ import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
 from rapc.cli.checked import load_checked
-from rapc.cli.common import PIPED_WIDTH, common_options, fail, settings
-from rapc.cli.given import GivenRun, prepare, run_options
+from rapc.cli.common import PIPED_WIDTH, command, fail, settings
+from rapc.cli.given import GivenRun, RunOptions, prepare, run_options
 from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import Beginnings, beginnings, follow
@@ -40,9 +41,7 @@ Examples:
 """
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("path", required=False)
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
@@ -57,18 +56,12 @@ Examples:
 @click.option(
     "--json", "as_json", is_flag=True, help="Write each answer as a line of JSON."
 )
-@common_options
 def repl(
     path: str | None,
     world_name: str | None,
-    tasks: Sequence[str],
-    agenda: str | None,
-    seed: int,
-    facts: Sequence[str],
-    values: Sequence[str],
-    faults: Sequence[str],
     given: Sequence[str],
     as_json: bool,
+    **more: Any,
 ) -> None:
     """Debug a run of the library at PATH in a world, or a recorded run.
 
@@ -79,19 +72,20 @@ def repl(
     Exit status: 0, or 1 if an input of a script could not be carried out; 2 if nothing
     could be begun.
     """
+    asked = RunOptions(**more)
     if path is None:
-        if world_name or tasks or agenda or facts or values or faults:
+        if world_name or any(asked._replace(seed=0)):
             fail("a library is missing: give PATH", "without one there is no world")
         library = loads("", TYPED)
         world = ScriptedWorld([], declared=library.program.library)
-        shell = Shell(Session.open(library, world, seed=seed), commands())
+        shell = Shell(Session.open(library, world, seed=asked.seed), commands())
     elif path.endswith(RECORDED):
         shell = _recorded(Path(path))
     elif world_name is None:
         fail("a world is missing: give --world", "`rapc worlds` lists those installed")
     else:
         program = load_checked(path)
-        begun = prepare(program, world_name, tasks, agenda, seed, facts, values, faults)
+        begun = prepare(program, world_name, asked)
         shell = Shell(_session(begun), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
@@ -145,7 +139,7 @@ def _again(library: Program, begun: Beginnings) -> GivenRun:
     values = [f"{begun.world}.{name}={_value(v)}" for name, v in begun.options.items()]
     values += [f"rapc.{name}={_value(v)}" for name, v in begun.settings.items()]
     given = (begun.tasks, None, begun.seed, begun.facts, values, begun.faults)
-    return prepare(library, begun.world, *given)
+    return prepare(library, begun.world, RunOptions(*given))
 
 
 def _value(value: str | float) -> str:

@@ -9,7 +9,7 @@ import click
 from rapc.analysis import suite
 from rapc.analysis.selection import UnknownRuleError, rule_names
 from rapc.base.diagnostics import Rule
-from rapc.cli.options import common_options, fail
+from rapc.cli.options import command, fail
 
 EXAMPLES = """\b
 Examples:
@@ -20,9 +20,7 @@ Examples:
 """
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("name", required=False)
 @click.option("--all", "everything", is_flag=True, help="The pages of all rules.")
 @click.option(
@@ -33,7 +31,6 @@ Examples:
     show_default=True,
     help="Text (Markdown) or JSON.",
 )
-@common_options
 def rule(name: str | None, everything: bool, output_format: str) -> None:
     """Print the manual page of the rule NAME (a name or a code).
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import shutil
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import click
 
@@ -16,8 +16,8 @@ from rapc.base.interrupts import interrupts_held
 from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
-from rapc.cli.common import common_options, fail, same_file, settings
-from rapc.cli.given import prepare, run_options
+from rapc.cli.common import command, fail, same_file, settings
+from rapc.cli.given import RunOptions, prepare, run_options
 from rapc.cli.options import WholeNumber
 from rapc.library.library import Library
 from rapc.runtime.authors import blame
@@ -43,9 +43,7 @@ Examples:
 _MOST_FRAMES = 1_000_000
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("path")
 @click.option("--world", "world_name", required=True, help="World to run against.")
 @run_options
@@ -69,21 +67,15 @@ _MOST_FRAMES = 1_000_000
     metavar="N",
     help="With --show to a file or a pipe: every Nth frame.",
 )
-@common_options
 def run(
     path: str,
     world_name: str,
-    tasks: Sequence[str],
-    agenda: str | None,
-    seed: int,
     until: float | None,
-    facts: Sequence[str],
-    values: Sequence[str],
-    faults: Sequence[str],
     trace: str | None,
     trace_format: str,
     show: bool,
     show_every: int | None,
+    **more: Any,
 ) -> None:
     """Run tasks of the library at PATH against a world.
 
@@ -98,11 +90,12 @@ def run(
     """
     if show_every is not None and not show:
         raise click.UsageError("--show-every says how often to --show")
-    if agenda is None and not tasks:
+    asked = RunOptions(**more)
+    if asked.agenda is None and not asked.tasks:
         fail("there is nothing to do: give --task or --agenda")
     library = load_checked(path)
     end = _time(until)
-    given = prepare(library, world_name, tasks, agenda, seed, facts, values, faults)
+    given = prepare(library, world_name, asked)
     if end is None:
         _tell_endless(given.requests, library.library)
     interpreter, world = given.interpreter, given.world

@@ -12,24 +12,24 @@ import click
 from rapc.base.visible import visible
 from rapc.cli.common import (
     USAGE,
-    common_options,
+    command,
     fail,
     print_findings,
     same_file,
     settings,
     write_output,
 )
+from rapc.cli.given import read_option
 from rapc.cli.options import Amount, WholeNumber
 from rapc.console.testing import coverage_table, explain
 from rapc.console.testing.junit import as_junit
 from rapc.console.wrapping import wrapped
-from rapc.errors import LoadError, SavedError, TextError
+from rapc.errors import LoadError, SavedError
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Case, Outcome
 from rapc.testing.session import TestSession, exit_status, summary
-from rapc.worlds.faults import InjectedFault
 
 EXAMPLES = """\b
 Examples:
@@ -53,9 +53,7 @@ _LEAST_WIDTH = 20
 _MOST_SEEDS = 100_000
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("paths", nargs=-1, metavar="PATH...")
 @click.option("--seed", type=int, default=0, show_default=True, help="First seed.")
 @click.option(
@@ -99,7 +97,6 @@ _MOST_SEEDS = 100_000
     metavar="N",
     help="Fail if the tests exercise less than N per cent of the library.",
 )
-@common_options
 def test(
     paths: Sequence[str],
     seed: int,
@@ -119,9 +116,8 @@ def test(
     if not paths:
         raise click.UsageError("a file or folder with tests is missing")
     gathered = None if coverage is None and least is None else Coverage()
-    running = TestSession(
-        range(seed, seed + seeds), _faults(faults), gathered, tuple(modules)
-    )
+    injected = tuple([read_option("--fault", read_fault, text) for text in faults])
+    running = TestSession(range(seed, seed + seeds), injected, gathered, tuple(modules))
     cases = _find(paths)
     inputs = {*paths, *(file for case in cases for file in _files(case))}
     for option, file in (("--junit", junit), ("--coverage", coverage)):
@@ -162,13 +158,6 @@ def _falls_short(gathered: Coverage, least: float) -> bool:
     short, told = coverage_table.verdict(gathered.files(), least)
     _say("failed" if short else "text", told)
     return short
-
-
-def _faults(texts: Iterable[str]) -> tuple[InjectedFault, ...]:
-    try:
-        return tuple([read_fault(text) for text in texts])
-    except TextError as error:
-        fail(f"--fault: {error}")
 
 
 def _find(paths: Sequence[str]) -> tuple[Case, ...]:

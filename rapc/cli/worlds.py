@@ -8,7 +8,7 @@ import click
 
 from rapc.base.visible import visible_lines
 from rapc.cli.checked import load_checked
-from rapc.cli.common import common_options, fail
+from rapc.cli.common import command, fail
 from rapc.console.world_contract import report
 from rapc.console.worlds import describe_world, list_worlds, summary
 from rapc.errors import WorldError
@@ -32,9 +32,7 @@ _NARROWEST = 20
 _WIDEST = 100
 
 
-@click.command(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"]}
-)
+@command(EXAMPLES)
 @click.argument("name", required=False)
 @click.option(
     "--declare",
@@ -49,7 +47,6 @@ _WIDEST = 100
     metavar="[LIBRARY]",
     help="Hold the world to the port; its handlers too, with a library of their words.",
 )
-@common_options
 def worlds(name: str | None, declare: bool, library: str | None) -> None:
     """List the worlds installed, or say what the world NAME offers.
 
