@@ -33,6 +33,27 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
     return best[1] if best else None
 
 
+def did_you_mean(
+    name: str, names: Iterable[str], otherwise: str = "", form: str = "`{}`"
+) -> str:
+    """Return the help for an unknown name: a question, or else `otherwise`.
+
+    Args:
+        name: the unknown name.
+        names: those that are known.
+        otherwise: what is said where none of them is like it.
+        form: how the name that may be meant is written.
+    """
+    near = nearest(name, names)
+    return f"did you mean {form.format(near)}?" if near else otherwise
+
+
+def hint(name: str, names: Iterable[str]) -> str:
+    """Return the same to be put behind a message: `; did you mean ...`, or nothing."""
+    said = did_you_mean(name, names)
+    return f"; {said}" if said else ""
+
+
 _MOST = 50
 """How many different names get a suggestion: looking for one costs milliseconds."""
 

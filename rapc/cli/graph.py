@@ -11,7 +11,7 @@ import click
 from rapc.analysis import graphs
 from rapc.analysis.driver import check_library
 from rapc.analysis.selection import errors
-from rapc.base.names import nearest
+from rapc.base.names import did_you_mean
 from rapc.base.values import format_atom, number
 from rapc.cli.checked import load_checked
 from rapc.cli.common import (
@@ -148,6 +148,6 @@ def _library(path: str) -> Library:
 def _named(library: Library, name: str) -> nodes.DefineRap:
     rap = library.raps.get(name.lower())
     if rap is None:
-        near = nearest(name.lower(), library.raps)
-        fail(f"no RAP is called `{name}`", f"did you mean `{near}`?" if near else None)
+        meant = did_you_mean(name.lower(), library.raps)
+        fail(f"no RAP is called `{name}`", meant)
     return rap

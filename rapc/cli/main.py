@@ -16,9 +16,9 @@ from importlib import import_module
 import click
 
 from rapc.base.gc_paused import gc_spared
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.base.visible import visible
-from rapc.cli.options import USAGE, command, show_traceback
+from rapc.cli.options import HELP, USAGE, show_traceback, with_common_options
 from rapc.errors import Error
 
 COMMANDS = {
@@ -76,7 +76,8 @@ class Commands(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-@command(EXAMPLES, cls=Commands)
+@with_common_options
+@click.group(cls=Commands, epilog=EXAMPLES, context_settings={**HELP})
 @click.version_option(package_name="rapc", message="rapc %(version)s")
 def cli() -> None:
     """Reactive Action Packages: check them, run them, see why."""
@@ -137,17 +138,14 @@ def _escape_unprintable() -> None:
 
 def _message(error: click.ClickException) -> str:
     """A usage error as one line, with at most one suggestion."""
-    close: str | None = None
     if isinstance(error, click.exceptions.NoSuchCommand):
-        text = f"there is no command `{error.command_name}`"
-        close = nearest(error.command_name, COMMANDS)
-    elif isinstance(error, click.NoSuchOption):
-        text = f"there is no option `{error.option_name}`"
-        close = nearest(error.option_name, error.possibilities or ())
-    else:
-        text = " ".join(error.format_message().split()).removesuffix(".")
-        text = text[:1].lower() + text[1:]
-    return f"{text}; did you mean `{close}`?" if close else text
+        name = error.command_name
+        return f"there is no command `{name}`{hint(name, COMMANDS)}"
+    if isinstance(error, click.NoSuchOption):
+        name = error.option_name
+        return f"there is no option `{name}`{hint(name, error.possibilities or ())}"
+    text = " ".join(error.format_message().split()).removesuffix(".")
+    return text[:1].lower() + text[1:]
 
 
 def _say(error: Error) -> None:

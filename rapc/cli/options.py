@@ -9,12 +9,14 @@ import math
 import os
 import sys
 import traceback
-from collections.abc import Callable
-from typing import Any, NoReturn
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn, TypeVar
 
 import click
 
 from rapc.base.visible import visible
+
+C = TypeVar("C", bound=click.Command)
 
 USAGE = 2
 """The exit status of what could not be tried."""
@@ -64,24 +66,27 @@ def settings() -> CliSettings:
     return click.get_current_context().find_root().ensure_object(CliSettings)
 
 
-def command(
-    examples: str, **more: Any
-) -> Callable[[Callable[..., None]], click.Command]:
+HELP: Mapping[str, Any] = {"help_option_names": ["-h", "--help"]}
+"""What all commands are told of themselves."""
+
+
+def command(examples: str) -> Callable[[Callable[..., None]], click.Command]:
     """Return what makes a command of a function, with the options that all have.
 
-    Args:
-        examples: what stands below its help.
-        more: what else `click.command` takes.
+    `examples` stand below its help.
     """
-    names = {"help_option_names": ["-h", "--help"]}
 
     def made(does: Callable[..., None]) -> click.Command:
-        make: Any = click.command(epilog=examples, context_settings=names, **more)
-        found: click.Command = make(does)
-        found.params += _common()
-        return found
+        make = click.command(epilog=examples, context_settings={**HELP})
+        return with_common_options(make(does))
 
     return made
+
+
+def with_common_options(command: C) -> C:
+    """Return a command or group with `--color`, `-v` and `-q` behind its options."""
+    command.params += _common()
+    return command
 
 
 def _common() -> list[click.Parameter]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import msgspec
 
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.debug.log import ToldEvent
 from rapc.debug.stepped import Stepped
 from rapc.errors import TextError
@@ -44,9 +44,7 @@ class Finder(msgspec.Struct, frozen=True):
         """
         known = kinds()
         if kind not in known:
-            near = nearest(kind, known)
-            hint = f"; did you mean `{near}`?" if near else ""
-            raise TextError(f"there are no events `{kind}`{hint}")
+            raise TextError(f"there are no events `{kind}`{hint(kind, known)}")
         keys, words = [], []
         for one in said:
             key, equals, value = one.partition("=")

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import msgspec
 from msgspec.structs import replace
 
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.base.values import Atom, Text, format_atom
 from rapc.debug.acts import Act
 from rapc.debug.setup import Setup
@@ -120,11 +120,8 @@ def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
         raise ArgumentError(f"`{owner}` is neither `{OWN}` nor `{world.name}`")
     read = read_options(type(_innermost(world)), {name: text})
     if isinstance(world, Adjustable) and name not in world.adjustable():
-        near = nearest(name, world.adjustable())
-        hint = f"; did you mean `{near}`?" if near else ""
-        raise ArgumentError(
-            f"`{owner}.{name}` counts at the beginning of a run alone{hint}"
-        )
+        said = f"`{owner}.{name}` counts at the beginning of a run alone"
+        raise ArgumentError(said + hint(name, world.adjustable()))
     return AdjustWorld(owner, name, read[name])
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 
 import msgspec
 
-from rapc.base.names import nearest
+from rapc.base.names import did_you_mean
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.acts import live_task
 from rapc.debug.clause import ClauseAsked, ask
@@ -218,6 +218,5 @@ def named_method(answer: TaskAnswer, name: str) -> MethodAnswer:
         if method.name == name:
             return method
     names = [method.name for method in answer.methods]
-    near = nearest(name, names)
-    hint = f"did you mean `{near}`?" if near else f"it has {', '.join(names) or 'none'}"
-    raise ArgumentError(f"[{answer.task}] has no method `{name}`; {hint}")
+    said = did_you_mean(name, names, f"it has {', '.join(names) or 'none'}")
+    raise ArgumentError(f"[{answer.task}] has no method `{name}`; {said}")

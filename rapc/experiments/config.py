@@ -14,7 +14,7 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.base.names import nearest
+from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text
 from rapc.errors import WorldError
 from rapc.experiments.draws import Draws, filled
@@ -112,10 +112,9 @@ def by_owner(
     for key, text in texts.items():
         owner, _, name = key.partition(".")
         if owner not in (OWN, world.name):
-            near = nearest(owner, [OWN, world.name])
             raise WorldError(
                 f"`{key}`: `{owner}` is neither `{OWN}` nor `{world.name}`",
-                f"did you mean `{near}`?" if near else "",
+                did_you_mean(owner, [OWN, world.name]),
             )
         (own if owner == OWN else theirs)[name] = text
     return own, theirs

@@ -6,13 +6,13 @@ by `points`, which has the library and the world.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated
 
 import msgspec
 from msgspec import Meta
 
-from rapc.base.names import nearest
+from rapc.base.names import did_you_mean
 from rapc.errors import Error
 from rapc.experiments.draws import Draw, Value
 
@@ -122,12 +122,6 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if name not in named:
             raise ExperimentError(
                 f"the experiment `{self.name}` has no part `{name}`",
-                meant(name, named) or f"it has {', '.join(named)}",
+                did_you_mean(name, named, f"it has {', '.join(named)}"),
             )
         return named[name]
-
-
-def meant(name: str, names: Sequence[str] | Mapping[str, Any]) -> str:
-    """Return a suggestion for a mistyped name, or an empty text."""
-    near = nearest(name, names)
-    return f"did you mean `{near}`?" if near else ""

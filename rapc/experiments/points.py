@@ -12,6 +12,7 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.base.names import did_you_mean
 from rapc.base.values import format_atom
 from rapc.base.version import VERSION
 from rapc.compiler.program import Program
@@ -24,7 +25,7 @@ from rapc.experiments.config import (
     resolved,
     world_options,
 )
-from rapc.experiments.definition import Experiment, ExperimentError, Series, meant
+from rapc.experiments.definition import Experiment, ExperimentError, Series
 from rapc.experiments.draws import (
     Value,
     drawn,
@@ -148,7 +149,7 @@ def _uncounted(config: PointConfig, tasks: Sequence[TaskRequest]) -> None:
     if not counted(tasks, config.counted):
         said = " and ".join(f"`{name}`" for name in config.counted)
         message = f"`counted`: no task in the foreground is one of {said}"
-        raise ExperimentError(message, meant(config.counted[0], given))
+        raise ExperimentError(message, did_you_mean(config.counted[0], given))
 
 
 def _unknown(
@@ -161,14 +162,14 @@ def _unknown(
             yield ExperimentError(f"`count`, {name}: a measure is called so already")
         if what not in known:
             message = f"`count`, {name}: no RAP or primitive is named `{what}`"
-            yield ExperimentError(message, meant(what, known))
+            yield ExperimentError(message, did_you_mean(what, known))
     measures = [*LABELS, *experiment.count, *experiment.figures]
     reference = part.reference
     named = {**reference.figures, **reference.bounds} if reference else {}
     for name in named:
         if name not in measures:
             message = f"part `{part.name}`: there is no measure `{name}`"
-            yield ExperimentError(message, meant(name, measures))
+            yield ExperimentError(message, did_you_mean(name, measures))
 
 
 def _texts(
@@ -272,7 +273,7 @@ def _figures(world: World, wanted: Sequence[str]) -> None:
         if name not in told:
             listed = f"it tells {', '.join(told)}" if told else "it tells none"
             message = f"`figures`: the world `{world.name}` tells no `{name}`"
-            raise ExperimentError(message, meant(name, told) or listed)
+            raise ExperimentError(message, did_you_mean(name, told, listed))
 
 
 def unit(world: type[World], vary: str) -> str:

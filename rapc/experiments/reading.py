@@ -13,6 +13,7 @@ import msgspec
 
 from rapc.base import toml
 from rapc.base.files import read_text
+from rapc.base.names import did_you_mean
 from rapc.errors import LoadError
 from rapc.experiments.contradictions import contradictions
 from rapc.experiments.definition import (
@@ -21,7 +22,6 @@ from rapc.experiments.definition import (
     PlotMark,
     Reference,
     Series,
-    meant,
 )
 from rapc.experiments.draws import Between
 
@@ -46,7 +46,7 @@ def find(name: str) -> Path:
     if name not in known:
         listed = f"name {', '.join(known)}, or a file that ends in `{SUFFIX}`"
         raise ExperimentError(
-            f"there is no experiment `{name}`", meant(name, known) or listed
+            f"there is no experiment `{name}`", did_you_mean(name, known, listed)
         )
     return known[name]
 
@@ -77,7 +77,9 @@ def decode(text: str, name: str) -> Experiment:
     try:
         data = toml.parsed(text)
         for where, key, known in _unknown(data):
-            raise ExperimentError(f"there is no key `{key}`{where}", meant(key, known))
+            raise ExperimentError(
+                f"there is no key `{key}`{where}", did_you_mean(key, known)
+            )
         found = toml.converted({**data, "name": name}, Experiment)
     except toml.TomlError as error:
         raise ExperimentError(error.message) from error

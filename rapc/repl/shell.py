@@ -12,7 +12,7 @@ from io import StringIO
 
 import msgspec
 
-from rapc.base.names import nearest
+from rapc.base.names import did_you_mean
 from rapc.base.resources import Value
 from rapc.base.source import Span
 from rapc.base.values import format_atom
@@ -161,9 +161,9 @@ class Shell:
         name, _, rest = text.partition(" ")
         command = self.commands.get(name)
         if command is None:
-            near = nearest(name, self.commands)
-            hint = f"did you mean `:{near}`?" if near else "`:help` lists all commands"
-            return failure(f"there is no command `:{name}`; {hint}")
+            listed = "`:help` lists all commands"
+            said = did_you_mean(name, self.commands, listed, "`:{}`")
+            return failure(f"there is no command `:{name}`; {said}")
         arguments = Arguments(rest)
         found = command.does(self, arguments)
         arguments.end()

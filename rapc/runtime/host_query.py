@@ -6,10 +6,10 @@ history of methods has no answer [L 2].
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.base.resources import Value
 from rapc.base.values import Atom
 from rapc.compiler.query.builtin import FUNCTIONS
@@ -159,11 +159,6 @@ def _refuse(fault: Fault | None) -> None:
 
 def _check(name: str, known: Sequence[str], given: Sequence[str]) -> None:
     if name not in known:
-        raise ValueError(f"`{name}` is not in the question{_hint(name, known)}")
+        raise ValueError(f"`{name}` is not in the question{hint(name, known)}")
     if given.count(name) > 1:
         raise ValueError(f"`{name}` is given twice")
-
-
-def _hint(name: str, known: Iterable[str]) -> str:
-    near = nearest(name, known)
-    return f"; did you mean `{near}`?" if near else ""

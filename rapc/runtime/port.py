@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rapc.base.code_places import place_of
-from rapc.base.names import nearest
+from rapc.base.names import hint, nearest
 from rapc.base.values import Fact, format_atom, format_list
 from rapc.errors import FactError, PortError
 from rapc.ir.nodes import Argument
@@ -171,8 +171,7 @@ class Port:
         """
         fault = self._fault(self._events, content)
         if fault is not None:
-            near = nearest(str(content[0]), self._events)
-            meant = f"; did you mean `{near}`?" if near else ""
+            meant = hint(str(content[0]), self._events)
             fault = fault or f"no event is called `{content[0]}`{meant}"
             raise FactError(f"{format_list(content)}: {fault}")
 
@@ -192,8 +191,8 @@ class Port:
         fault = self._fault(table, content)
         if fault is not None:
             near = nearest(str(content[0]), table)
-            hint = f"; did it mean `{near}`?" if near else ""
-            fault = fault or f"which it does not offer{hint}"
+            meant = f"; did it mean `{near}`?" if near else ""
+            fault = fault or f"which it does not offer{meant}"
             kind = "datum" if use == "datum" else "signal"
             said = f"sent the {kind} {format_list(content)}: {fault}"
             raise breach(self._world, call, said)

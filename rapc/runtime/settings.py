@@ -7,7 +7,7 @@ from typing import Annotated
 
 import msgspec
 
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.base.values import number
 from rapc.errors import SettingError
 
@@ -52,9 +52,8 @@ def read_settings(texts: Mapping[str, str]) -> Settings:
     values: dict[str, object] = {}
     for name, text in texts.items():
         if name not in names:
-            near = nearest(name, names)
-            hint = f"; did you mean `{near}`?" if near else ""
-            raise SettingError(f"there is no setting `rapc.{name}`{hint}")
+            said = f"there is no setting `rapc.{name}`{hint(name, names)}"
+            raise SettingError(said)
         try:
             flag = {"true": True, "false": False}.get(text)
             values[names[name]] = number(float(text)) if flag is None else flag

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import msgspec
 
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.base.values import Atom, Fact, format_atom, format_list
 from rapc.errors import RefusedError, TextError
 from rapc.ir import nodes
@@ -78,8 +78,7 @@ def of_agenda(library: Library, name: str) -> tuple[TaskRequest, ...]:
     """
     agenda = library.agendas.get(name)
     if agenda is None:
-        close = nearest(name, library.agendas)
-        meant = f"; did you mean `{close}`?" if close else ""
+        meant = hint(name, library.agendas)
         raise RefusedError([f"no agenda is called `{name}`{meant}"])
     return tuple([of_node(task) for task in agenda.tasks])
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rapc.base.names import nearest
+from rapc.base.names import did_you_mean
 from rapc.base.values import Number, number
 from rapc.errors import TextError
 from rapc.ir import nodes
@@ -58,13 +58,9 @@ def read_fault(text: str) -> InjectedFault:
     for option in options:
         name, equals, value = option.partition("=")
         if name not in _OPTIONS or not equals:
-            near = nearest(name, _OPTIONS)
-            hint = (
-                f"; did you mean `{near}=`?"
-                if near
-                else "; known are p, from, until, by"
-            )
-            raise TextError(f"`{option}` is no option of a fault{hint}")
+            known = "known are p, from, until, by"
+            said = did_you_mean(name, _OPTIONS, known, "`{}=`")
+            raise TextError(f"`{option}` is no option of a fault; {said}")
         if _OPTIONS[name] in given:
             raise TextError(f"`{name}` is given twice")
         given[_OPTIONS[name]] = _number(name, value)

@@ -11,14 +11,14 @@ import importlib
 import random
 import re
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from rapc.base.code_places import place_of_error
 from rapc.base.files import named, read_text
-from rapc.base.names import nearest
+from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
 from rapc.errors import LoadError, WorldError
 from rapc.world import Kit, Option, World
@@ -109,7 +109,7 @@ def _installed(name: str) -> EntryPoint:
         raise WorldError(
             f"several packages offer a world `{name}`", f"name one of {listed}"
         )
-    raise WorldError(f"unknown world `{name}`", _did_you_mean(name, available()))
+    raise WorldError(f"unknown world `{name}`", did_you_mean(name, available()))
 
 
 def _load(point: EntryPoint) -> object:
@@ -174,8 +174,8 @@ def read_options(
 def _known(world: type[World], options: Mapping[str, Option], name: str) -> Option:
     if name not in options:
         message = f"the world `{world.name}` has no option `{name}`"
-        near = _did_you_mean(name, options)
-        raise WorldError(message, near or f"`rapc worlds {world.name}` lists them")
+        listed = f"`rapc worlds {world.name}` lists them"
+        raise WorldError(message, did_you_mean(name, options, listed))
     return options[name]
 
 
@@ -272,8 +272,3 @@ def check_options(
         is_text = option.kind == "text" and isinstance(value, str)
         found[name] = Text(str(value)) if is_text else value
     return found
-
-
-def _did_you_mean(name: str, names: Iterable[str]) -> str:
-    near = nearest(name, names)
-    return f"did you mean `{near}`?" if near else ""

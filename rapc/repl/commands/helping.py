@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.errors import TextError
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
@@ -34,9 +34,8 @@ def _help(shell: Shell, args: Arguments) -> ShownAnswer:
 def _of_command(shell: Shell, name: str) -> ShownAnswer:
     command = shell.commands.get(name)
     if command is None:
-        near = nearest(name, shell.commands)
-        hint = f"; did you mean `:{near}`?" if near else ""
-        raise TextError(f"there is no command `:{name}`{hint}")
+        near = hint(name, shell.commands).replace("`", "`:", 1)
+        raise TextError(f"there is no command `:{name}`{near}")
     lines = [f":{command.name} {command.takes}".rstrip(), "", command.doc]
     if command.more:
         lines.append(command.more)

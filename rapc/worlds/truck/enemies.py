@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from math import log2, sqrt
 
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import ENEMY
 from rapc.worlds.truck.map import Map
@@ -41,11 +41,8 @@ def haunts(ground: Map, sectors: str, on_roads: bool) -> tuple[str, ...]:
     wanted: set[str] = set()
     for name in (part.strip() for part in sectors.split(",")):
         if name not in known:
-            near = nearest(name, known)
-            hint = f"; did you mean `{near}`?" if near else ""
-            raise ValueError(
-                f"`enemy-sectors`: the map has no sector `{name[:40]}`{hint}"
-            )
+            said = f"`enemy-sectors`: the map has no sector `{name[:40]}`"
+            raise ValueError(said + hint(name, known))
         wanted.update(known[name])
     places = (place for place in ground.places if place.name in wanted)
     open_places = (place.name for place in places if place.kind not in SAFE)

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 import msgspec
 
-from rapc.base.names import nearest
+from rapc.base.names import hint
 from rapc.worlds.truck.kinds import COLORED, ENEMY, KINDS, Kind, TruckMachine
 from rapc.worlds.truck.map import TAKEN, Map
 
@@ -64,9 +64,7 @@ def _problems(made: Map) -> Iterator[str]:
 
 def _unknown(name: str, known: Collection[str], what: str) -> Iterator[str]:
     if name not in known:
-        near = nearest(name, known)
-        hint = f"; did you mean `{near}`?" if near else ""
-        yield f"{what} is `{name}`, which is unknown{hint}"
+        yield f"{what} is `{name}`, which is unknown{hint(name, known)}"
 
 
 def _bad_kind(name: str, kind: Kind, kinds: Mapping[str, Kind]) -> Iterator[str]:
