@@ -19,7 +19,7 @@ from rapc.analysis.driver import CheckReport, check_library
 from rapc.analysis.selection import errors
 from rapc.base import files
 from rapc.base.gc_paused import gc_paused
-from rapc.base.source import SourceFile
+from rapc.base.source import SourceFile, place
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, Error, RefusedError, TextError
@@ -56,15 +56,11 @@ class CheckError(Error):
     report: CheckReport
 
     def __init__(self, report: CheckReport) -> None:
-        span = report.findings[0].diagnostic.span
-        source, place = report.files.get(span.file), span.file
-        if source is not None:
-            at = source.position(span.start)
-            place = f"{place}:{at.row}:{at.column}"
         count = len(report.findings) - 1
         more = f", and {count} more" if count else ""
         found = report.findings[0].diagnostic
-        super().__init__(f"{place}: {found.message}{more}", found.help)
+        where = place(found.span, report.files)
+        super().__init__(f"{where}: {found.message}{more}", found.help)
         self.report = report
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
+from collections.abc import Mapping
 from functools import cached_property
 
 import msgspec
@@ -40,6 +41,15 @@ class Position(msgspec.Struct, frozen=True, order=True):
 
     row: int
     column: int
+
+
+def place(span: Span, files: Mapping[str, SourceFile]) -> str:
+    """Return where a span begins, as `file:row:column`; the file if it was not read."""
+    source = files.get(span.file)
+    if source is None:
+        return span.file
+    at = source.position(span.start)
+    return f"{span.file}:{at.row}:{at.column}"
 
 
 class SourceFile:

@@ -81,6 +81,13 @@ def format_atom(value: object) -> str:
     return str(value)
 
 
+def typed(value: Atom | bool) -> str:
+    """Return the value of an option as it is typed: a text bare, a flag as a word."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value.value if isinstance(value, Text) else format_atom(value)
+
+
 def format_float(value: float) -> str:
     """Return a float as the language writes it: digits and a point, no exponent."""
     text = repr(value)

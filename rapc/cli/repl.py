@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from rapc.base.values import typed
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, command, fail, settings
 from rapc.cli.given import GivenRun, RunOptions, prepare, run_options
@@ -136,15 +137,10 @@ def _at_hand(begun: Beginnings) -> Program | str:
 
 def _again(library: Program, begun: Beginnings) -> GivenRun:
     """Return a run that can be begun as a recorded one was."""
-    values = [f"{begun.world}.{name}={_value(v)}" for name, v in begun.options.items()]
-    values += [f"rapc.{name}={_value(v)}" for name, v in begun.settings.items()]
+    values = [f"{begun.world}.{name}={typed(v)}" for name, v in begun.options.items()]
+    values += [f"rapc.{name}={typed(v)}" for name, v in begun.settings.items()]
     given = (begun.tasks, None, begun.seed, begun.facts, values, begun.faults)
     return prepare(library, begun.world, RunOptions(*given))
-
-
-def _value(value: str | float) -> str:
-    """Return a value of an option as it is typed."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _session(begun: GivenRun) -> Session:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import click
+import msgspec
 
 from rapc.analysis import suite
 from rapc.analysis.selection import UnknownRuleError, rule_names
@@ -85,17 +86,9 @@ def _advice(one: Rule) -> dict[str, str]:
 def _json(chosen: list[Rule], *, one: bool) -> str:
     pages = [
         {
-            "code": rule.code,
-            "name": rule.name,
+            **msgspec.structs.asdict(rule),
             "severity": rule.severity.word,
-            "summary": rule.summary,
             "why": " ".join(rule.why.split()),
-            "example": rule.example,
-            "better": rule.better,
-            "opt_in": rule.opt_in,
-            "fix": rule.fix,
-            "ignore": rule.ignore,
-            "source": rule.source,
         }
         for rule in chosen
     ]

@@ -19,7 +19,7 @@ from rich.text import Text
 
 from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label, Severity
-from rapc.base.source import SourceFile, Span
+from rapc.base.source import SourceFile, Span, place
 from rapc.base.visible import visible
 from rapc.console.wrapping import wrapped
 
@@ -51,8 +51,8 @@ def write(lines: Iterable[Text], stream: TextIO, *, color: bool) -> None:
 def concise(report: CheckReport) -> Iterator[str]:
     """Each finding as one line: place, severity, rule, message."""
     for finding in report.findings:
-        place = _place(finding.diagnostic.span, report.files)
-        yield f"{place}: {_title(finding)}: {visible(finding.diagnostic.message)}"
+        where = _place(finding.diagnostic.span, report.files)
+        yield f"{where}: {_title(finding)}: {visible(finding.diagnostic.message)}"
 
 
 def grouped(report: CheckReport) -> Iterator[str]:
@@ -62,8 +62,8 @@ def grouped(report: CheckReport) -> Iterator[str]:
     ):
         yield f"{visible(file)}:"
         for finding in findings:
-            place = _place(finding.diagnostic.span, report.files)
-            where = place.removeprefix(f"{visible(file)}:")
+            where = _place(finding.diagnostic.span, report.files)
+            where = where.removeprefix(f"{visible(file)}:")
             message = visible(finding.diagnostic.message)
             yield f"  {where}: {_title(finding)}: {message}"
         yield ""
@@ -85,11 +85,7 @@ def _title(finding: Finding) -> str:
 
 
 def _place(span: Span, files: Files) -> str:
-    source = files.get(span.file)
-    if source is None:
-        return visible(span.file)
-    at = source.position(span.start)
-    return f"{visible(span.file)}:{at.row}:{at.column}"
+    return visible(place(span, files))
 
 
 # --- full: a finding with its source --------------------------------------------------
@@ -147,8 +143,8 @@ def _page(finding: Finding, files: Files, width: int) -> Iterator[Text]:
     yield head.append(f": {visible(said.message)}", "bold")
     for file, group in marks.items():
         first = group[0]
-        place = f"{visible(file)}:{first.row}:{first.start + 1}"
-        yield layout.arrow("-->" if first.primary else ":::", place)
+        where = f"{visible(file)}:{first.row}:{first.start + 1}"
+        yield layout.arrow("-->" if first.primary else ":::", where)
         yield layout.bar()
         yield from _source(group, files[file], layout)
     for note in said.notes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Iterable, Mapping, Sequence
 
-from rapc.base.values import Atom, Text
+from rapc.base.values import typed
 from rapc.console.wrapping import wrapped
 from rapc.world import Option, World
 
@@ -74,13 +74,7 @@ def _section(title: str, rows: Sequence[tuple[str, str]], width: int) -> list[st
 
 
 def _option(option: Option) -> str:
-    words = [_show(option.default), option.unit]
+    words = [typed(option.default) or "none", option.unit]
     if option.kind != "number":
         words.append(f"({option.kind})")
     return f"{' '.join(filter(None, words))}: {option.doc}"
-
-
-def _show(value: Atom | bool) -> str:
-    if isinstance(value, Text):
-        return value.value or "none"
-    return str(value).lower()

@@ -87,14 +87,12 @@ def _would(machine: Machine, task: Task) -> Iterable[tuple[str, Mapping[str, Val
 
 
 def _chosen_at(session: Session, number: int) -> ToldEvent:
-    def wanted(told: ToldEvent) -> bool:
-        found: bool = told.keys["task"] == number
-        return found
-
-    for told in session.log.backwards():
-        if told.kind is events.MethodChosen and wanted(told):
-            return told
-    return session.scan(events.MethodChosen, want=wanted)[-1]
+    """Return the event in which the method was chosen that a task is at work on."""
+    found = session.last(
+        events.MethodChosen, want=lambda told: told.keys["task"] == number
+    )
+    assert found is not None
+    return found
 
 
 def stale(session: Session) -> list[Commitment]:

@@ -15,7 +15,7 @@ from typing import Any
 from rapc.debug.acts import Act
 from rapc.debug.branch import Branch
 from rapc.debug.forced import ForcedWorld, ForceResult
-from rapc.debug.log import EventLog, ToldEvent
+from rapc.debug.log import EventLog, ToldEvent, Wanted
 from rapc.debug.saves import EVERY, Moment, Saves
 from rapc.debug.setup import Setup
 from rapc.debug.stepped import Stepped
@@ -221,12 +221,10 @@ class Course(Stepped):
         """
         found: list[ToldEvent] = []
 
+        wanted = Wanted(kinds, first, want)
+
         def take(told: ToldEvent) -> None:
-            if (
-                told.cycle >= first
-                and (not kinds or told.kind in kinds)
-                and (want is None or want(told))
-            ):
+            if wanted.fits(told):
                 found.append(told)
 
         if self.log.first > self._first_of(first):

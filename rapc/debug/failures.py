@@ -43,17 +43,13 @@ def why_failed(session: Session, number: int | None = None) -> TaskFailure:
         return told.kind is events.TaskRemoved or told.keys["result"] != "okay"
 
     kinds = (events.TaskFailed, events.MethodEnded, events.TaskRemoved)
-    kept = session.log.backwards()
-    told = next((one for one in kept if one.kind in kinds and wanted(one)), None)
+    told = session.last(*kinds, want=wanted)
     if told is None:
-        found = session.scan(*kinds, want=wanted)
-        if not found:
-            if number is None:
-                raise ArgumentError("no task has failed")
-            raise ArgumentError(
-                f"task [{number}] has not failed, and no method of it has ended badly"
-            )
-        told = found[-1]
+        if number is None:
+            raise ArgumentError("no task has failed")
+        raise ArgumentError(
+            f"task [{number}] has not failed, and no method of it has ended badly"
+        )
     keys = told.keys
     what = {events.TaskFailed: "failed", events.MethodEnded: "method ended"}.get(
         told.kind, "removed"

@@ -77,14 +77,13 @@ def find(session: Stepped, finder: Finder, *, back: bool = False) -> ToldEvent |
         StateError: if the run cannot be taken back in time and has to be.
     """
     if back:
-        found = session.scan(
+        found = session.last(
             finder.kind,
             want=lambda told: told.cycle < session.cycle and finder.fits(told),
         )
-        if not found:
-            return None
-        session.goto(found[-1].cycle)
-        return found[-1]
+        if found is not None:
+            session.goto(found.cycle)
+        return found
     met: list[ToldEvent] = []
 
     def watch(told: ToldEvent) -> None:

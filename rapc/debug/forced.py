@@ -6,8 +6,6 @@ part of the state of the run, so that it is taken back with it.
 
 from __future__ import annotations
 
-from base64 import b64decode, b64encode
-
 import msgspec
 
 from rapc.base.values import Fact, format_list, match, number
@@ -28,7 +26,7 @@ class Forced(msgspec.Struct):
 
 
 class _Saved(msgspec.Struct, frozen=True):
-    world: str
+    world: bytes
     forced: list[Forced]
 
 
@@ -59,16 +57,14 @@ class ForcedWorld(FaultyWorld):
         return behind.usual_time(request) if isinstance(behind, Timed) else 0
 
     def _save(self) -> bytes:
-        inner = b64encode(self._behind.save()).decode()
-        return msgspec.json.encode(_Saved(inner, self.forced))
+        return msgspec.json.encode(_Saved(self._behind.save(), self.forced))
 
     def _restore(self, state: bytes) -> None:
         try:
             saved = msgspec.json.decode(state, type=_Saved)
-            inner = b64decode(saved.world, validate=True)
         except ValueError as error:
             raise ValueError(f"no state of a world with results: {error}") from error
-        self._behind.restore(inner)
+        self._behind.restore(saved.world)
         self.forced = saved.forced
 
 

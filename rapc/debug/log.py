@@ -33,6 +33,22 @@ class ToldEvent(NamedTuple):
         return self.kind(n=self.serial, cycle=self.cycle, time=self.time, **self.keys)
 
 
+class Wanted(NamedTuple):
+    """Which events are wanted: see `Stepped.scan`."""
+
+    kinds: tuple[type[Event], ...]
+    first: int
+    want: Callable[[ToldEvent], bool] | None
+
+    def fits(self, told: ToldEvent) -> bool:
+        """Whether an event is one of them."""
+        return (
+            told.cycle >= self.first
+            and (not self.kinds or told.kind in self.kinds)
+            and (self.want is None or self.want(told))
+        )
+
+
 Watcher = Callable[[ToldEvent], None]
 
 

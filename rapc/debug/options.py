@@ -12,7 +12,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rapc.base.names import hint
-from rapc.base.values import Atom, Text, format_atom
+from rapc.base.values import Atom, typed
 from rapc.debug.acts import Act
 from rapc.debug.setup import Setup
 from rapc.errors import ArgumentError
@@ -56,7 +56,7 @@ class ChangeSetting(Act, frozen=True):
 
     def __str__(self) -> str:
         value = getattr(self.settings, self.name.replace("-", "_"))
-        return f"option {OWN}.{self.name} {said(value)}"
+        return f"option {OWN}.{self.name} {typed(value)}"
 
 
 class AdjustWorld(Act, frozen=True):
@@ -84,7 +84,7 @@ class AdjustWorld(Act, frozen=True):
         return run
 
     def __str__(self) -> str:
-        return f"option {self.owner}.{self.name} {said(self.value)}"
+        return f"option {self.owner}.{self.name} {typed(self.value)}"
 
 
 def options(run: Interpreter) -> Iterator[GivenOption]:
@@ -130,10 +130,3 @@ def _innermost(world: World) -> World:
     while (behind := getattr(world, "__wrapped__", None)) is not None:
         world = behind
     return world
-
-
-def said(value: Atom | bool) -> str:
-    """Return a value of an option as it is typed."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return value.value if isinstance(value, Text) else format_atom(value)

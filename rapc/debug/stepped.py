@@ -103,6 +103,18 @@ class Stepped(ABC):
             StateError: if some are gone and there is no way back.
         """
 
+    def last(
+        self, *kinds: type[Any], want: Callable[[ToldEvent], bool]
+    ) -> ToldEvent | None:
+        """Return the last event up to now of some kinds that is wanted, or None.
+
+        Raises:
+            StateError: as `scan`.
+        """
+        kept = (told for told in self.log.backwards() if told.kind in kinds)
+        found = next((told for told in kept if want(told)), None)
+        return found or next(reversed(self.scan(*kinds, want=want)), None)
+
     # --- what inherits ------------------------------------------------------------
 
     @abstractmethod

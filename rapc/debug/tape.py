@@ -15,7 +15,7 @@ import msgspec
 
 from rapc.base.values import Fact, number
 from rapc.debug.find import kinds
-from rapc.debug.log import EventLog, ToldEvent
+from rapc.debug.log import EventLog, ToldEvent, Wanted
 from rapc.debug.recorded import read
 from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError, TextError
@@ -86,13 +86,8 @@ class Tape(Stepped):
         want: Callable[[ToldEvent], bool] | None = None,
     ) -> list[ToldEvent]:
         """Return events up to here: see `Stepped.scan`."""
-        return [
-            told
-            for told in self._all[: self._at]
-            if told.cycle >= first
-            and (not kinds or told.kind in kinds)
-            and (want is None or want(told))
-        ]
+        wanted = Wanted(kinds, first, want)
+        return [told for told in self._all[: self._at] if wanted.fits(told)]
 
     def _cycle(self) -> bool:
         if self._at < self._end:

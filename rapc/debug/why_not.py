@@ -108,13 +108,10 @@ def last_cycle(session: Session, number: int) -> int:
     """
     if not 0 < number <= session.run.machine.state.numbers:
         raise ArgumentError(f"there is no task [{number}]")
-    for told in session.log.backwards():
-        if told.kind is TaskSelected and told.keys["task"] == number:
-            return told.cycle
-    found = session.scan(TaskSelected, want=lambda told: told.keys["task"] == number)
-    if not found:
+    found = session.last(TaskSelected, want=lambda told: told.keys["task"] == number)
+    if found is None:
         raise ArgumentError(f"task [{number}] never came up")
-    return found[-1].cycle
+    return found.cycle
 
 
 def _answer(session: Session, number: int, *, past: bool) -> TaskAnswer:

@@ -6,7 +6,6 @@ import logging
 import socket
 import sys
 from concurrent.futures import Future
-from types import TracebackType
 
 from distributed import Client
 from distributed.comm.addressing import get_address_host_port, parse_address
@@ -60,12 +59,7 @@ class ClusterWorkers:
     def __enter__(self) -> ClusterWorkers:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self._executor.shutdown(wait=False)
         self._client.close()
 

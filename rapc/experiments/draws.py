@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 
 import msgspec
 
-from rapc.base.values import format_atom
+from rapc.base.values import typed
 
 Value = bool | int | float | str
 """A value of an option or setting as TOML has it."""
@@ -42,7 +42,7 @@ def drawn(draws: Draws, seed: int) -> dict[str, str]:
     """Return a value for each name of `draws` as text, always the same for `seed`."""
     chance = random.Random(f"{seed}:experiment")
     return {
-        name: value_text(
+        name: typed(
             chance.randint(draw.low, draw.high)
             if isinstance(draw, Between)
             else chance.choice(draw)
@@ -59,7 +59,7 @@ def extremes(draws: Draws) -> Iterator[dict[str, str]]:
     }
     for turn in range(max(map(len, all_.values()), default=1)):
         yield {
-            name: value_text(values[min(turn, len(values) - 1)])
+            name: typed(values[min(turn, len(values) - 1)])
             for name, values in all_.items()
         }
 
@@ -72,10 +72,3 @@ def filled(text: str, values: Mapping[str, str]) -> str:
 def names_in(text: str) -> list[str]:
     """Return the names that stand in braces in `text`."""
     return _PLACE.findall(text)
-
-
-def value_text(value: Value) -> str:
-    """Return a value as the command line takes it."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return value if isinstance(value, str) else format_atom(value)

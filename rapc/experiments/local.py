@@ -12,7 +12,6 @@ import os
 from concurrent.futures import Future
 from multiprocessing import resource_tracker
 from threading import Thread
-from types import TracebackType
 
 from pebble import ProcessPool
 
@@ -93,12 +92,7 @@ class LocalWorkers:
         resource_tracker.ensure_running()  # its start lets interrupts in
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         with interrupts_held():
             for slot in self._slots:
                 slot.stop()

@@ -13,7 +13,7 @@ from pathlib import Path
 import msgspec
 
 from rapc.base.names import did_you_mean
-from rapc.base.values import format_atom
+from rapc.base.values import format_atom, typed
 from rapc.base.version import VERSION
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError, SettingError, TextError, WorldError
@@ -32,7 +32,6 @@ from rapc.experiments.draws import (
     extremes,
     filled,
     names_in,
-    value_text,
 )
 from rapc.experiments.measures import LABELS, figures_of
 from rapc.experiments.run import counted
@@ -188,7 +187,7 @@ def _texts(
 def _text(value: Value, folder: Path) -> str:
     if isinstance(value, str) and value.startswith("@"):
         return f"@{folder / value[1:]}"
-    return value_text(value)
+    return typed(value)
 
 
 def _config(

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import msgspec
 
+from rapc.base.names import plural
 from rapc.base.values import format_list
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import told_for_skills
@@ -68,7 +69,7 @@ def summary(outcomes: Sequence[Outcome], seeds: int) -> str:
         Status.ERROR: "in error",
     }
     told = [f"{counts[status]} {words[status]}" for status in Status if counts[status]]
-    tests = "1 test" if len(outcomes) == 1 else f"{len(outcomes)} tests"
+    tests = plural(len(outcomes), "test")
     under = f", each under {seeds} seeds" if seeds > 1 else ""
     return f"{tests}{under}: {', '.join(told)}"
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 import random
-from base64 import b64decode, b64encode
 from collections.abc import Container, Iterable, Sequence
 
 import msgspec
 
+from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.base.code_places import place_of
 from rapc.base.values import Fact, format_list, is_variable, match, number
 from rapc.errors import PortError
@@ -32,7 +32,6 @@ from rapc.world import (
     World,
 )
 from rapc.worlds.signal_faults import HOW, SPURIOUS, Held, SignalFaults, Struck
-from rapc.worlds.streams import Stream, stream_in, stream_state
 
 
 class InjectedFault(msgspec.Struct, frozen=True):
@@ -96,7 +95,7 @@ def _open(signal: Fact) -> bool:
 class _Saved(msgspec.Struct, frozen=True):
     """What `save` writes: the state of the world behind, and of the random stream."""
 
-    world: str
+    world: bytes
     rng: Stream
     #: The signals that are still to come.
     held: tuple[Held, ...] = ()
@@ -220,17 +219,16 @@ class FaultyWorld(World):
         return self._world.ended()
 
     def _save(self) -> bytes:
-        inner = b64encode(self._behind.save()).decode()
-        return msgspec.json.encode(
-            _Saved(inner, stream_state(self._rng), tuple(self._signals.held))
-        )
+        held = tuple(self._signals.held)
+        saved = _Saved(self._behind.save(), stream_state(self._rng), held)
+        return msgspec.json.encode(saved)
 
     def _restore(self, state: bytes) -> None:
         try:
             saved = msgspec.json.decode(state, type=_Saved)
-            rng, inner = stream_in(saved.rng), b64decode(saved.world, validate=True)
+            rng = stream_in(saved.rng)
         except ValueError as error:
             raise ValueError(f"no state of a world with faults: {error}") from error
-        self._behind.restore(inner)
+        self._behind.restore(saved.world)
         self._rng = rng
         self._signals.held = list(saved.held)

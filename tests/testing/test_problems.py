@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.console.testing import explain
+from rapc.base.source import place
 from rapc.testing.run import Status, run_case
 
 from .small_suite import GRAB, LIBRARY, cases, happened, run
@@ -91,8 +91,9 @@ def test_a_test_with_something_wrong_is_in_error(
 def test_all_that_is_wrong_is_told_at_its_place(tmp_path: Path) -> None:
     outcome = run(tmp_path, "(facts (hold box))\n (expect (never (grip box)))")
     rows = len(LIBRARY.splitlines())
-    places = [explain.place(outcome, failure.span) for failure in outcome.failures]
-    ends = [place.removeprefix(str(tmp_path / "it.test.rap")) for place in places]
+    files = outcome.case.library.library.files
+    places = [place(failure.span, files) for failure in outcome.failures]
+    ends = [each.removeprefix(str(tmp_path / "it.test.rap")) for each in places]
     assert ends == [f":{rows + 2}:25", f":{rows + 3}:18"]
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import msgspec
 
-from rapc.base.values import format_atom
+from rapc.base.values import format_atom, typed
 from rapc.console.lines import Line
 from rapc.experiments.definition import Series
 from rapc.experiments.draws import Value
@@ -40,9 +40,7 @@ def title(part: Series) -> str:
 
 def show(value: Value | None) -> str:
     """A value of what is varied, as it is printed."""
-    if value is None:
-        return "all"
-    return format_atom(value) if not isinstance(value, bool) else str(value).lower()
+    return "all" if value is None else typed(value)
 
 
 def grid(summary: PartSummary) -> Grid:

@@ -7,18 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.driver import CheckReport
-from rapc.base.source import SourceFile, Span
+from rapc.base.source import SourceFile, Span, place
 from rapc.console.lines import Line
 from rapc.testing.run import Outcome, Status, Unmet
 
 _MOST_ROWS = 8
-
-
-def place(outcome: Outcome, span: Span) -> str:
-    """A place as `file:row:column`."""
-    source = _source(outcome, span)
-    return span.file + ("" if source is None else _position(source, span))
 
 
 def title(outcome: Outcome) -> str:
@@ -31,9 +24,10 @@ def title(outcome: Outcome) -> str:
 def lines(outcome: Outcome) -> Iterator[Line]:
     """All there is to say about a test that did not pass."""
     wrong = outcome.status is Status.ERROR
+    files = outcome.case.library.library.files
     for failure in outcome.failures:
-        yield Line("place", place(outcome, failure.span))
-        yield from _excerpt(outcome, failure.span)
+        yield Line("place", place(failure.span, files))
+        yield from _excerpt(files.get(failure.span.file), failure.span)
         yield from _happened(failure, wrong)
     if outcome.note:
         yield Line("text", f"  {outcome.note}")
@@ -41,21 +35,6 @@ def lines(outcome: Outcome) -> Iterator[Line]:
         yield Line("text", "  the last cycles:")
         for text in outcome.trace:
             yield Line("trace", "  " + text)
-
-
-def findings(report: CheckReport) -> Iterator[str]:
-    """Yield what is wrong with a library, one line each."""
-    for finding in report.findings:
-        span = finding.diagnostic.span
-        source = report.files.get(span.file)
-        at = "" if source is None else _position(source, span)
-        rule = f"{finding.rule.code} {finding.rule.name}"
-        yield f"{span.file}{at}: error[{rule}]: {finding.diagnostic.message}"
-
-
-def _position(source: SourceFile, span: Span) -> str:
-    at = source.position(span.start)
-    return f":{at.row}:{at.column}"
 
 
 def _happened(failure: Unmet, wrong: bool) -> Iterator[Line]:
@@ -68,9 +47,8 @@ def _happened(failure: Unmet, wrong: bool) -> Iterator[Line]:
         yield Line("text", f"    {text}")
 
 
-def _excerpt(outcome: Outcome, span: Span) -> Iterator[Line]:
+def _excerpt(source: SourceFile | None, span: Span) -> Iterator[Line]:
     """The source of a place; marked if it stands in one row."""
-    source = _source(outcome, span)
     if source is None:
         return
     first, last = source.position(span.start), source.position(span.end)
@@ -86,7 +64,3 @@ def _excerpt(outcome: Outcome, span: Span) -> Iterator[Line]:
         )
     elif last.row > rows[-1]:
         yield Line("source", f"  {'':>{margin}} | ...")
-
-
-def _source(outcome: Outcome, span: Span) -> SourceFile | None:
-    return outcome.case.library.library.files.get(span.file)

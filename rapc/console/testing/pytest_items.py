@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from rapc.console.findings import concise
 from rapc.console.testing import explain
 from rapc.errors import Error
 from rapc.testing import discover
@@ -30,7 +31,7 @@ class RapFile(pytest.File):
         except Error as error:
             raise self.CollectError(str(error)) from None
         if found.reports:
-            lines = [line for r in found.reports for line in explain.findings(r)]
+            lines = [line for r in found.reports for line in concise(r)]
             raise self.CollectError("\n".join(lines))
         for case in found.cases:
             yield RapTest.from_parent(self, name=case.test.name, case=case)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rapc.base.values import Fact
+from rapc.base.values import Fact, typed
 from rapc.debug.acts import (
     Act,
     AssertFact,
@@ -17,7 +17,6 @@ from rapc.debug.acts import (
 from rapc.debug.forced import ForceResult
 from rapc.debug.log import ToldEvent
 from rapc.debug.options import change_option, options
-from rapc.debug.options import said as said_of
 from rapc.debug.texts import reread
 from rapc.debug.what_if import what_if
 from rapc.errors import TextError
@@ -173,7 +172,7 @@ def _option(shell: Shell, args: Arguments) -> ShownAnswer:
     """
     run = shell.session.run
     if not args:
-        rows = [(f"{one.owner}.{one.name}", said_of(one.value)) for one in options(run)]
+        rows = [(f"{one.owner}.{one.name}", typed(one.value)) for one in options(run)]
         return table(("option", "value"), rows)
     given, _, value = args.word("an option").partition("=")
     owner, dot, name = given.partition(".")

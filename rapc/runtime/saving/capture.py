@@ -6,8 +6,8 @@ Nothing changes by it: no event, no serial, no draw. A run is captured between c
 from __future__ import annotations
 
 import math
-import random
 
+from rapc.base.chance import stream_state
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Atom
 from rapc.compiler.watches import WatchKey
@@ -67,7 +67,7 @@ def capture(machine: Machine, seed: int, library: str, world: bytes) -> RunRecor
         world_name=machine.world.name,
         settings=machine.settings,
         seed=seed,
-        random=_stream(machine.rng),
+        random=stream_state(machine.rng),
         counts=_counts(machine),
         added_methods=tuple(
             (name, method.node)
@@ -157,11 +157,6 @@ def _monitors(machine: Machine) -> MonitorsRecord:
         ways=tuple(machine.things.changed),
         conflicts=machine.things.conflicts,
     )
-
-
-def _stream(rng: random.Random) -> tuple[int, tuple[int, ...], float | None]:
-    version, internal, gauss = rng.getstate()
-    return version, tuple(internal), gauss
 
 
 def _time(time: float) -> Time | None:

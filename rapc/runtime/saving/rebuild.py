@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import heapq
 import math
-import random
 
+from rapc.base.chance import stream_in
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
@@ -78,9 +78,8 @@ class Rebuilt:
         self._environments = [self._environment(one) for one in record.environments]
         self._tasks: list[Task] = []
         self._runs: list[tuple[MethodRun, MethodRecord]] = []
-        self._random = random.Random()  # a stream to be overwritten; nothing is drawn
         try:
-            self._random.setstate(record.random)
+            self._random = stream_in(record.random)
             self._add_methods()
             self._make_tasks()
             self._fill_state()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import msgspec
 
+from rapc.base.chance import Stream
 from rapc.base.values import Atom, Fact, Number, Text
 from rapc.ir.nodes import Method
 from rapc.runtime.events.events import Cause
@@ -235,7 +236,7 @@ class RunRecord(msgspec.Struct, frozen=True):
     settings: Settings
     seed: int
     #: The state of the interpreter's random stream.
-    random: tuple[int, tuple[int, ...], float | None]
+    random: Stream
     counts: CountsRecord
     #: The methods that solvers have added, in order, each with its RAP.
     added_methods: tuple[tuple[str, Method], ...]

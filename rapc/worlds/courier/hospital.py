@@ -13,6 +13,7 @@ from functools import partial
 
 import msgspec
 
+from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.base.values import Fact
 from rapc.world import OKAY, Refused, Reply, Time
 from rapc.worlds.courier.building import BASE, CORRIDOR, DEPTH, ROOMS, SOLD, WARDS
@@ -24,7 +25,6 @@ from rapc.worlds.courier.state import (
     Sent,
     Work,
 )
-from rapc.worlds.streams import Stream, stream_in, stream_state
 
 FULL = 100
 """What a full battery holds: so long a way."""

@@ -15,6 +15,7 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.worlds.hallway import doors, people, robot
 from rapc.worlds.hallway.channels import (
     BATTERY,
@@ -39,7 +40,6 @@ from rapc.worlds.hallway.robot import TICK, Robot
 from rapc.worlds.hallway.state import Collision, HallwaySettings, HallwayState, Push
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.runtime import EventTold, SkillRuntime
-from rapc.worlds.streams import Stream, stream_in, stream_state
 
 STREAMS = ("wear", "motion", "sonar", "laser", "people", "doors", "lift")
 

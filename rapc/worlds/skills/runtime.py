@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from rapc.base.code_places import place_of
+from rapc.base.names import plural
 from rapc.base.values import Atom, Text, number
 from rapc.errors import PortError
 from rapc.world import Refused
@@ -332,8 +333,7 @@ def _check_carried(event: Event, said: object) -> None:
     if not isinstance(said, tuple):
         fault = f"a tuple or None, not {said!a:.60}"
     elif len(said) != wanted:
-        values = "1 value" if wanted == 1 else f"{wanted} values"
-        fault = f"{values}, as `carries` says, not {len(said)}"
+        fault = f"{plural(wanted, 'value')}, as `carries` says, not {len(said)}"
     else:
         for carried, value in zip(event.carries, said, strict=True):
             if wrong := carried.fault(value):

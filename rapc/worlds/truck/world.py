@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import msgspec
 from msgspec.structs import replace
 
+from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.base.values import Atom, Fact, Number, number
 from rapc.world import (
     Datum,
@@ -22,7 +23,6 @@ from rapc.world import (
     Time,
     World,
 )
-from rapc.worlds.streams import Stream, stream_in, stream_state
 from rapc.worlds.truck import eye
 from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.demons import pass_time, summon
