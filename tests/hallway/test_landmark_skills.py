@@ -139,6 +139,58 @@ def test_a_closed_door_is_told_of_and_not_touched() -> None:
     assert driver.sim.state.collisions == []
 
 
+NEAR = [
+    (far, aside, turned, skew)
+    for skew in (0.15, -0.15)
+    for turned in (0.0, 0.2, -0.2)
+    for aside in (0.1, 0.0, -0.1)
+    for far in (0.3, 0.35, 0.4, 0.5, 0.7)
+]
+"""Where a robot stands close before a doorway whose door has closed, or has opened:
+metres to the wall and to the side, radians by which it is turned, and by which dead
+reckoning is.
+"""
+
+
+def _goes_through(closed: bool, near: tuple[float, float, float, float]) -> str:
+    """Let the robot go through a doorway that it is close to; return what it tells.
+
+    Dead reckoning counts from a place far away, and has turned on the way.
+    """
+    far, aside, turned, skew = near
+    driver = Driver(NEAR.index(near))
+    sign = driver.sim.sign_of("workshop-store-door", "workshop")
+    x, y = sign.front(far)
+    driver.place(x + aside, y, SOUTH + turned)
+    body = driver.sim.state.robot
+    body.reckoned_heading += skew
+    body.reckoned_x, body.reckoned_y = x + 1.2, y + 2.4
+    for door in driver.sim.state.doors:
+        door.closed = closed and door.doorway == sign.landmark
+    driver.sim.restore(driver.sim.save())
+    through = SkillRequest("move-thru-doorway", (round(SOUTH + skew, 3), 0.3))
+    events = ("movement-complete", "door-closed", "stuck")
+    outcome = driver.until(through, events=events, within=60)
+    assert driver.sim.state.space == ("workshop" if closed else "store")
+    assert driver.sim.state.collisions == []
+    return outcome.event
+
+
+@pytest.mark.parametrize("near", first(1, NEAR))
+def test_whose_doorway_is_shut_in_its_face_does_not_take_itself_for_through(
+    near: tuple[float, float, float, float],
+) -> None:
+    """It tries again from where it stopped, close to the door."""
+    assert _goes_through(True, near) == "door-closed"
+
+
+@pytest.mark.parametrize("near", first(1, NEAR))
+def test_from_close_before_a_doorway_the_robot_goes_through(
+    near: tuple[float, float, float, float],
+) -> None:
+    assert _goes_through(False, near) == "movement-complete"
+
+
 def test_pushed_through_a_door_the_robot_notices_by_sonar() -> None:
     driver = Driver()
     driver.place(5.0, 14.3, EAST)

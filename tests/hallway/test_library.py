@@ -20,6 +20,7 @@ from tests.hallway.sent import begin, travel
 def test_the_robot_arrives_and_knows_where_it_is(seed: int) -> None:
     journey = travel(seed)
     assert journey.arrived, journey
+    assert journey.strays == []
     assert journey.truth.fastest <= 0.1
 
 
@@ -58,15 +59,12 @@ def test_the_robot_charges_on_its_tour_and_goes_on_with_it() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(12))
 def test_a_tour_an_order_and_the_battery_share_one_body(seed: int) -> None:
-    """A wrong belief of where the robot is, one in five runs, is soon put right."""
+    """Under seed 3 a door is shut in the robot's face, and it tries again there."""
     duties = attend(seed)
     assert duties.done, duties
-    assert len(duties.strays) <= 1
-    for stray in duties.strays:
-        assert stray.end is not None
-        assert stray.end - stray.start < 100
+    assert duties.strays == []
 
 
 @pytest.mark.slow

@@ -77,9 +77,14 @@ class Passage(msgspec.Struct):
     stage: str = "looking"
     #: Ticks spent looking.
     looks: int = 0
+    #: Where the robot stood when the skill came on, by dead reckoning. What follows is
+    #: measured from there: the heading is made better while the robot stands there, and
+    #: seen from far away each small turn of it would be a large step along the axis.
+    x: float | None = None
+    y: float = 0.0
     #: Squared to the walls; the axis of what follows.
     heading: float | None = None
-    #: How far the wall is along the axis, from the origin of dead reckoning.
+    #: How far the wall is along the axis.
     wall: float | None = None
     #: Where the robot stood across the axis when the bins were begun.
     origin: float = 0.0
@@ -125,17 +130,19 @@ class TrackDoorJambs(Skill):
     def step(self, now: float, ports: Ports) -> None:
         """Look at the wall ahead, and say where the way leads."""
         state, pose, ranges = self.state, ports[POSE], ports[SONAR]
+        if state.x is None:
+            state.x, state.y = pose.x, pose.y
         if state.stage == "looking":
             vote(state.votes, ranges, pose)
             state.heading = square_to(state.votes, self.arguments["direction"])
         heading = state.heading
         assert heading is not None
-        along, across = _axes(pose, heading)
+        along, across = _axes(pose.x - state.x, pose.y - state.y, heading)
         bearing = bearing_of(heading, pose)
         if state.stage in {"looking", "going"}:
-            faced = abs(bearing) < FACED or state.stage == "going"
+            going = state.stage == "going"
             echoes = turned(points(ranges), bearing)
-            if faced and (state.wall is None or state.wall - along > CLOSE):
+            if self._far(along) if going else abs(bearing) < FACED:
                 self._look(ranges, echoes, along, across)
             self._judge(along)
         ports[GAP] = Gap(state.stage)
@@ -182,6 +189,10 @@ class TrackDoorJambs(Skill):
                     old = state.bins[number]
                     state.bins[number] = 0.6 * old + (0.4 if opens else -0.4)
 
+    def _far(self, along: float) -> bool:
+        """Whether the wall is far enough away to look for the gap in it."""
+        return self.state.wall is not None and self.state.wall - along > CLOSE
+
     def _judge(self, along: float) -> None:
         """Whether there is a gap, or the door is closed, or the robot is through."""
         state = self.state
@@ -189,10 +200,9 @@ class TrackDoorJambs(Skill):
             if state.looks > 3 * LOOKS:
                 state.stage = "closed"
             return
-        if along > state.wall + BEYOND - 0.05:
-            state.stage = "through"
-            return
-        if state.wall - along <= CLOSE and state.stage == "going":
+        if state.stage == "going" and not self._far(along):
+            if along > state.wall + BEYOND - 0.05:
+                state.stage = "through"
             return
         gap = _gap(state.bins)
         if gap is not None and state.looks >= LOOKS // 2:
@@ -202,10 +212,10 @@ class TrackDoorJambs(Skill):
             state.stage = "closed"
 
 
-def _axes(pose: Pose, heading: float) -> Point:
+def _axes(x: float, y: float, heading: float) -> Point:
     """A place along and across a heading."""
     cos, sin = math.cos(heading), math.sin(heading)
-    return pose.x * cos + pose.y * sin, pose.y * cos - pose.x * sin
+    return x * cos + y * sin, y * cos - x * sin
 
 
 def _plane(echoes: Sequence[Point]) -> float | None:
