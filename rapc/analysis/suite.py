@@ -82,6 +82,7 @@ from rapc.analysis.passes import (
     until,
     unused_claim,
     vain_protection,
+    worldless,
 )
 from rapc.base.diagnostics import Rule
 from rapc.library import library, loader
@@ -157,6 +158,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     failures.ANALYZER,
     freshness.ANALYZER,
     missing_require.ANALYZER,
+    worldless.ANALYZER,
 )
 """Every pass."""
 

@@ -19,7 +19,7 @@ LIBRARIES = {
           (method (primitive (switch ?lamp))))
     """,
     "doors.rap": """
-        (declare-memory-property door (?door ?state) shut)
+        (declare-memory-property door (?door ?state) unknown)
         (declare-primitive switch (?door ?way) (okay))
         (define-rap (light ?door) (method (primitive (switch ?door on))))
         (define-rap (shut ?door) (method (primitive (switch ?door off))))
@@ -134,3 +134,35 @@ def test_a_library_named_beside_its_tests_is_checked_once(tmp_path: Path) -> Non
     found = check_files([str(tmp_path / "bad.rap"), str(file)])
     assert [one.rule.name for one in found.findings] == ["undeclared-primitive"]
     assert found.raps == 1
+
+
+LACKING = [
+    ("(options (fuel-capacity 3))", "these are options of a world, and the test"),
+    ("(script ((look) okay :data ((seen))))", "there is no handler for the datum"),
+    ("(answers ((near) 3))", "no function is registered as `far`"),
+]
+
+
+@pytest.mark.parametrize(("clause", "message"), LACKING)
+def test_what_a_test_lacks_without_a_world_is_found_before_it_runs(
+    tmp_path: Path, clause: str, message: str
+) -> None:
+    file = tmp_path / "it.test.rap"
+    file.write_text(
+        """
+        (declare-sensor-datum seen ())
+        (declare-primitive look () (okay))
+        (declare-memory-function far ())
+        (declare-memory-function near ())
+        (define-rap (go) (method (primitive (look))))
+        (define-test it (answers ((far) 3) ((near) 3)) (task (go)))
+        """
+    )
+    assert _of_check(file) == _of_test(file) == set()
+    text = file.read_text().replace("(answers ((far) 3) ((near) 3))", clause)
+    if "answers" not in clause:
+        text = text.replace(clause, f"(answers ((far) 3) ((near) 3)) {clause}")
+    file.write_text(text)
+    (found,) = _of_check(file)
+    assert found[0].startswith(message)
+    assert _of_test(file) == {found}
