@@ -206,7 +206,12 @@ def _measure(name: str, size: int) -> None:
 
 
 def _unreadable(path: Path, error: OSError) -> str:
-    return f"cannot read `{path}`: {(error.strerror or str(error)).lower()}"
+    return f"cannot read `{path}`: {reason(error)}"
+
+
+def reason(error: OSError) -> str:
+    """Return why the system could not do something, in lower case."""
+    return (error.strerror or str(error)).lower()
 
 
 def _decode(name: str, data: bytes) -> str:
@@ -255,8 +260,7 @@ def write_whole(file: str | Path, data: bytes) -> None:
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise WriteError(f"cannot write `{file}`: {reason}") from None
+        raise WriteError(f"cannot write `{file}`: {reason(error)}") from None
 
 
 def write_back(file: Path, text: str) -> None:

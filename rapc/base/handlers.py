@@ -14,7 +14,17 @@ from rapc.base.messages import Time
 from rapc.base.values import Atom, Fact
 
 
-class HandlerMemory(Protocol):
+class AskedMemory(Protocol):
+    """Memory, as far as a problem solver asks it."""
+
+    def query(self, *pattern: Atom | None) -> list[Fact]:
+        """The facts that match, oldest first; None matches anything.
+
+        Defaults are not consulted.
+        """
+
+
+class HandlerMemory(AskedMemory, Protocol):
     """What a handler may do to memory (T A.3 to A.5).
 
     Facts are tuples of a declared name and atoms; symbols are `str`, strings of the
@@ -39,12 +49,6 @@ class HandlerMemory(Protocol):
 
     def erase(self, *prefix: Atom) -> None:
         """Erase every fact that starts so. Raises ValueError as `assert_fact`."""
-
-    def query(self, *pattern: Atom | None) -> list[Fact]:
-        """The facts that match, oldest first; None matches anything.
-
-        Defaults are not consulted.
-        """
 
     def value(self, *index: Atom) -> Atom | None:
         """The asserted value of a property for an index, or None."""

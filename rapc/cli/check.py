@@ -38,7 +38,6 @@ from rapc.cli.common import (
     write_output,
 )
 from rapc.cli.watch import watch
-from rapc.errors import Error
 from rapc.library.loader import STANDARD_INPUT
 from rapc.library.units import Units
 
@@ -116,8 +115,6 @@ def check(**given: Any) -> None:
         worst = _run(_with_input(options), Units()).grave
     except UnknownRuleError as error:
         fail(f"{error}{f'; {error.help}' if error.help else ''}")
-    except Error as error:
-        fail(error.message, error.help)
     if worst and not options.exit_zero:
         raise SystemExit(1)
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from rapc.cli.common import USAGE, fail, print_findings, say
+from rapc.cli.common import USAGE, print_findings, say
 from rapc.compiler.program import Program
-from rapc.errors import LoadError, SavedError
 from rapc.host import CheckError, load
 
 
@@ -16,8 +15,6 @@ def load_checked(path: str) -> Program:
     """
     try:
         library = load(path)
-    except (SavedError, LoadError) as error:
-        fail(error.message)
     except CheckError as error:
         print_findings(error.report, "full")
         raise SystemExit(USAGE) from None

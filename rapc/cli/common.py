@@ -18,7 +18,7 @@ import click
 from rapc.analysis.driver import CheckReport
 from rapc.base.files import write_whole
 from rapc.cli.options import USAGE, command, fail, say, settings
-from rapc.errors import LoadError, WriteError
+from rapc.errors import WriteError
 from rapc.library.loader import Loaded, load
 
 __all__ = (
@@ -43,11 +43,8 @@ PIPED_WIDTH = 120
 
 
 def read_paths(paths: Iterable[str]) -> Loaded:
-    """Load files and folders; what cannot be read ends the command with status 2."""
-    try:
-        loaded = load(paths)
-    except LoadError as error:
-        fail(str(error))
+    """Load files and folders, and say which. Raises LoadError."""
+    loaded = load(paths)
     for name in loaded.files:
         say(f"read {name}")
     return loaded

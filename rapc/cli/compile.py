@@ -22,7 +22,7 @@ from rapc.cli.common import (
 )
 from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program
-from rapc.errors import LoadError, SavedError
+from rapc.errors import SavedError
 from rapc.library.saved import Suite, encode
 from rapc.testing import discover
 
@@ -80,15 +80,12 @@ def _explain(library: Program, name: str) -> None:
 
 def _encoded(library: Program, path: str, output: str) -> bytes:
     """The library with its tests, none of which lies where it is to be written."""
-    try:
-        with gc_paused():
-            suites = list(_suites(path))
-            for used in (library.library, *[suite.library for suite in suites]):
-                if any(same_file(output, name) for name in used.files):
-                    fail(f"-o: `{output}` is a file of the library")
-            return encode(library.library, library.name, suites)
-    except (SavedError, LoadError) as error:
-        fail(str(error))
+    with gc_paused():
+        suites = list(_suites(path))
+        for used in (library.library, *[suite.library for suite in suites]):
+            if any(same_file(output, name) for name in used.files):
+                fail(f"-o: `{output}` is a file of the library")
+        return encode(library.library, library.name, suites)
 
 
 def _suites(path: str) -> Iterator[Suite]:

@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from rapc.base.files import reason
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, command, fail, settings
@@ -21,7 +22,6 @@ from rapc.console.experiments.tables import show
 from rapc.console.progress import bar
 from rapc.experiments import definition, reading
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
-from rapc.experiments.definition import ExperimentError
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
@@ -96,12 +96,9 @@ def experiment(
         raise click.UsageError("--jobs is for this machine, --cluster for others")
     session = _session(name, parts, seeds)
     folder = _folder(out or f"{session.made.name}-results")
-    try:
-        with sole_user(folder), Store(folder / output.RESULTS) as store:
-            faults = _run_missing(session, store, cluster, processes)
-            summaries = list(session.summaries(store))
-    except StoreError as error:
-        fail(str(error))
+    with sole_user(folder), Store(folder / output.RESULTS) as store:
+        faults = _run_missing(session, store, cluster, processes)
+        summaries = list(session.summaries(store))
     for summary in summaries:
         if summary.part.name in session.chosen:
             _print(summary)
@@ -113,12 +110,9 @@ def experiment(
 
 
 def _session(name: str, parts: Sequence[str], seeds: int | None) -> Batch:
-    try:
-        file = reading.find(name)
-        made = reading.read(file)
-        return Batch(made, file.parent, _library, parts, seeds)
-    except ExperimentError as error:
-        fail(error.message, error.help)
+    file = reading.find(name)
+    made = reading.read(file)
+    return Batch(made, file.parent, _library, parts, seeds)
 
 
 def _library(path: Path) -> Program:
@@ -129,7 +123,7 @@ def _folder(name: str) -> Path:
     try:
         Path(name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        fail(f"cannot make `{name}`: {(error.strerror or str(error)).lower()}")
+        fail(f"cannot make `{name}`: {reason(error)}")
     return Path(name)
 
 
@@ -242,7 +236,7 @@ def _write(session: Batch, summaries: Sequence[PartSummary], folder: Path) -> No
         output.write_tasks(heading, summaries, folder / output.TASKS)
         output.write_commands(session, folder / output.COMMANDS)
     except OSError as error:
-        fail(f"cannot write in `{folder}`: {(error.strerror or str(error)).lower()}")
+        fail(f"cannot write in `{folder}`: {reason(error)}")
 
 
 def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:

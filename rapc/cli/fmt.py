@@ -22,12 +22,10 @@ from rapc.cli.common import (
     USAGE,
     command,
     diff,
-    fail,
     print_findings,
     say,
     settings,
 )
-from rapc.errors import Error
 from rapc.library.loader import STANDARD_INPUT
 from rapc.parser.formatter import Formatted, formatted
 
@@ -79,17 +77,14 @@ def fmt(paths: Sequence[str], check: bool, differ: bool) -> None:
 def _sources(paths: Sequence[str]) -> Iterator[SourceFile]:
     """Yield the files at some paths, each once."""
     seen: set[str] = set()
-    try:
-        for path in paths:
-            if path == "-":
-                yield SourceFile(STANDARD_INPUT, read_standard_input())
-                continue
-            for file in files_at(named(path), tests=True):
-                if str(file) not in seen:
-                    seen.add(str(file))
-                    yield SourceFile(str(file), read_text(file))
-    except Error as error:
-        fail(error.message)
+    for path in paths:
+        if path == "-":
+            yield SourceFile(STANDARD_INPUT, read_standard_input())
+            continue
+        for file in files_at(named(path), tests=True):
+            if str(file) not in seen:
+                seen.add(str(file))
+                yield SourceFile(str(file), read_text(file))
 
 
 def _report(source: SourceFile, made: Formatted) -> None:
@@ -106,10 +101,7 @@ def _change(source: SourceFile, text: str, check: bool, differ: bool) -> None:
     elif check:
         click.echo(f"would change {source.name}")
     else:
-        try:
-            write_back(Path(source.name), text)
-        except Error as error:
-            fail(error.message)
+        write_back(Path(source.name), text)
         say(f"changed {source.name}")
 
 

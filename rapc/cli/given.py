@@ -13,10 +13,8 @@ from rapc.compiler.program import Program
 from rapc.errors import (
     FactError,
     RefusedError,
-    SavedError,
     SettingError,
     TextError,
-    WorldError,
 )
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
@@ -153,7 +151,7 @@ def read_option(name: str, read: Callable[[T], R], given: T) -> R:
     """Return what `read` makes of an option; a fault in it ends the command."""
     try:
         return read(given)
-    except (TextError, SettingError) as error:
+    except (TextError, SettingError, FactError) as error:
         fail(f"{name}: {error}")
 
 
@@ -178,18 +176,15 @@ def _build(
     """The interpreter for a library in a world; ends the command if it cannot be."""
     own: dict[str, str] = {}
     texts: dict[str, str] = {}
-    try:
-        world_class = registry.find_world(world_name)
-        for setting in given.values:
-            owner, name, value = registry.split_setting(setting)
-            if owner not in ("rapc", world_class.name):
-                fail(f"--set: `{owner}` is neither `rapc` nor `{world_class.name}`")
-            (own if owner == "rapc" else texts)[name] = value
-        options = registry.read_options(world_class, texts)
-        world = registry.build_world(world_class, given.seed, options)
-        world = _with_faults(world, library.library, faults, given.seed)
-    except WorldError as error:
-        fail(error.message, error.help)
+    world_class = registry.find_world(world_name)
+    for setting in given.values:
+        owner, name, value = registry.split_setting(setting)
+        if owner not in ("rapc", world_class.name):
+            fail(f"--set: `{owner}` is neither `rapc` nor `{world_class.name}`")
+        (own if owner == "rapc" else texts)[name] = value
+    options = registry.read_options(world_class, texts)
+    world = registry.build_world(world_class, given.seed, options)
+    world = _with_faults(world, library.library, faults, given.seed)
     try:
         settings = read_option("--set", read_settings, own)
         return Interpreter(library, world, given.seed, settings), options, world
@@ -200,16 +195,9 @@ def _build(
 
 
 def _refuse(
-    interpreter: Interpreter, submissions: Sequence[TaskRequest], facts: Sequence[Fact]
+    interpreter: Interpreter, requests: Sequence[TaskRequest], facts: Sequence[Fact]
 ) -> None:
     """Refuse tasks and facts that cannot be, before anything is run or written."""
-    try:
-        interpreter.check(submissions)
-        for fact in facts:
-            interpreter.check_fact(*fact)
-    except RefusedError as refused:
-        fail(*refused.reasons)
-    except FactError as error:
-        fail(f"--fact: {error}")
-    except SavedError as error:
-        fail(str(error))
+    interpreter.check(requests)
+    for fact in facts:
+        read_option("--fact", lambda parts: interpreter.check_fact(*parts), fact)

@@ -15,11 +15,12 @@ from importlib import import_module
 
 import click
 
+from rapc.base.files import reason
 from rapc.base.gc_paused import gc_spared
 from rapc.base.names import hint
 from rapc.base.visible import visible
 from rapc.cli.options import HELP, USAGE, show_traceback, with_common_options
-from rapc.errors import Error
+from rapc.errors import Error, RefusedError
 
 COMMANDS = {
     "check": "Check RAP libraries.",
@@ -112,8 +113,8 @@ def main(args: Sequence[str] | None = None) -> None:
             _internal_fault(error)
         else:
             _drop_output()
-            reason = (error.strerror or str(error)).lower()
-            click.echo(f"error: the output cannot be written: {reason}", err=True)
+            told = f"the output cannot be written: {reason(error)}"
+            click.echo(f"error: {told}", err=True)
         sys.exit(USAGE)
     except Exception as error:
         _internal_fault(error)
@@ -149,11 +150,13 @@ def _message(error: click.ClickException) -> str:
 
 
 def _say(error: Error) -> None:
-    """Say what the user got wrong, in a line, and what to do about it."""
+    """Say what the user got wrong, and what to do about it."""
     show_traceback(error)
-    click.echo(f"error: {visible(error.message)}", err=True)
-    if error.help:
-        click.echo(f"  {visible(error.help)}", err=True)
+    lines = (error.message, error.help)
+    first, *more = error.reasons if isinstance(error, RefusedError) else lines
+    click.echo(f"error: {visible(first)}", err=True)
+    for line in filter(None, more):
+        click.echo(f"  {visible(line)}", err=True)
 
 
 def _drop_output() -> None:

@@ -20,7 +20,7 @@ from rapc.debug.recorded import Beginnings, beginnings, follow
 from rapc.debug.session import Session
 from rapc.debug.tape import Tape
 from rapc.debug.texts import TYPED
-from rapc.errors import Error, LoadError, StateError
+from rapc.errors import Error
 from rapc.host import load, loads
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
@@ -102,18 +102,15 @@ def repl(
 
 def _recorded(path: Path) -> Shell:
     """Begin a recorded run again and follow it, or have it only to look at."""
-    try:
-        begun = beginnings(path)
-        found = _at_hand(begun)
-        if isinstance(found, str):
-            _tell(f"only to look at: {found}")
-            return Shell(Tape.open(path), commands())
-        if begun.digest not in ("", digest(found.library)):
-            _tell("the library is not the one that was recorded: its text is another")
-        session = _session(_again(found, begun))
-        parted = follow(session, path)
-    except (LoadError, StateError) as error:
-        fail(error.message)
+    begun = beginnings(path)
+    found = _at_hand(begun)
+    if isinstance(found, str):
+        _tell(f"only to look at: {found}")
+        return Shell(Tape.open(path), commands())
+    if begun.digest not in ("", digest(found.library)):
+        _tell("the library is not the one that was recorded: its text is another")
+    session = _session(_again(found, begun))
+    parted = follow(session, path)
     if parted is not None:
         _tell(
             f"the run is not the one that was recorded, from cycle {parted.cycle} on: "

@@ -12,6 +12,7 @@ from typing import Any, TextIO
 import click
 
 from rapc.analysis.endless import endless, reached
+from rapc.base.files import reason
 from rapc.base.interrupts import interrupts_held
 from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
@@ -180,8 +181,7 @@ def _opened(trace: str, files: Iterable[str]) -> TextIO:
     try:
         return Path(trace).open("w", encoding="utf-8")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        fail(f"cannot write `{trace}`: {reason}")
+        fail(f"cannot write `{trace}`: {reason(error)}")
 
 
 def _drawable(world: World, world_name: str) -> Drawable:

@@ -24,7 +24,6 @@ from rapc.cli.options import Amount, WholeNumber
 from rapc.console.testing import coverage_table, explain
 from rapc.console.testing.junit import as_junit
 from rapc.console.wrapping import wrapped
-from rapc.errors import LoadError, SavedError
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
@@ -161,10 +160,7 @@ def _falls_short(gathered: Coverage, least: float) -> bool:
 
 
 def _find(paths: Sequence[str]) -> tuple[Case, ...]:
-    try:
-        found = discover.find(paths)
-    except (SavedError, LoadError) as error:
-        fail(str(error))
+    found = discover.find(paths)
     for report in found.reports:
         print_findings(report, "full")
     if found.reports:

@@ -8,7 +8,7 @@ import click
 
 from rapc.base.visible import visible_lines
 from rapc.cli.checked import load_checked
-from rapc.cli.common import command, fail
+from rapc.cli.common import command
 from rapc.console.world_contract import report
 from rapc.console.worlds import describe_world, list_worlds, summary
 from rapc.errors import WorldError
@@ -64,11 +64,8 @@ def worlds(name: str | None, declare: bool, library: str | None) -> None:
         listed = {installed: _summary(installed) for installed in registry.available()}
         click.echo(visible_lines(list_worlds(listed, width)))
         return
-    try:
-        found = registry.find_world(name)
-        world = registry.build_world(found, 0, {})
-    except WorldError as error:
-        fail(error.message, error.help)
+    found = registry.find_world(name)
+    world = registry.build_world(found, 0, {})
     if declare:
         skills = world.runtime.catalogue if isinstance(world, SkillWorld) else None
         words = declarations(world.kit.offer, skills)

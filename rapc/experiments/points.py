@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import msgspec
@@ -78,8 +79,14 @@ def points(
         ExperimentError: if the experiment names a world, an option, a setting, an
             agenda, a RAP or a task that is not there.
     """
-    world = _world(experiment)
-    found = []
+    with _blamed():
+        return tuple(_points(experiment, folder, load))
+
+
+def _points(
+    experiment: Experiment, folder: Path, load: Callable[[Path], Program]
+) -> Iterator[Point]:
+    world = registry.find_world(experiment.world)
     for part in experiment.part:
         path = folder / (part.library or experiment.library)
         library = load(path)
@@ -92,10 +99,7 @@ def points(
             config = _config(experiment, library, world, texts, given)
             _try(library, world, config)
             digest = config.digest()
-            found.append(
-                Point(part.name, value, config, digest, texts, path, agenda, more)
-            )
-    return tuple(found)
+            yield Point(part.name, value, config, digest, texts, path, agenda, more)
 
 
 def command(experiment: Experiment, point: Point, seed: int) -> str:
@@ -112,21 +116,24 @@ def command(experiment: Experiment, point: Point, seed: int) -> str:
     return shlex.join(words)
 
 
+@contextmanager
+def _blamed() -> Iterator[None]:
+    """Blame the experiment for what is not there or cannot be run."""
+    try:
+        yield
+    except (WorldError, SettingError) as error:
+        raise ExperimentError(error.message, error.help) from error
+    except RefusedError as refused:
+        first, *more = refused.reasons
+        others = registry.having(refused.lacking) if refused.lacking else ()
+        more += [f"the world `{name}` has them all" for name in others]
+        raise ExperimentError(first, "; ".join(more)) from refused
+
+
 def _of_agenda(library: Program, name: str | None) -> tuple[str, ...]:
     """The tasks of an agenda of a library, as text."""
-    if name is None:
-        return ()
-    try:
-        return tuple([as_text(task) for task in of_agenda(library.library, name)])
-    except RefusedError as refused:
-        raise ExperimentError(*refused.reasons) from refused
-
-
-def _world(experiment: Experiment) -> type[World]:
-    try:
-        return registry.find_world(experiment.world)
-    except WorldError as error:
-        raise ExperimentError(error.message, error.help) from error
+    tasks = () if name is None else of_agenda(library.library, name)
+    return tuple([as_text(task) for task in tasks])
 
 
 def _tasks(texts: Iterable[str]) -> list[TaskRequest]:
@@ -204,14 +211,9 @@ def _config(
         if any(name in names for name in names_in(text))
     }
     settled = {key: text for key, text in texts.items() if key not in open_}
-    try:
-        own, theirs = by_owner(world, settled)
-        options = registry.read_options(world, theirs)
-        settings = read_settings(own)
-    except WorldError as error:
-        raise ExperimentError(error.message, error.help) from error
-    except SettingError as error:
-        raise ExperimentError(str(error)) from error
+    own, theirs = by_owner(world, settled)
+    options = registry.read_options(world, theirs)
+    settings = read_settings(own)
     return PointConfig(
         rapc=VERSION,
         code=code_of(world),
@@ -236,31 +238,12 @@ def _try(library: Program, world: type[World], config: PointConfig) -> None:
     What is drawn is tried with each of its values, of a range with both ends.
     """
     for values in extremes(config.draws):
-        _try_drawn(library, world, config, values)
-
-
-def _try_drawn(
-    library: Program,
-    world: type[World],
-    config: PointConfig,
-    values: Mapping[str, str],
-) -> None:
-    try:
         settled = resolved(config, values)
         tasks = _tasks(settled.tasks)
         _uncounted(settled, tasks)
         made = registry.build_world(world, 0, world_options(world, settled.options))
         Interpreter(library, made).check(tasks)
         _figures(made, config.figures)
-    except WorldError as error:
-        raise ExperimentError(error.message, error.help) from error
-    except SettingError as error:
-        raise ExperimentError(str(error)) from error
-    except RefusedError as refused:
-        first, *more = refused.reasons
-        others = registry.having(refused.lacking) if refused.lacking else ()
-        more += [f"the world `{name}` has them all" for name in others]
-        raise ExperimentError(first, "; ".join(more)) from refused
 
 
 def _figures(world: World, wanted: Sequence[str]) -> None:

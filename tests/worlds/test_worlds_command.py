@@ -14,6 +14,8 @@ from rapc.library.loader import load
 from rapc.worlds.registry import find_world
 from rapc.worlds.truck import TruckWorld
 
+from ..cli.command import rapc
+
 
 def truck(width: int) -> str:
     return describe_world(TruckWorld(random.Random(0), {}), width)
@@ -61,9 +63,9 @@ def test_where_it_is_narrow_texts_go_below_their_names() -> None:
 
 
 def test_an_unknown_world_exits_2_with_the_near_name() -> None:
-    done = CliRunner().invoke(worlds, ["truk"])
-    assert done.exit_code == 2
-    assert done.output == "error: unknown world `truk`\n  did you mean `truck`?\n"
+    done = rapc("worlds", "truk")
+    assert done.returncode == 2
+    assert done.stderr == "error: unknown world `truk`\n  did you mean `truck`?\n"
 
 
 def test_arguments_are_declared_as_the_offer_calls_them() -> None:

@@ -14,6 +14,7 @@ from rapc.compiler.watches import WatchKey
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.saving.records import (
+    COUNTS,
     ActivationRecord,
     AgendaRecord,
     AskRecord,
@@ -96,21 +97,9 @@ def capture(machine: Machine, seed: int, library: str, world: bytes) -> RunRecor
 
 def _counts(machine: Machine) -> CountsRecord:
     state, recorder = machine.state, machine.recorder
-    return CountsRecord(
-        time=recorder.time,
-        cycle=recorder.cycle,
-        serial=recorder.serial,
-        numbers=state.numbers,
-        tickets=state.tickets,
-        requests=state.requests,
-        succeeded=state.succeeded,
-        idle=state.idle,
-        until=state.until,
-        past_until=state.past_until,
-        started=state.started,
-        over=state.over,
-        reason=state.reason,
-    )
+    counts = {name: getattr(state, name) for name in COUNTS}
+    place = (recorder.time, recorder.cycle, recorder.serial)
+    return CountsRecord(*place, **counts)
 
 
 def _activations(machine: Machine) -> tuple[ActivationRecord, ...]:

@@ -15,6 +15,7 @@ from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.runtime.machine import Machine
 from rapc.runtime.saving.records import (
+    COUNTS,
     AskRecord,
     CounterRecord,
     Frozen,
@@ -233,7 +234,7 @@ class Rebuilt:
         return self._known(key) if isinstance(key, Ref) else key  # type: ignore[return-value]
 
     def _fill_state(self) -> None:
-        record, state, counts = self._record, self.state, self._record.counts
+        record, state = self._record, self.state
         for top in record.top_level:
             given = TopLevelTask(self._tasks[top.task], top.background, top.came)
             given.outcome, given.because = top.outcome, top.because
@@ -256,11 +257,8 @@ class Rebuilt:
             signal: {number: self._live[number] for number in numbers}
             for signal, numbers in record.listening
         }
-        state.numbers, state.tickets = counts.numbers, counts.tickets
-        state.requests, state.succeeded = counts.requests, counts.succeeded
-        state.idle, state.until = counts.idle, counts.until
-        state.past_until, state.started = counts.past_until, counts.started
-        state.over, state.reason = counts.over, counts.reason
+        for name in COUNTS:
+            setattr(state, name, getattr(record.counts, name))
 
     def _switch_on(self) -> None:
         """Have the activations on that were, and those that may still be heard of."""

@@ -226,6 +226,10 @@ class CountsRecord(msgspec.Struct, frozen=True):
     reason: str | None
 
 
+COUNTS = CountsRecord.__struct_fields__[3:]
+"""What of it a `RunState` has under the same names."""
+
+
 class RunRecord(msgspec.Struct, frozen=True):
     """A whole run."""
 

@@ -7,7 +7,7 @@ from random import Random
 
 import msgspec
 
-from rapc.worlds.hallway.map import Map, Opening
+from rapc.worlds.hallway.map import Map, Opening, middle
 
 SHUT_FOR = 25.0
 """How long a door stays closed on average, in seconds."""
@@ -90,8 +90,7 @@ def swing(
 
 def occupied(opening: Opening, spots: Iterable[Spot]) -> bool:
     """Return whether somebody is in a doorway, or about to be."""
-    left, bottom, right, top = opening.box
-    x, y = (left + right) / 2, (bottom + top) / 2
+    x, y = middle(opening.box)
     return any(
         floor == opening.floor and abs(px - x) < CLEAR and abs(py - y) < CLEAR
         for floor, px, py in spots

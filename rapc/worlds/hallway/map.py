@@ -51,6 +51,13 @@ FloorNumber = Annotated[int, Meta(ge=-9, le=99)]
 Box = tuple[Metres, Metres, Metres, Metres]
 """Left, bottom, right and top of a rectangle, in metres."""
 
+
+def middle(box: Box) -> tuple[float, float]:
+    """Return the middle of a rectangle."""
+    left, bottom, right, top = box
+    return (left + right) / 2, (bottom + top) / 2
+
+
 Side = Literal["north", "east", "south", "west"]
 
 NORMALS: dict[str, float] = {

@@ -22,6 +22,7 @@ from rapc.worlds.hallway.map import (
     Opening,
     Sign,
     Space,
+    middle,
     openings,
     signs,
 )
@@ -175,9 +176,9 @@ def _check_obstacles(map: Map, hung: Sequence[Sign]) -> None:
     spots = [(f"`{s.landmark}` in `{s.space}`", s.floor, s.front(1.0)) for s in hung]
     for person in map.person:
         space = map.named_space(person.space)
-        left, bottom, right, top = space.box
-        middle = ((left + right) / 2, (bottom + top) / 2)
-        spots.append((f"somebody in `{space.name}`", space.floors[0], middle))
+        spots.append(
+            (f"somebody in `{space.name}`", space.floors[0], middle(space.box))
+        )
     for obstacle in map.obstacle:
         left, bottom, right, top = obstacle.box
         told = f"the obstacle {list(obstacle.box)}"

@@ -9,7 +9,7 @@ from random import Random
 
 import msgspec
 
-from rapc.worlds.hallway.map import Map, Opening, Space
+from rapc.worlds.hallway.map import Map, Opening, Space, middle
 from rapc.worlds.hallway.plan import FloorPlan
 
 GIRTH = 0.25
@@ -62,7 +62,7 @@ def everybody(map: Map) -> list[Walker]:
     made = []
     for person in map.person:
         space = map.named_space(person.space)
-        x, y = _middle(space)
+        x, y = middle(space.box)
         made.append(Walker(x, y, space.floors[0], space.name, person.speed))
     return made
 
@@ -185,8 +185,7 @@ def _through(
 ) -> tuple[list[tuple[float, float]], str]:
     """The way through a doorway, out of a space, and where it leads."""
     first, second = gap.doorway.joins
-    left, bottom, right, top = gap.box
-    x, y = (left + right) / 2, (bottom + top) / 2
+    x, y = middle(gap.box)
     across = gap.side in {"east", "west"}
     sign = 1 if gap.side in {"east", "north"} else -1
     if space.name == second:
@@ -217,10 +216,4 @@ def _free(
 
 
 def _near(gap: Opening, x: float, y: float) -> bool:
-    left, bottom, right, top = gap.box
-    return math.hypot((left + right) / 2 - x, (bottom + top) / 2 - y) < POLITE
-
-
-def _middle(space: Space) -> tuple[float, float]:
-    left, bottom, right, top = space.box
-    return (left + right) / 2, (bottom + top) / 2
+    return math.dist(middle(gap.box), (x, y)) < POLITE

@@ -24,7 +24,7 @@ from rapc.base.pictures import (
     Spot,
 )
 from rapc.worlds.hallway.channels import DIRECTIONS, SONAR
-from rapc.worlds.hallway.map import Space
+from rapc.worlds.hallway.map import Space, middle
 from rapc.worlds.hallway.plan import outlines
 from rapc.worlds.hallway.planner import REMEMBERED
 from rapc.worlds.hallway.simulation import STANDOFF, Simulation
@@ -130,10 +130,8 @@ def _doors(simulation: Simulation, floor: int) -> Iterator[Door]:
     shut = simulation.shut()
     for name, gap in simulation.openings.items():
         if gap.floor == floor:
-            left, bottom, right, top = gap.box
-            middle = ((left + right) / 2, (bottom + top) / 2)
             fact = ("found-closed", name)
-            yield Door(name, middle, name in shut, fact, REMEMBERED)
+            yield Door(name, middle(gap.box), name in shut, fact, REMEMBERED)
 
 
 def _reckoning(simulation: Simulation, floor: int) -> Reckoning:

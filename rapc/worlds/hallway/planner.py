@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Iterable, Sequence
-from typing import Protocol
 
-from rapc.base.values import Atom, Fact
+from rapc.base.handlers import AskedMemory
+from rapc.base.values import Fact
 from rapc.ir import nodes
 
 REMEMBERED = 60
@@ -22,13 +22,6 @@ Joint = tuple[str, str, str]
 
 Doorways = Sequence[tuple[str, str]]
 """Doorways, each with the space behind it."""
-
-
-class AskedMemory(Protocol):
-    """Memory, as far as the planner asks it."""
-
-    def query(self, *pattern: Atom | None) -> list[Fact]:
-        """Return the facts that match; None matches anything."""
 
 
 def plan(goal: Fact, memory: AskedMemory) -> Sequence[nodes.Method]:

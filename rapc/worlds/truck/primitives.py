@@ -9,130 +9,91 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
-from rapc.world import Offer, Reply
+from rapc.world import OKAY, Offer, Reply
 from rapc.worlds.truck import arms, eye, movement
 
 
 class TruckPrimitive(msgspec.Struct, frozen=True):
-    """A primitive: how long it takes, its results, and what it does at its end."""
+    """A primitive, and what it does at its end."""
 
+    #: What its arguments are called.
+    takes: tuple[str, ...]
+    #: The option that says how long it takes.
     time: str
-    results: tuple[str, ...]
     act: Callable[..., Reply]
-    arity: int
+    #: Its results besides `okay`.
+    failures: tuple[str, ...] = ()
     by_eye: bool = False
 
 
-_MOVE = ("okay", "truck-cant-move", "truck-mishap")
 _GRASP = (
-    "okay",
     "arm-too-full",
     "arm-not-at",
     "arm-dropped",
     "arm-cant-grasp",
     "arm-interference",
 )
+_MOVE = ("truck-cant-move", "truck-mishap")
+_HOLDS, _ITEM, _VESSEL = ("arm-not-holding",), ("arm", "item"), ("arm", "vessel")
+_AT, _SEEN = ("arm-not-at",), ("eye-cant-find",)
 
 PRIMITIVES: Mapping[str, TruckPrimitive] = {
     "arm-move": TruckPrimitive(
-        "arm_move_time", ("okay", "arm-cant-find"), arms.arm_move, 2
+        ("arm", "place"), "arm_move_time", arms.arm_move, ("arm-cant-find",)
     ),
-    "arm-grasp": TruckPrimitive("arm_grasp_time", _GRASP, arms.arm_grasp, 2),
+    "arm-grasp": TruckPrimitive(_ITEM, "arm_grasp_time", arms.arm_grasp, _GRASP),
     "arm-ungrasp": TruckPrimitive(
-        "arm_ungrasp_time",
-        ("okay", "arm-not-holding", "container-full"),
-        arms.arm_ungrasp,
-        2,
+        _ITEM, "arm_ungrasp_time", arms.arm_ungrasp, (*_HOLDS, "container-full")
     ),
-    "arm-pour": TruckPrimitive(
-        "arm_pour_time", ("okay", "arm-not-holding"), arms.arm_pour, 2
-    ),
+    "arm-pour": TruckPrimitive(_VESSEL, "arm_pour_time", arms.arm_pour, _HOLDS),
     "arm-ladle": TruckPrimitive(
-        "arm_ladle_time", ("okay", "arm-not-holding", "arm-not-at"), arms.arm_ladle, 2
+        _VESSEL, "arm_ladle_time", arms.arm_ladle, (*_HOLDS, *_AT)
     ),
     "arm-toggle": TruckPrimitive(
-        "arm_toggle_time", ("okay", "arm-not-at", "arm-cant-toggle"), arms.arm_toggle, 2
+        _ITEM, "arm_toggle_time", arms.arm_toggle, (*_AT, "arm-cant-toggle")
     ),
-    "arm-examine": TruckPrimitive(
-        "arm_examine_time", ("okay", "arm-not-at"), arms.arm_examine, 2
-    ),
+    "arm-examine": TruckPrimitive(_ITEM, "arm_examine_time", arms.arm_examine, _AT),
     "truck-turn": TruckPrimitive(
-        "truck_turn_time", ("okay", "truck-bad-direction"), movement.truck_turn, 1
+        ("direction",), "truck_turn_time", movement.truck_turn, ("truck-bad-direction",)
     ),
     "truck-speed": TruckPrimitive(
-        "truck_speed_time", ("okay", "truck-bad-speed"), movement.truck_speed, 1
+        ("speed",), "truck_speed_time", movement.truck_speed, ("truck-bad-speed",)
     ),
-    "truck-move": TruckPrimitive("truck_move_time", _MOVE, movement.truck_move, 0),
+    "truck-move": TruckPrimitive((), "truck_move_time", movement.truck_move, _MOVE),
     "eye-examine": TruckPrimitive(
-        "eye_examine_time", ("okay", "eye-cant-find"), eye.eye_examine, 2, by_eye=True
+        ("place", "item"), "eye_examine_time", eye.eye_examine, _SEEN, by_eye=True
     ),
     "eye-scan": TruckPrimitive(
-        "eye_scan_time", ("okay", "eye-cant-find"), eye.eye_scan, 1, by_eye=True
+        ("place",), "eye_scan_time", eye.eye_scan, _SEEN, by_eye=True
     ),
-    "eye-monitor": TruckPrimitive("eye_monitor_time", ("okay",), eye.eye_monitor, 1),
-    "eye-unmonitor": TruckPrimitive(
-        "eye_monitor_time", ("okay",), eye.eye_unmonitor, 1
-    ),
+    "eye-monitor": TruckPrimitive(("class",), "eye_monitor_time", eye.eye_monitor),
+    "eye-unmonitor": TruckPrimitive(("class",), "eye_monitor_time", eye.eye_unmonitor),
 }
 
+DATA: Mapping[str, tuple[str, ...]] = {
+    "object-seen": ("place", "item", "class"),
+    "object-gone": ("place", "item"),
+    "road-seen": ("direction", "road"),
+    "weather": ("place", "sky"),
+    "light": ("place", "light"),
+    "new-location": ("place",),
+    "vessel": ("item", "liquid", "amount"),
+    "capacity": ("item", "size"),
+    "shots-left": ("item", "number"),
+    "holds": ("item", "size"),
+    "machine": ("item", "state"),
+    "color": ("item", "color"),
+    "size": ("item", "size"),
+    "heading": ("direction",),
+    "speed": ("speed",),
+    "fuel-level": ("fuel",),
+    "clock": ("time",),
+}
+"""What the arguments of each datum are called."""
+
 OFFER = Offer(
-    primitives={name: (p.arity, p.results) for name, p in PRIMITIVES.items()},
-    data={
-        "object-seen": 3,
-        "object-gone": 2,
-        "road-seen": 2,
-        "weather": 2,
-        "light": 2,
-        "new-location": 1,
-        "vessel": 3,
-        "capacity": 2,
-        "shots-left": 2,
-        "holds": 2,
-        "machine": 2,
-        "color": 2,
-        "size": 2,
-        "heading": 1,
-        "speed": 1,
-        "fuel-level": 1,
-        "clock": 1,
-    },
-    sensors=(
-        "arm-examine",
-        "eye-examine",
-        "eye-scan",
-        "eye-monitor",
-        "eye-unmonitor",
-    ),
-    arguments={
-        "arm-move": ("arm", "place"),
-        "arm-grasp": ("arm", "item"),
-        "arm-ungrasp": ("arm", "item"),
-        "arm-pour": ("arm", "vessel"),
-        "arm-ladle": ("arm", "vessel"),
-        "arm-toggle": ("arm", "item"),
-        "arm-examine": ("arm", "item"),
-        "truck-turn": ("direction",),
-        "truck-speed": ("speed",),
-        "eye-examine": ("place", "item"),
-        "eye-scan": ("place",),
-        "eye-monitor": ("class",),
-        "eye-unmonitor": ("class",),
-        "object-seen": ("place", "item", "class"),
-        "object-gone": ("place", "item"),
-        "road-seen": ("direction", "road"),
-        "new-location": ("place",),
-        "vessel": ("item", "liquid", "amount"),
-        "capacity": ("item", "size"),
-        "shots-left": ("item", "number"),
-        "holds": ("item", "size"),
-        "machine": ("item", "state"),
-        "color": ("item", "color"),
-        "size": ("item", "size"),
-        "heading": ("direction",),
-        "speed": ("speed",),
-        "fuel-level": ("fuel",),
-        "clock": ("time",),
-        "weather": ("place", "sky"),
-        "light": ("place", "light"),
-    },
+    primitives={n: (len(p.takes), (OKAY, *p.failures)) for n, p in PRIMITIVES.items()},
+    data={name: len(called) for name, called in DATA.items()},
+    sensors=("arm-examine", "eye-examine", "eye-scan", "eye-monitor", "eye-unmonitor"),
+    arguments={**{name: p.takes for name, p in PRIMITIVES.items()}, **DATA},
 )

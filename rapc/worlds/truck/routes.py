@@ -11,23 +11,16 @@ from __future__ import annotations
 import heapq
 from collections.abc import Iterator, Sequence
 from itertools import count
-from typing import Protocol
 
 import msgspec
 
+from rapc.base.handlers import AskedMemory
 from rapc.base.values import Atom, Fact, Number
 from rapc.ir import nodes
 from rapc.ir.nodes import And, Compare, Const, For, Method, Step, TaskNet, Var
 
 SOLVED_RAP = "travel-route"
 """The RAP that is helped: `(travel-route ?from ?to)`."""
-
-
-class MapMemory(Protocol):
-    """What the planner asks of memory."""
-
-    def query(self, *pattern: Atom | None) -> list[Fact]:
-        """The facts that match, oldest first; None matches anything."""
 
 
 class Leg(msgspec.Struct, frozen=True):
@@ -38,7 +31,7 @@ class Leg(msgspec.Struct, frozen=True):
     to: Atom
 
 
-def plan_route(goal: Fact, memory: MapMemory) -> Sequence[Method]:
+def plan_route(goal: Fact, memory: AskedMemory) -> Sequence[Method]:
     """The quickest route as a method, or nothing if no roads lead there.
 
     Args:
@@ -50,7 +43,7 @@ def plan_route(goal: Fact, memory: MapMemory) -> Sequence[Method]:
     return (_method(origin, target, legs),) if legs else ()
 
 
-def find_route(memory: MapMemory, origin: Atom, target: Atom) -> tuple[Leg, ...]:
+def find_route(memory: AskedMemory, origin: Atom, target: Atom) -> tuple[Leg, ...]:
     """The roads of the quickest route by nominal time; none if there is no way.
 
     Of routes equally quick, the one found first, in the order of the map.
@@ -74,7 +67,7 @@ def find_route(memory: MapMemory, origin: Atom, target: Atom) -> tuple[Leg, ...]
     return ()
 
 
-def _roads_from(memory: MapMemory, place: Atom) -> Iterator[tuple[Leg, Number]]:
+def _roads_from(memory: AskedMemory, place: Atom) -> Iterator[tuple[Leg, Number]]:
     for _, road, _, direction, to in memory.query("road", None, place, None, None):
         for _, _, time in memory.query("road-time", road, None):
             if isinstance(time, int | float):

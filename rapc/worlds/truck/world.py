@@ -116,7 +116,7 @@ class TruckWorld(World):
         """
         name, *arguments = request
         primitive = PRIMITIVES.get(str(name))
-        if primitive is None or primitive.arity != len(arguments):
+        if primitive is None or len(primitive.takes) != len(arguments):
             raise ValueError(f"the truck has no primitive `{name}` of that form")
         scene = self._scene
         takes: Number = getattr(scene.settings, primitive.time)
