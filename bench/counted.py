@@ -22,7 +22,12 @@ Work = Callable[[], object]
 
 ITEMS, PLACES, MONITORS, DEPTH, DEFINITIONS = 1000, 50, 200, 6, 50
 
-CLASSES = {"": "Rapc", "kept": "RapcTraced", "inputs": "RapcInputs"}
+CLASSES = {
+    "": "Rapc",
+    "kept": "RapcTraced",
+    "written": "RapcWritten",
+    "inputs": "RapcInputs",
+}
 
 
 class Peer:

@@ -103,5 +103,12 @@ def format_float(value: float) -> str:
 
 def format_list(parts: Iterable[object]) -> str:
     """Values as a RAP list; nested tuples become nested lists."""
-    words = [format_list(p) if isinstance(p, tuple) else format_atom(p) for p in parts]
+    words = [
+        part
+        if type(part) is str
+        else format_list(part)
+        if isinstance(part, tuple)
+        else format_atom(part)
+        for part in parts
+    ]
     return f"({' '.join(words)})"

@@ -68,7 +68,8 @@ class Loop:
             messages = receive()
             if messages or gone or messages is None:
                 take_in(machine, messages)
-            if to_test or changed or recorder.time >= monitors.next_look:
+            look = monitors.next_look
+            if to_test or changed or (look is not None and recorder.time >= look):
                 self._wake()
             if cycle > limit or not state.foreground:
                 state.idle = cycle - limit + patience
@@ -113,7 +114,8 @@ class Loop:
         """Start what has waited for this time, and test what has changed."""
         machine = self._machine
         monitors, things = machine.monitors, machine.things
-        if machine.recorder.time >= monitors.next_look:
+        look = monitors.next_look
+        if look is not None and machine.recorder.time >= look:
             self._start_due()
         monitors.test_changed()
         while things.resumable:

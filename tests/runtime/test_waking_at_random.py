@@ -63,9 +63,10 @@ class Sleepers:
 
     def test_changed(self) -> None:
         """What a turn does before its choice."""
-        monitors, now = self.monitors, self.both.recorder.time
-        if monitors.to_test or now >= monitors.next_look:
-            if now >= monitors.next_look:
+        monitors, look = self.monitors, self.monitors.next_look
+        due = look is not None and self.both.recorder.time >= look
+        if monitors.to_test or due:
+            if due:
                 assert monitors.due() == []
             monitors.test_changed()
 

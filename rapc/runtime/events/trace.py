@@ -102,6 +102,9 @@ class JsonTrace:
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
         self._encode = msgspec.json.Encoder(enc_hook=str).encode
+        #: What was put into words last, by what, and these words: a request is told of
+        #: three times, one after the other.
+        self._last: tuple[object, object, object] = None, None, None
 
     def __call__(self, event: events.Event) -> None:
         """Write one event."""
@@ -117,15 +120,22 @@ class JsonTrace:
     ) -> None:
         """Write one event that has not been made: see `Recorder.listen`."""
         written, words = _written(kind)
-        told = keys
-        for name, write in words:
-            value = keys[name]
-            if value or value == 0:  # what is empty is written as it is
-                if told is keys:
-                    told = keys.copy()
-                told[name] = write(value)
-        line = self._encode(written(n=serial, cycle=cycle, time=time, **told))
+        if words:
+            keys = keys.copy()
+            for name, write in words:
+                value = keys[name]
+                if value or value == 0:  # what is empty is written as it is
+                    keys[name] = self._in_words(value, write)
+        line = self._encode(written(n=serial, cycle=cycle, time=time, **keys))
         self._stream.write(line.decode() + "\n")
+
+    def _in_words(self, value: object, write: Callable[[Any], Any]) -> object:
+        last, by, words = self._last
+        if value is last and write is by:
+            return words
+        words = write(value)
+        self._last = value, write, words
+        return words
 
 
 class Writable(Protocol):

@@ -28,7 +28,6 @@ from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 
 _NOW: Final = -math.inf
-_NEVER: Final = math.inf
 
 
 class Monitors:
@@ -61,8 +60,8 @@ class Monitors:
         self.to_test: dict[int, Task] = {}
         #: Who listens to what: to be told of all that changes.
         self.listeners = Listeners(self.to_test)
-        #: Before this time nothing falls due; never, where nothing waits for a time.
-        self.next_look: float = _NEVER
+        #: Before this time nothing falls due; None where nothing waits for a time.
+        self.next_look: float | None = None
         #: The tasks whose monitors ask how old a belief is, by number.
         self.aging: dict[int, Task] = {}
         #: When changed monitors were last tested.
@@ -141,11 +140,14 @@ class Monitors:
 
     def look_by(self, time: float) -> None:
         """Let the loop look, at `time` at the latest, at what has fallen due."""
-        self.next_look = min(self.next_look, time)
+        if self.next_look is None or time < self.next_look:
+            self.next_look = time
 
     def state_deadline(self, task: Task) -> None:
         """Take up the deadline of a task, which has been set or has changed."""
-        self.look_by(self.deadlines.state(task))
+        deadline = self.deadlines.state(task)
+        if deadline < math.inf:
+            self.look_by(deadline)
 
     def next_time(self) -> Time | None:
         """Return the next time at which something that is waited for comes, or None."""
@@ -188,7 +190,7 @@ class Monitors:
 
     def test_changed(self) -> None:
         """Test all that may have changed, by task number; tell missed deadlines."""
-        missed = self.next_look != _NEVER and self._look_at_times()
+        missed = self.next_look is not None and self._look_at_times()
         self.tested_at = self._recorder.time
         if missed or self._ways:
             self._test_with_others()
@@ -199,7 +201,7 @@ class Monitors:
             self.to_test.clear()
             for tasknumber in sorted(dirty):
                 self._test(dirty[tasknumber])
-        if self.next_look != _NEVER:
+        if self.next_look is not None:
             self._look_ahead()
 
     def _look_at_times(self) -> bool:
@@ -226,12 +228,11 @@ class Monitors:
 
     def _look_ahead(self) -> None:
         """Find out when something falls due by time next."""
-        look = _NOW if self.aging or self.deadlines.missed else _NEVER
+        self.next_look = _NOW if self.aging or self.deadlines.missed else None
         if self._timers.heap:
-            look = min(look, self._timers.heap[0][0])
+            self.look_by(self._timers.heap[0][0])
         if self.deadlines.heap:
-            look = min(look, self.deadlines.heap[0][0])
-        self.next_look = look
+            self.look_by(self.deadlines.heap[0][0])
 
     def _tell_missed(self, tasknumber: int, deadline: float) -> None:
         if self._recorder.on:
