@@ -3,7 +3,8 @@
     python -m tests.debug.moments --points 1000
 
 goes to that many random moments of a run of the truck, with enemies, shuffled items and
-nine orders, and of one of the hallway, with people, doors and a tour. At each the state
+nine orders, of one of the hallway, with people, doors and a tour, and of a shift of the
+courier, with claims that stand in each other's way. At each the state
 is held against the one that was there: tasks, memory, items, world, random streams,
 byte for byte. The run goes on from there for a while, from some to its end, and what is
 told must be what was told at first.
@@ -57,7 +58,19 @@ def hallway(cycles: int) -> Session:
     return session
 
 
-RUNS: Mapping[str, Callable[[int], Session]] = {"truck": truck, "hallway": hallway}
+def courier(cycles: int) -> Session:
+    """Return a shift of the courier, that many cycles long if it lasts."""
+    library = rapc.load("examples/courier")
+    session = Session.open(library, "courier", agenda="shift", seed=4)
+    session.checks["end"] = lambda: "end" if session.cycle >= cycles else None
+    return session
+
+
+RUNS: Mapping[str, Callable[[int], Session]] = {
+    "truck": truck,
+    "hallway": hallway,
+    "courier": courier,
+}
 
 
 def _state(session: Session) -> bytes:

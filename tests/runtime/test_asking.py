@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
-from rapc.runtime.events.events import Event
+import rapc
+from rapc.base.values import Fact
+from rapc.debug import look
+from rapc.runtime.events.events import Event, TaskBlocked
 from rapc.runtime.interpreter import Interpreter
+from rapc.world import HandlerMemory, Handlers, Kit
+from rapc.worlds.script import Row
+from rapc.worlds.scripted import ScriptedWorld
 from tests.effort import first
 from tests.reference.case import begin, interpreter_of, stepwise
 from tests.reference.generate import generate
@@ -30,6 +38,10 @@ def _ask_everything(run: Interpreter) -> None:
         question.first()
         question.all()
     _ask_memory(run)
+    look.monitors(run)
+    look.claims(run)
+    look.items(run)
+    look.tree(run)
 
 
 def _ask_memory(run: Interpreter) -> None:
@@ -72,6 +84,7 @@ def test_generated_programs_do_not_notice_who_asks(chunk: int) -> None:
             asked.step()
             alone.step()
         assert heard == expected, f"seed {seed}"
+        assert asked.save() == alone.save(), f"seed {seed}"
 
 
 def test_a_fault_in_a_question_is_the_hosts_alone() -> None:
@@ -79,3 +92,66 @@ def test_a_fault_in_a_question_is_the_hosts_alone() -> None:
     before = len(play.events)
     assert not play.interpreter.question("(< ?x 3)").holds()
     assert len(play.events) == before
+
+
+DEPOT = """
+(declare-primitive look (?which) (okay))
+(declare-sensor-datum drum-seen (?drum ?color))
+(declare-sensor-datum moved-on ())
+(declare-memory-property class (?item ?class ?value) false)
+(declare-memory-property location (?item ?place) unknown)
+(declare-memory-property color (?item ?color) unknown)
+(declare-memory-proposition emptied (?item))
+(declare-indistinct-class drum)
+(define-rap (look-at ?which) (method (primitive (look ?which))))
+(define-rap (watch ?item)
+  (monitor-state (emptied ?item))
+  (method (primitive (look ?item))))
+"""
+
+
+def _drum_seen(memory: HandlerMemory, datum: Fact) -> None:
+    _, drum, color = datum
+    name = memory.introduce(str(drum), "drum", "depot")
+    if color != "unknown":
+        memory.assert_fact("color", name, color)
+
+
+def _moved_on(memory: HandlerMemory, datum: Fact) -> None:
+    memory.expire()
+
+
+def _depot() -> rapc.Interpreter:
+    """Return a run that has seen a red drum and a blue one, and one of the two again.
+
+    Whether `item-3` is the red one, `item-1`, or the blue one is not known yet.
+    """
+    library = rapc.loads(DEPOT)
+    data = {"drum-seen": _drum_seen, "moved-on": _moved_on}
+    rows = (
+        Row(
+            ("look", "all"),
+            data=(("drum-seen", "a", "red"), ("drum-seen", "b", "blue")),
+        ),
+        Row(("look", "one"), data=(("moved-on",), ("drum-seen", "c", "unknown"))),
+    )
+    declared, kit = library.program.library, Kit(handlers=Handlers(data=data))
+    world = ScriptedWorld(rows, declared=declared, kit=kit)
+    run = library.start(world, tasks=["(watch nothing)", "(look-at all)"])
+    run.run_ready()
+    run.submit("(look-at one)")
+    run.run_ready()
+    return run
+
+
+@pytest.mark.parametrize("asking", [False, True])
+def test_a_task_waits_for_the_item_by_the_name_that_stands(asking: bool) -> None:
+    run = _depot()
+    told: list[Any] = []
+    run.listen(told.append, TaskBlocked)
+    run.submit("(watch item-3)")
+    if asking:
+        assert look.monitors(run)[-1].formula == "(emptied item-3)"
+    run.assert_fact("color", "item-3", "red")
+    run.step()
+    assert [event.on for event in told] == ["(emptied item-1)"]

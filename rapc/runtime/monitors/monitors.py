@@ -129,7 +129,7 @@ class Monitors:
         self._listen(task, wait)
         self.to_test[task.number] = task
         if task.state is BLOCKED and self._recorder.on:
-            wait.blocked_on = self.reason(task)
+            wait.blocked_on = self._reason_to_tell(task)
 
     # --- times -----------------------------------------------------------------
 
@@ -252,9 +252,8 @@ class Monitors:
             return
         if self.holds(task, wait):
             if state is BLOCKED and self._recorder.on:
-                self._recorder.emit(
-                    TaskWoken, task=task.number, on=wait.blocked_on or self.reason(task)
-                )
+                on = wait.blocked_on or self._reason_to_tell(task)
+                self._recorder.emit(TaskWoken, task=task.number, on=on)
             if state is not ELIGIBLE:
                 task.state = ELIGIBLE
                 self._agenda.add(task)
@@ -343,18 +342,34 @@ class Monitors:
             self._things.stop_waiting(task)
         task.forget_choices()
         if self._recorder.on and task.wait is not None:
-            task.wait.blocked_on = on = self.reason(task)
+            task.wait.blocked_on = on = self._reason_to_tell(task)
             self._recorder.emit(TaskBlocked, task=task.number, on=on)
 
     def reason(self, task: Task) -> str:
-        """Return what a monitored task waits for: a time, or its formula as bound."""
+        """Return what a monitored task waits for: a time, or its formula as bound.
+
+        Nothing changes by it: whoever looks on may ask.
+        """
         plan, wait = task.plan.monitor_state, task.wait
         ready_at = 0 if wait is None else wait.ready_at
         if plan is None or self._recorder.time < ready_at:
             return f"time {format_atom(ready_at)}"
         if wait is None or wait.formula is None:
-            text = format_formula(plan.formula, task.env)
-            if wait is not None and not task.has_resources():
-                wait.formula = text
-            return text
+            return format_formula(plan.formula, task.env)
         return wait.formula
+
+    def _reason_to_tell(self, task: Task) -> str:
+        """Return the reason for an event; the words of a formula are kept.
+
+        A task that listens hears of other names (`rebind`), so its words stay true.
+        """
+        plan, wait = task.plan.monitor_state, task.wait
+        if (
+            plan is not None
+            and wait is not None
+            and wait.formula is None
+            and self._recorder.time >= wait.ready_at
+            and not task.has_resources()
+        ):
+            wait.formula = format_formula(plan.formula, task.env)
+        return self.reason(task)

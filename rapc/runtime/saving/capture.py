@@ -126,24 +126,25 @@ def _agenda(machine: Machine) -> AgendaRecord:
 
 
 def _monitors(machine: Machine) -> MonitorsRecord:
+    """Return what the monitors hold, by task number: who came first says nothing."""
     monitors = machine.monitors
     return MonitorsRecord(
         to_test=tuple(
             # a running task is tested when its method ends, whether it is here or not
             number
-            for number, task in monitors.to_test.items()
+            for number, task in sorted(monitors.to_test.items())
             if task.state is not RUNNING
         ),
-        aging=tuple(monitors.aging),
+        aging=tuple(sorted(monitors.aging)),
         # where no belief ages it says nothing, and may be another after a restore
         tested_at=monitors.tested_at if monitors.aging else -1,
         deadlines=tuple(
             (time, task.number) for time, task in monitors.deadlines.entries()
         ),
         missed=tuple(
-            (n, tuple(times)) for n, times in monitors.deadlines.missed.items()
+            (n, tuple(times)) for n, times in sorted(monitors.deadlines.missed.items())
         ),
-        ways=tuple(machine.things.changed),
+        ways=tuple(sorted(machine.things.changed)),
         conflicts=machine.things.conflicts,
     )
 
