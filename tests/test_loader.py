@@ -151,6 +151,11 @@ def test_a_require_names_no_absolute_path(tmp_path: Path) -> None:
     assert _unresolved(["main.rap"]).message.startswith("nothing is found for `/")
 
 
+def test_a_require_with_an_ending_is_told_to_leave_it_out(tmp_path: Path) -> None:
+    _write(tmp_path, base=_rap("arm"), main=_rap("main", "base.rap"))
+    assert _unresolved(["main.rap"]).help == "leave the ending out: `base`"
+
+
 def test_folders_met_again_through_links_are_walked_once(tmp_path: Path) -> None:
     levels = 30  # two ways on each level: 2 to the 29 ways in all
     for level in range(levels):

@@ -24,6 +24,20 @@ def place_of(call: object) -> str:
     return f" ({Path(code.co_filename).name}:{code.co_firstlineno})"
 
 
+def said_by(error: BaseException) -> str:
+    """Return the type of an error and what it says, in one line.
+
+    Other authors' errors may be unable to say anything.
+    """
+    try:
+        said = str(error)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as other:  # whatever code from elsewhere may raise
+        said = f"(it cannot be printed: {type(other).__name__})"
+    return " ".join(f"{type(error).__name__}: {said}".split())
+
+
 def place_of_error(error: BaseException) -> str:
     """Return ` (lamps.py:23)`, where other code than rapc's raised `error`, or nothing.
 

@@ -54,7 +54,7 @@ def files_at(path: Path, tests: bool) -> Iterator[Path]:
     Raises:
         LoadError: if `path` does not exist, or a folder links back to one above it.
     """
-    if not os.path.lexists(path):
+    if not is_there(path):
         raise LoadError(f"`{path}` does not exist")
     if not os.path.isdir(path):
         yield path
@@ -72,6 +72,21 @@ def files_at(path: Path, tests: bool) -> Iterator[Path]:
         if identity not in walked:
             walked.add(identity)
             stack.extend(reversed(_entries(here, (*above, identity), tests)))
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is a file, folder or link of a name.
+
+    Raises:
+        LoadError: if that cannot be seen, in a folder that may not be searched.
+    """
+    try:
+        os.lstat(path)
+    except PermissionError as error:
+        raise LoadError(_unreadable(path, error)) from None
+    except (OSError, ValueError):
+        return False
+    return True
 
 
 def identity_of(path: Path) -> Identity:

@@ -7,7 +7,7 @@ looks in `rapc.console` (findings, formats); here the options are put together.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -131,6 +131,8 @@ def _contradict(options: Options) -> None:
         fail(f"--statistics are printed as {' or '.join(STATISTICS)}")
     if options.write_baseline is not None and (options.fix or options.diff):
         fail("--write-baseline does not go with --fix or --diff")
+    if options.write_baseline is not None and options.output_file is not None:
+        fail("--write-baseline and --output-file exclude each other")
     if options.watch and ("-" in options.paths or options.write_baseline is not None):
         fail("--watch goes neither with the path - nor with --write-baseline")
 
@@ -161,7 +163,7 @@ def _run(options: Options, units: Units) -> Done:
         return _mend(options, chosen, units)
     report = _checked(options, chosen, units)
     if options.write_baseline is not None:
-        return _note(report, options.write_baseline)
+        return _note(report, options.write_baseline, chosen)
     return _tell(report, options, chosen)
 
 
@@ -200,7 +202,8 @@ def _tell(
     if chosen.baseline is not None:
         report, known = _without_known(report, chosen.baseline)
     if options.output_file is not None:
-        _refuse_input(options.output_file, "--output-file", report)
+        settled = (chosen.configured_by, chosen.baseline)
+        _refuse_input(options.output_file, "--output-file", report, settled)
         text = findings_text(report, chosen.format, options.statistics)
         write_output(options.output_file, text.encode())
     else:
@@ -222,20 +225,32 @@ def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
     return compared.report, words
 
 
-def _note(report: CheckReport, file: str) -> Done:
-    """Write a baseline."""
+def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
+    """Write a baseline; that of before may be replaced."""
     from rapc.analysis import baseline  # noqa: PLC0415  # hashlib, for few
 
-    _refuse_input(file, "--write-baseline", report)
+    _refuse_input(file, "--write-baseline", report, [chosen.configured_by])
     write_output(file, baseline.text(report, file).encode())
     if not settings().quiet:
         click.echo(f"wrote {plural(len(report.findings), 'finding')} to {file}")
     return Done(report, grave=False)
 
 
-def _refuse_input(file: str, option: str, report: CheckReport) -> None:
+def _refuse_input(
+    file: str, option: str, report: CheckReport, settled_by: Iterable[Path | None]
+) -> None:
+    """End the command if it is to write a file that it has read.
+
+    Args:
+        file: the file to be written.
+        option: the option that names the file.
+        report: has the files of the library.
+        settled_by: the files that say what is reported, or None.
+    """
     if any(same_file(file, name) for name in report.files):
         fail(f"{option}: `{file}` is a file of the library")
+    if any(each is not None and same_file(file, str(each)) for each in settled_by):
+        fail(f"{option}: `{file}` says what is reported")
 
 
 # --- fixes ----------------------------------------------------------------------------

@@ -54,6 +54,8 @@ class Chosen(msgspec.Struct, frozen=True):
     baseline: Path | None
     #: The folder of caches; that of the user if None.
     caches: Path | None
+    #: The file that the configuration was read from, if any.
+    configured_by: Path | None
 
 
 def choose(options: Options) -> Chosen:
@@ -93,6 +95,7 @@ def choose(options: Options) -> Chosen:
         Severity[level.upper()],
         baseline,
         found.beside(said.cache_dir),
+        found.file,
     )
 
 

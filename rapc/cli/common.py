@@ -51,8 +51,14 @@ def read_paths(paths: Iterable[str]) -> Loaded:
 
 
 def same_file(one: str, other: str) -> bool:
-    """Whether two names are those of one file; one that cannot be seen is none."""
+    """Whether two names are those of one file, or would be once it is written.
+
+    A name that leads through a folder that is not there is that without the folder, as
+    for `write_output`; one that cannot be seen is no file.
+    """
     try:
+        if os.path.realpath(one) == os.path.realpath(other):
+            return True
         return os.path.samefile(one, other)
     except (OSError, ValueError):
         return False

@@ -12,6 +12,7 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from typing import TextIO
 
 import click
 
@@ -95,10 +96,10 @@ def main(args: Sequence[str] | None = None) -> None:
         )
         sys.stdout.flush()
     except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message(), err=True)
+        _tell(error.format_message())
         sys.exit(USAGE)
     except click.ClickException as error:
-        click.echo(f"error: {_message(error)}", err=True)
+        _tell(f"error: {_message(error)}")
         sys.exit(USAGE)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(INTERRUPTED)
@@ -106,15 +107,14 @@ def main(args: Sequence[str] | None = None) -> None:
         _say(error)
         sys.exit(USAGE)
     except BrokenPipeError:
-        _drop_output()
+        _drop(sys.stdout)
         sys.exit(1)
     except OSError as error:
         if error.errno not in _FULL:
             _internal_fault(error)
         else:
-            _drop_output()
-            told = f"the output cannot be written: {reason(error)}"
-            click.echo(f"error: {told}", err=True)
+            _drop(sys.stdout)
+            _tell(f"error: the output cannot be written: {reason(error)}")
         sys.exit(USAGE)
     except Exception as error:
         _internal_fault(error)
@@ -154,21 +154,28 @@ def _say(error: Error) -> None:
     show_traceback(error)
     lines = (error.message, error.help)
     first, *more = error.reasons if isinstance(error, RefusedError) else lines
-    click.echo(f"error: {visible(first)}", err=True)
+    _tell(f"error: {visible(first)}")
     for line in filter(None, more):
-        click.echo(f"  {visible(line)}", err=True)
+        _tell(f"  {visible(line)}")
 
 
-def _drop_output() -> None:
-    """Nobody reads standard output any more: keep the last flush from failing."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _tell(line: str) -> None:
+    """Print a line on standard error; if that cannot take it, the status must do."""
+    try:
+        click.echo(line, err=True)
+    except OSError:
+        _drop(sys.stderr)
+
+
+def _drop(stream: TextIO) -> None:
+    """Let a stream that takes nothing any more lead nowhere: its last flush must do."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _internal_fault(error: Exception) -> None:
     show_traceback(error)
     what = " ".join(f"{type(error).__name__}: {error}".split())
-    click.echo(
+    _tell(
         f"error: rapc itself is at fault ({what[:200]}); please report it to its "
-        "developers with the command, the input and what RAPC_DEBUG=1 shows",
-        err=True,
+        "developers with the command, the input and what RAPC_DEBUG=1 shows"
     )

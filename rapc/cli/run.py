@@ -106,7 +106,7 @@ def run(
         with interrupts_held():
             if trace is not None:
                 files = (path, *library.library.files)
-                stream = stack.enter_context(_opened(trace, files))
+                stream = stack.enter_context(_opened(trace, files, world))
                 form = JsonTrace if trace_format == "jsonl" else TextTrace
                 interpreter.listen(form(stream))
             interpreter.listen(report, *RunReport.kinds)
@@ -174,10 +174,19 @@ def _time(until: float | None) -> Time | None:
     return end if end >= 0 else fail("--until takes a time, and the clock begins at 0")
 
 
-def _opened(trace: str, files: Iterable[str]) -> TextIO:
-    """Open the file of a trace; one of the library's `files` ends the command."""
+def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
+    """Open the file of a trace; one that the run has read ends the command.
+
+    Args:
+        trace: the file to be written.
+        files: those of the library.
+        world: the world of the run, a module of its own.
+    """
     if any(same_file(trace, name) for name in files):
         fail(f"--trace: `{trace}` is a file of the library")
+    module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
+    if module is not None and same_file(trace, module):
+        fail(f"--trace: `{trace}` is the file of the world")
     try:
         return Path(trace).open("w", encoding="utf-8")
     except OSError as error:

@@ -122,6 +122,8 @@ def test(
     for option, file in (("--junit", junit), ("--coverage", coverage)):
         if file and any(same_file(file, each) for each in inputs):
             fail(f"{option}: `{file}` is a file of the tests or of their library")
+    if junit and coverage and same_file(junit, coverage):
+        fail(f"--junit and --coverage are to be written to one file, `{junit}`")
     useless = list(running.useless(cases))
     if useless:
         fail("--fault: " + useless[0], *useless[1:])

@@ -110,7 +110,9 @@ def _shown(path: Path) -> Path:
 def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
     """Return what is to be said of a `require` in a file that means nothing."""
     names = [name for name in _beside(requiring) if name != requiring.stem]
-    close = nearest(form.name, [*names, *standard_libraries()])
+    known = [*names, *standard_libraries()]
+    without = form.name.removesuffix(SUFFIX)
+    close = without if without in known else nearest(form.name, known)
     name = form.name if len(form.name) <= _LONG else f"{form.name[:_LONG]}..."
     return Diagnostic(
         rule=UNRESOLVED.name,
@@ -120,8 +122,17 @@ def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
             f"neither `{name}{SUFFIX}` nor a folder `{name}` with RAP files "
             "stands beside this file, and no standard library is called so",
         ),
-        help=f"did you mean `{close}`?" if close else "",
+        help=_advice(form.name, close),
     )
+
+
+def _advice(name: str, close: str | None) -> str:
+    """Return what to write for `name`, where `close` is what may be meant."""
+    if close is None:
+        return ""
+    if name == close + SUFFIX:
+        return f"leave the ending out: `{close}`"
+    return f"did you mean `{close}`?"
 
 
 def _beside(requiring: Path) -> list[str]:

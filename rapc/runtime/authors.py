@@ -16,7 +16,7 @@ from pathlib import Path
 from types import FrameType, FunctionType, MethodType
 from typing import NoReturn, TypeGuard
 
-from rapc.base.code_places import code_of, place_of
+from rapc.base.code_places import code_of, place_of, said_by
 from rapc.errors import PortError
 from rapc.world import Refused, Reply, Signal, Text, World
 
@@ -118,8 +118,7 @@ def blame(error: BaseException, world: World, code: Mapping[str, Named]) -> NoRe
             own = [f for f in frames[at:] if _package(f[0]) == _package(frame)]
             inner, row = own[-1]
             place = f"{Path(inner.f_code.co_filename).name}:{row}"
-            what = " ".join(f"{type(error).__name__}: {error}".split())
-            raise PortError(f"{whose} failed at {place}: {what}") from error
+            raise PortError(f"{whose} failed at {place}: {said_by(error)}") from error
     raise error
 
 

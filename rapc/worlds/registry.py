@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from rapc.base.code_places import place_of_error
+from rapc.base.code_places import place_of_error, said_by
 from rapc.base.files import named, read_text
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
@@ -121,11 +121,22 @@ def _load(point: EntryPoint) -> object:
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # whatever code from elsewhere may raise on import
-        what = f"{type(error).__name__}: {error}"
-        raise WorldError(
-            f"the world `{point.name}` cannot be loaded{place_of_error(error)}: {what}"
-        ) from error
+        place = place_of_error(error)
+        said = f"the world `{point.name}` cannot be loaded{place}: {said_by(error)}"
+        raise WorldError(said, _in_capitals(point)) from error
     return found
+
+
+def _in_capitals(point: EntryPoint) -> str:
+    """Return what to do if a module was imported and has a name but for capitals."""
+    module, _, wanted = point.value.partition(":")
+    for name in vars(sys.modules.get(module, object)):
+        if name != wanted and name.lower() == wanted.lower():
+            return (
+                f"`{module}` has `{name}`; RAP reads symbols in small letters, so in a "
+                f'test it is written "{module}:{name}"'
+            )
+    return ""
 
 
 @contextmanager
@@ -225,13 +236,13 @@ def build_world(
     try:
         return make(random.Random(f"{seed}:world"), {**values, **options})
     except ValueError as error:
-        raise WorldError(f"the world `{world.name}` refuses: {error}") from error
+        said = said_by(error).removeprefix("ValueError: ")
+        raise WorldError(f"the world `{world.name}` refuses: {said}") from error
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # whatever code from elsewhere may raise
-        what = f"{type(error).__name__}: {error}"
         place = place_of_error(error)
-        said = f"the world `{world.name}` cannot be built{place}: {what}"
+        said = f"the world `{world.name}` cannot be built{place}: {said_by(error)}"
         raise WorldError(said) from error
 
 

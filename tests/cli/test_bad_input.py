@@ -145,6 +145,18 @@ def test_closed_output_is_as_good_as_none(tmp_path: Path) -> None:
         assert (done.returncode, told) == (0, "")
 
 
+def test_a_full_standard_error_leaves_the_status(tmp_path: Path) -> None:
+    for args in ("check nope", "nonsense", "worlds nope", "check --nonsense"):
+        done = subprocess.run(
+            ["/bin/sh", "-c", f"exec {COMMAND} {args} 2>/dev/full"],
+            cwd=tmp_path,
+            env={"LANG": "C.UTF-8", **HOME},
+            check=False,
+            capture_output=True,
+        )
+        assert (done.returncode, done.stdout) == (2, b""), args
+
+
 @pytest.mark.parametrize("command", ["check", "test", "compile"])
 def test_what_is_no_file_is_not_read(command: str, tmp_path: Path) -> None:
     """It may never end, as a device, or never begin, as a pipe."""

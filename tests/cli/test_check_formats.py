@@ -162,6 +162,22 @@ def test_an_input_is_not_written_over(option: str, folder: Path) -> None:
     assert file.read_text() == TWO
 
 
+def test_nor_is_what_says_what_is_reported(folder: Path) -> None:
+    (folder / "rapc.toml").write_text("")
+    assert rapc("check", "lib", "--write-baseline", "known", cwd=folder).returncode == 0
+    settled = ("--config", "rapc.toml", "--baseline", "known")
+    for option, file, others in (
+        ("--output-file", "rapc.toml", settled),
+        ("--output-file", "known", settled),
+        ("--write-baseline", "rapc.toml", settled[:2]),
+    ):
+        before = (folder / file).read_text()
+        done = rapc("check", "lib", *others, option, file, cwd=folder)
+        assert done.returncode == 2
+        assert done.stderr == f"error: {option}: `{file}` says what is reported\n"
+        assert (folder / file).read_text() == before
+
+
 def test_statistics_count_the_findings_of_each_rule(folder: Path) -> None:
     rows = _rows(folder)
     done = rapc("check", "lib", "--statistics", cwd=folder)

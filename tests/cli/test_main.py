@@ -194,7 +194,7 @@ def _full(*_: object, **__: object) -> None:
 def test_full_disk_is_no_fault_of_rapc(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("rapc.cli.main._drop_output", lambda: None)
+    monkeypatch.setattr("rapc.cli.main._drop", lambda stream: None)
     monkeypatch.setattr("rapc.console.findings.write", _full)
     (tmp_path / "odd.rap").write_text("(define-rup (a))")
     with pytest.raises(SystemExit) as ended:

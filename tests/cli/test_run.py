@@ -94,6 +94,8 @@ def _run(
         (("--until", "nan"), "--until takes a finite number"),
         (("--task", "(spin 1)"), "`spin` has no inputs, not 1"),
         (("--trace", "doze.rap"), "--trace: `doze.rap` is a file of the library"),
+        (("--trace", "no/../doze.rap"), "--trace: `no/../doze.rap` is a file of the"),
+        (("--trace", "bed.py"), "--trace: `bed.py` is the file of the world"),
         (("--trace", "no/x"), "cannot write `no/x`: no such file or directory"),
         (("--set", "rapc.cycle-cost=-1"), "`rapc.cycle-cost` takes 0 or more, not"),
         (

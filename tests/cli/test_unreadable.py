@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
@@ -129,6 +130,17 @@ def test_what_may_not_be_read_ends_in_one_line(kind: str, folder: Path) -> None:
         done = rapc(*command, cwd=folder)
         assert "rapc itself" not in done.stderr
     shut.chmod(0o700)
+
+
+def test_a_folder_that_may_not_be_searched_is_not_taken_for_empty(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def shut(path: object) -> None:
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+
+    monkeypatch.setattr(os, "lstat", shut)
+    with pytest.raises(LoadError, match=r"cannot read `shut/a\.rap`: permission"):
+        load("shut/a.rap")
 
 
 def _damaged(folder: Path, name: str) -> None:

@@ -144,6 +144,13 @@ def test_seeds_faults_junit_and_coverage(folder: Path) -> None:
     assert done.returncode == 1
 
 
+def test_two_reports_are_not_written_to_one_file(folder: Path) -> None:
+    both = ("--junit=out.json", "--coverage=./out.json")
+    done = rapc("test", "below/legs.test.rap", *both, cwd=folder)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "--junit and --coverage are to be written to one file" in done.stderr
+
+
 def test_coverage_without_a_file(folder: Path) -> None:
     """What follows it is a path unless it ends in `.json`."""
     done = rapc("test", "--coverage", "below/legs.test.rap", cwd=folder)
@@ -232,6 +239,14 @@ def test_a_test_imports_no_module_that_nobody_has_permitted(
     done = rapc("test", name, "--world-module", "evil", cwd=tmp_path)
     assert done.returncode == 0, done.stdout
     assert (tmp_path / "imported").exists()
+
+
+def test_a_world_whose_class_has_capitals_is_wanted_in_quotes(tmp_path: Path) -> None:
+    (tmp_path / "evil.test.rap").write_text(EVIL.replace('"', "", 2))
+    (tmp_path / "evil.py").write_text(EVIL_PY)
+    done = rapc("test", "evil.test.rap", "--world-module", "evil", cwd=tmp_path)
+    assert done.returncode == 2
+    assert 'so in a test it is written "evil:' in done.stdout
 
 
 @pytest.mark.parametrize("option", ["--junit", "--coverage"])

@@ -48,6 +48,31 @@ def test_what_an_author_raises_is_told_with_its_place(case: str) -> None:
     assert caught.value.__cause__ is not None
 
 
+class Mute(ValueError):
+    """An error that cannot be printed."""
+
+    def __init__(self, ends: BaseException) -> None:
+        self.ends = ends
+
+    def __str__(self) -> str:
+        raise self.ends
+
+
+@pytest.mark.parametrize("ends", [KeyError("pillow"), SystemExit(0)])
+def test_an_error_that_cannot_be_printed_is_told_with_its_place(
+    ends: BaseException,
+) -> None:
+    def break_down(*args: Any) -> Any:
+        raise Mute(ends)
+
+    name = type(ends).__name__
+    for part, said in (("perform", f"failed at test_{HERE}"), ("__init__", "refuses")):
+        with pytest.raises(rapc.Error) as caught:
+            run(with_(**{part: break_down}))
+        assert said in caught.value.message
+        assert f"(it cannot be printed: {name})" in caught.value.message
+
+
 def test_a_solver_and_a_default_function_are_told_of_too() -> None:
     for world, task, whose in (
         (with_kit(solvers={"stuck": boom}), "(stuck a)", "the solver of `stuck`"),
