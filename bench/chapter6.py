@@ -38,8 +38,8 @@ def run(config: PointConfig, seed: int) -> Run:
 
 def session() -> Batch:
     """The experiment that comes with rapc, ready to be run."""
-    file = reading.find("chapter6")
-    made = reading.read(file)
+    file = reading.experiment_file("chapter6")
+    made = reading.read_experiment(file)
     return Batch(made, file.parent, lambda path: load(path).program)
 
 

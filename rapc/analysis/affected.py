@@ -20,7 +20,7 @@ from itertools import islice
 from rapc.analysis.census import ENOUGH, Census, sort_of
 from rapc.analysis.change import Change
 from rapc.analysis.close_names import is_one_slip
-from rapc.analysis.file_census import FormKey, place_of
+from rapc.analysis.file_census import FormKey, place_from
 from rapc.analysis.kept import AGENDAS, FileState, State, form_at
 from rapc.analysis.places import Place
 from rapc.base.diagnostics import Diagnostic
@@ -179,7 +179,7 @@ class Affected:
         for written, where in words.items():
             yield from self._by_word(written, where)
         for word, counts in sorts.items():
-            yield from self._by_sorts(place_of(word), counts)
+            yield from self._by_sorts(place_from(word), counts)
 
     def _by_word(
         self, written: str, where: Iterable[tuple[bool, tuple[str, ...]]]
@@ -197,7 +197,7 @@ class Affected:
                 ]
             )
             for filled, words in where
-            for places in [{place_of(word) for word in words}]
+            for places in [{place_from(word) for word in words}]
         ):
             return
         twins = (written, f'"{written}"', *self._close_to(written))
@@ -250,7 +250,7 @@ class Affected:
                     turned[pair] += sign
         for (one, other), number in turned.items():
             if number:
-                first, second = place_of(one), place_of(other)
+                first, second = place_from(one), place_from(other)
                 rest = self._census.together(first, second, self._fresh)
                 if rest < ENOUGH:
                     yield from self._with(first) & self._with(second)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from rapc.analysis.endless import is_never
-from rapc.analysis.literals import literals, number
+from rapc.analysis.literals import literals, number_of
 from rapc.base.values import Number
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -57,12 +57,12 @@ def _pause(rap: nodes.DefineRap) -> Pause | None:
         return None
     timed = rap.monitor_time
     if timed is not None and timed.reference == "now":
-        start = number(timed.start)
+        start = number_of(timed.start)
         if start is not None and start > 0:
             return Pause(start, timed.span.start, timed.span.end)
     for one in literals(rap.monitor_state):
         if isinstance(one.formula, nodes.Believe) and not one.holds:
-            age = number(one.formula.age)
+            age = number_of(one.formula.age)
             if age is not None and age > 0:
                 return Pause(age, one.span.start, one.span.end)
     return None

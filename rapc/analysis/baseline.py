@@ -38,7 +38,7 @@ class _File(msgspec.Struct, frozen=True, rename="kebab", forbid_unknown_fields=T
     findings: tuple[KnownFinding, ...]
 
 
-def text(report: CheckReport, file: str) -> str:
+def baseline_text(report: CheckReport, file: str) -> str:
     """Return what a baseline file says of all findings of a report.
 
     Args:
@@ -61,7 +61,7 @@ def text(report: CheckReport, file: str) -> str:
     return msgspec.json.format(data, indent=1).decode() + "\n"
 
 
-def read(file: Path) -> tuple[KnownFinding, ...]:
+def read_baseline(file: Path) -> tuple[KnownFinding, ...]:
     """Return the findings in a baseline file.
 
     Raises:
@@ -100,7 +100,7 @@ def compare(report: CheckReport, file: Path) -> Compared:
         BaselineError: for a file that holds no baseline.
         LoadError: for one that cannot be read.
     """
-    known = {one.fingerprint for one in read(file)}
+    known = {one.fingerprint for one in read_baseline(file)}
     root = os.path.dirname(os.path.abspath(file))
     prints = fingerprints(report, root)
     left = tuple(

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping
 
-from rapc.analysis.named_bindings import QueryBindings, Summaries, arguments
+from rapc.analysis.named_bindings import QueryBindings, Summaries, query_arguments
 from rapc.ir import nodes
 from rapc.ir.operands import operands
 
@@ -105,7 +105,7 @@ class BindingWalker:
     def query(self, use: nodes.Proposition, bound: Bound) -> bool:
         """Walk the formula that a name stands for, with its terms put in."""
         query = self.summaries.queries[use.name]
-        terms = dict(zip(arguments(query), use.args, strict=False))
+        terms = dict(zip(query_arguments(query), use.args, strict=False))
         unbound = [
             term.name
             for term in use.args
@@ -138,7 +138,7 @@ class BindingWalker:
             lacking = {variable.name for variable in self.findings.unbound}
         finally:
             self.findings = kept
-        names = frozenset(arguments(query))
+        names = frozenset(query_arguments(query))
         return QueryBindings(names & lacking, names & bound.names, possible)
 
 

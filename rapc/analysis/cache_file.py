@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rapc.analysis.selection import Selection
-from rapc.base.files import files_at, named
+from rapc.base.files import files_at, path_named
 from rapc.errors import LoadError
 
 SUFFIX = ".checked"
@@ -51,7 +51,7 @@ def _is_large(paths: Sequence[str]) -> bool:
     size = 0
     try:
         for path in paths:
-            for file in files_at(named(path), tests=False):
+            for file in files_at(path_named(path), tests=False):
                 size += os.stat(file).st_size
                 if size >= SMALLEST:
                     return True

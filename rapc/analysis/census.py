@@ -22,8 +22,8 @@ from rapc.analysis.file_census import (
     FormKey,
     Standing,
     gather,
-    place_of,
-    word_of,
+    place_from,
+    word_for,
 )
 from rapc.analysis.index import INDEX, Uses
 from rapc.analysis.named import MISUSES
@@ -138,7 +138,7 @@ class Census:
                 for one in census.constants:
                     for word in one.places:
                         self._by_place.setdefault(word, []).append((file, one))
-        return self._by_place.get(word_of(place), ())
+        return self._by_place.get(word_for(place), ())
 
     def is_changed(self, name: str) -> bool:
         """Whether any RAP brings or takes away facts of a name."""
@@ -198,13 +198,13 @@ class Census:
     def _place(self, word: str) -> Place:
         place = self._places.get(word)
         if place is None:
-            place = self._places[word] = place_of(word)
+            place = self._places[word] = place_from(word)
         return place
 
     def _set(self, place: Place) -> frozenset[int]:
         found = self._sets.get(place)
         if found is None:
-            found = self._sets[place] = frozenset(self._groups(word_of(place)))
+            found = self._sets[place] = frozenset(self._groups(word_for(place)))
         return found
 
     def _groups(self, word: str) -> Iterable[int]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rapc.analysis import suppressions
-from rapc.analysis.driver import CheckReport, Finding, check_library, place_of
+from rapc.analysis.driver import CheckReport, Finding, check_library, order_of
 from rapc.analysis.selection import Selection
 from rapc.base.files import TEST_SUFFIX
 from rapc.base.source import SourceFile, Span
@@ -120,5 +120,5 @@ def _joined(reports: Iterable[CheckReport]) -> CheckReport:
                 key = diagnostic.rule, diagnostic.span, diagnostic.message
                 found.setdefault(key, finding)
     order = {name: at for at, name in enumerate(files)}
-    findings = sorted(found.values(), key=lambda one: place_of(order, one))
+    findings = sorted(found.values(), key=lambda one: order_of(order, one))
     return CheckReport(tuple(findings), files, raps)

@@ -18,7 +18,7 @@ class ConfigError(Error):
     """A configuration that cannot be used; the message names its file."""
 
 
-def read(file: Path) -> Configured | None:
+def read_config(file: Path) -> Configured | None:
     """Return the configuration in a file; None for a pyproject.toml without one.
 
     Raises:

@@ -11,7 +11,7 @@ from collections.abc import Container, Iterable, Mapping
 import msgspec
 
 from rapc.analysis.following import follows, has_a_chance, may_be
-from rapc.analysis.literals import Literal, holds_between, literals, names, number
+from rapc.analysis.literals import Literal, holds_between, literals, names, number_of
 from rapc.base.values import Atom
 from rapc.ir import nodes
 from rapc.library.signature import Signature
@@ -182,7 +182,7 @@ def _exclude(one: nodes.Compare, other: nodes.Compare) -> bool:
     low, high = (one, other) if one.op in (">", ">=") else (other, one)
     if low.op not in (">", ">=") or high.op not in ("<", "<="):
         return False
-    floor, ceiling = number(low.right), number(high.right)
+    floor, ceiling = number_of(low.right), number_of(high.right)
     return floor is not None and ceiling is not None and floor > ceiling
 
 
@@ -203,5 +203,5 @@ def _misses(value: Atom, test: nodes.Compare) -> bool:
     bound = test.right.value
     if test.op in ("=", "n="):
         return (value == bound) is (test.op == "n=")
-    left, right = number(nodes.Const(value)), number(test.right)
+    left, right = number_of(nodes.Const(value)), number_of(test.right)
     return left is None or right is None or not holds_between(test.op, left, right)

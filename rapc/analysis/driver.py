@@ -126,7 +126,7 @@ def reported(
     rules = {name: chosen.graded(rule) for name, rule in suite.rules().items()}
     order = {name: at for at, name in enumerate(files)}
     findings = [Finding(rules[d.rule], d) for d in found if chosen.chooses(d)]
-    findings.sort(key=lambda finding: place_of(order, finding))
+    findings.sort(key=lambda finding: order_of(order, finding))
     return CheckReport(tuple(findings), files, raps)
 
 
@@ -273,7 +273,10 @@ class Written(msgspec.Struct, frozen=True):
     def of(cls, units: Iterable[SourceUnit]) -> Written:
         """Return what is written in some files."""
         rules = suite.rules()
-        found = {unit.file.name: suppressions.find(unit, rules) for unit in units}
+        found = {
+            unit.file.name: suppressions.find_suppressions(unit, rules)
+            for unit in units
+        }
         return cls(
             {name: right for name, (right, _) in found.items() if right},
             {name: wrong for name, (_, wrong) in found.items() if wrong},
@@ -303,7 +306,7 @@ class Written(msgspec.Struct, frozen=True):
         return left
 
 
-def place_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:
+def order_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:
     """Return what findings are sorted by: the `order` of their files, then the text."""
     span = finding.diagnostic.span
     return order.get(span.file, -1), span.start, span.end, finding.rule.code

@@ -70,7 +70,7 @@ class FileCensus(msgspec.Struct, array_like=True):
     others: list[int] = []
 
 
-def key_of(form: Form) -> FormKey:
+def form_key(form: Form) -> FormKey:
     """Return what tells a form from all others of its library."""
     return form.span.file, form.span.start
 
@@ -147,7 +147,7 @@ class _Words:
     def of(self, place: Place) -> str:
         made = self._made.get(place)
         if made is None:
-            made = self._made[place] = word_of(place)
+            made = self._made[place] = word_for(place)
         return made
 
 
@@ -159,13 +159,13 @@ def _standing(
             at = words.of(one.place)
             yield one.form.span.file, _one(one.term, one.form, (at,), one.count)
     for test in index.of(nodes.Compare):
-        for const, other in compared(test.node):
+        for const, other in compared_constants(test.node):
             found = dict.fromkeys(places.of(test.owner, other.name))
             there = tuple(map(words.of, found))
             yield test.owner.span.file, _one(const, test.owner, there, 0)
 
 
-def compared(test: nodes.Compare) -> Iterator[tuple[nodes.Const, nodes.Var]]:
+def compared_constants(test: nodes.Compare) -> Iterator[tuple[nodes.Const, nodes.Var]]:
     """Yield a constant that is compared with a variable, and the variable."""
     for one, other in ((test.left, test.right), (test.right, test.left)):
         if isinstance(one, nodes.Const) and isinstance(other, nodes.Var):
@@ -185,12 +185,12 @@ def _changed(index: Index) -> Iterator[tuple[str, str]]:
             yield one.owner.span.file, one.name
 
 
-def word_of(place: Place) -> str:
+def word_for(place: Place) -> str:
     """Return the words of the parts of a place."""
     return f"{place.space} {place.name} {place.position}"
 
 
-def place_of(word: str) -> Place:
+def place_from(word: str) -> Place:
     """Return a place by the words of its parts."""
     space, name, position = word.split(" ")
     return Place(space, name, int(position))

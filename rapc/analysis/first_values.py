@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.analysis.literals import Literal, holds_between, literals, number
+from rapc.analysis.literals import Literal, holds_between, literals, number_of
 from rapc.base.values import Number
 from rapc.ir import nodes
 
@@ -25,7 +25,7 @@ class FirstValues:
         self._counters: dict[str, Number] = {}
         self._sets: set[str] = set()
         for one in resources:
-            first = 0 if one.initial is None else number(one.initial)
+            first = 0 if one.initial is None else number_of(one.initial)
             if one.kind == "counter" and first is not None:
                 self._counters[one.variable.name] = first
             elif one.kind == "set" and one.initial is None:
@@ -63,7 +63,7 @@ class FirstValues:
 
     def _number(self, term: nodes.Term) -> Number | None:
         if not isinstance(term, nodes.Call) or len(term.args) != 1:
-            return number(term)
+            return number_of(term)
         (arg,) = term.args
         if not isinstance(arg, nodes.Var):
             return None

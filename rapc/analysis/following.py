@@ -116,7 +116,7 @@ class _Search:
         if type(one) is type(two) and isinstance(one, nodes.Node):
             return all(
                 self._alike(getattr(one, field), getattr(two, field), choice)
-                for field in nodes.compared(type(one))
+                for field in nodes.compared_fields(type(one))
             )
         return one == two
 

@@ -13,7 +13,7 @@ import msgspec
 
 from rapc.analysis.census import CENSUS
 from rapc.analysis.driver import Examined, Written
-from rapc.analysis.file_census import FileCensus, FormKey, key_of
+from rapc.analysis.file_census import FileCensus, FormKey, form_key
 from rapc.analysis.index import INDEX, Index
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
 from rapc.analysis.suppressions import Suppression
@@ -143,7 +143,7 @@ def file_state(
         digest,
         tuple(
             [
-                _form_state(unit.file, form, key_of(form) in entangled)
+                _form_state(unit.file, form, form_key(form) in entangled)
                 for form in unit.forms
             ]
         ),
@@ -193,10 +193,10 @@ def entangled_in(index: Index) -> set[FormKey]:
     """Return the forms that lead to others by things, sets or counters."""
     found: set[FormKey] = set()
     for kind in _ENTANGLED:
-        found.update(key_of(one.owner) for one in index.of(kind))
+        found.update(form_key(one.owner) for one in index.of(kind))
     for call in index.of(nodes.Call):
         if call.node.function in ("size-of", "value"):
-            found.add(key_of(call.owner))
+            found.add(form_key(call.owner))
     return found
 
 

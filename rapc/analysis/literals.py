@@ -80,7 +80,7 @@ def _term_or_formula(node: nodes.Node, new: Mapping[str, str]) -> nodes.Node:
     return _renamed(node, new)  # type: ignore[arg-type]  # no term: a formula
 
 
-def number(term: nodes.Term | None) -> Number | None:
+def number_of(term: nodes.Term | None) -> Number | None:
     """Return the number that a term is; None for other terms."""
     value = term.value if isinstance(term, nodes.Const) else None
     return value if isinstance(value, int | float) else None

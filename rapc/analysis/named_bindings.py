@@ -81,12 +81,12 @@ class Summaries:
             except _UnknownError as wanted:
                 if wanted.key in self._asking:
                     query = self.queries[wanted.key[0]]
-                    every = frozenset(arguments(query))
+                    every = frozenset(query_arguments(query))
                     self._known[wanted.key] = QueryBindings(frozenset(), every, True)
                 else:
                     self._asking[wanted.key] = None
 
 
-def arguments(query: nodes.DefineQuery) -> Iterator[str]:
+def query_arguments(query: nodes.DefineQuery) -> Iterator[str]:
     """The names of the arguments of a query."""
     return (arg.variable.name for arg in query.args)

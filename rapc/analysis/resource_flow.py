@@ -56,7 +56,7 @@ def flows(index: Index) -> Flows:
     return found
 
 
-def whole(flow: Flow, every: Flows, library: Library) -> Flow:
+def overall_use(flow: Flow, every: Flows, library: Library) -> Flow:
     """Return what becomes of a resource here and in all that it is handed on to."""
     total = Flow(list(flow.changes), list(flow.asked), list(flow.given), flow.escapes)
     waiting, seen = list(flow.given), set(flow.given)

@@ -95,7 +95,7 @@ class Suppression(msgspec.Struct, frozen=True):
     alone: bool
 
 
-def find(
+def find_suppressions(
     unit: SourceUnit, rules: Mapping[str, Rule]
 ) -> tuple[list[Suppression], list[Diagnostic]]:
     """Return the suppressions of one file, and what is wrong with them.

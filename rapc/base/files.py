@@ -39,7 +39,7 @@ _Entry = tuple[Path, tuple[Identity, ...] | None]
 # --- which files --------------------------------------------------------------------
 
 
-def named(path: str) -> Path:
+def path_named(path: str) -> Path:
     """The path of a name that somebody typed. Raises LoadError for an empty one."""
     if not path:
         raise LoadError("`` does not exist")

@@ -57,7 +57,9 @@ def is_variable(part: object) -> bool:
     return isinstance(part, str) and part.startswith("?")
 
 
-def match(pattern: Sequence[object], values: Sequence[object]) -> Bindings | None:
+def match_pattern(
+    pattern: Sequence[object], values: Sequence[object]
+) -> Bindings | None:
     """The variables of a flat pattern as values bind them, or None; `?` is free."""
     if len(pattern) != len(values):
         return None

@@ -22,7 +22,7 @@ from rapc.analysis.selection import UnknownRuleError
 from rapc.base.diagnostics import Applicability
 from rapc.base.files import read_standard_input, write_back
 from rapc.base.names import plural
-from rapc.cli.check_options import Chosen, Options, choose
+from rapc.cli.check_options import Chosen, Options, settle
 from rapc.cli.common import (
     FOR_PEOPLE,
     FORMATS,
@@ -158,7 +158,7 @@ class Done(msgspec.Struct, frozen=True):
 
 def _run(options: Options, units: Units) -> Done:
     """Check, mend if that is asked for, and report."""
-    chosen = choose(options)
+    chosen = settle(options)
     if options.fix or options.diff:
         return _mend(options, chosen, units)
     report = _checked(options, chosen, units)
@@ -230,7 +230,7 @@ def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
     from rapc.analysis import baseline  # noqa: PLC0415  # hashlib, for few
 
     _refuse_input(file, "--write-baseline", report, [chosen.configured_by])
-    write_output(file, baseline.text(report, file).encode())
+    write_output(file, baseline.baseline_text(report, file).encode())
     if not settings().quiet:
         click.echo(f"wrote {plural(len(report.findings), 'finding')} to {file}")
     return Done(report, grave=False)

@@ -58,7 +58,7 @@ class Chosen(msgspec.Struct, frozen=True):
     configured_by: Path | None
 
 
-def choose(options: Options) -> Chosen:
+def settle(options: Options) -> Chosen:
     """Put options and configuration together; an option counts more.
 
     `--select` sets the configuration's choice of rules aside; other options about rules
@@ -74,13 +74,13 @@ def choose(options: Options) -> Chosen:
         say(f"configured by {found.file}")
     said = found.config
     if options.select:
-        enabled = rule_names(words(options.select))
+        enabled = rule_names(split_at_commas(options.select))
     else:
         enabled = by_default() if said.select is None else rule_names(said.select)
         enabled |= rule_names(said.extend_select)
         enabled -= rule_names(said.ignore)
-    enabled |= rule_names(words(options.extend_select))
-    enabled -= rule_names(words(options.ignore))
+    enabled |= rule_names(split_at_commas(options.extend_select))
+    enabled -= rule_names(split_at_commas(options.ignore))
     per_file = [_per_file(text) for text in options.per_file_ignores]
     baseline = None if options.baseline is None else Path(options.baseline)
     if baseline is None:
@@ -106,9 +106,9 @@ def _configured(options: Options) -> Configured:
     said = options.config
     files = config.files(Path(options.paths[0])) if said is None else [Path(said)]
     for file in files:
-        from rapc.analysis.config_file import read  # noqa: PLC0415  # brings tomllib
+        from rapc.analysis.config_file import read_config  # noqa: PLC0415  # brings tomllib
 
-        found = read(file)
+        found = read_config(file)
         if found is not None:
             return found
     if said is not None:
@@ -116,7 +116,7 @@ def _configured(options: Options) -> Configured:
     return Configured()
 
 
-def words(given: Iterable[str]) -> Iterator[str]:
+def split_at_commas(given: Iterable[str]) -> Iterator[str]:
     """Yield the words in texts of words with commas between them."""
     for one in given:
         yield from filter(None, (word.strip() for word in one.split(",")))
@@ -126,4 +126,4 @@ def _per_file(text: str) -> PerFile:
     pattern, colon, rules = text.rpartition(":")
     if not colon or not pattern or not rules.strip():
         fail(f"--per-file-ignores: `{text}` is not PATTERN:RULES")
-    return PerFile(pattern, rule_names(words([rules])))
+    return PerFile(pattern, rule_names(split_at_commas([rules])))

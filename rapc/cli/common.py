@@ -110,7 +110,9 @@ def print_findings(
             import shutil  # noqa: PLC0415  # brings zlib and others along
 
             width = shutil.get_terminal_size().columns
-        render.write(render.full(report, width), stream, color=settings().colored())
+        render.write_lines(
+            render.full(report, width), stream, color=settings().colored()
+        )
         return
     click.echo(findings_text(report, output_format, statistics), nl=False, err=err)
 

@@ -110,8 +110,8 @@ def experiment(
 
 
 def _session(name: str, parts: Sequence[str], seeds: int | None) -> Batch:
-    file = reading.find(name)
-    made = reading.read(file)
+    file = reading.experiment_file(name)
+    made = reading.read_experiment(file)
     return Batch(made, file.parent, _library, parts, seeds)
 
 
@@ -252,7 +252,7 @@ def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
     for name, summary in named.items():
         if summary.part.vary is not None:
             others = [named[other] for other in summary.part.beside if other in named]
-            plots.draw([summary, *others], folder / name)
+            plots.draw_plot([summary, *others], folder / name)
             drawn.append(name)
     return drawn
 

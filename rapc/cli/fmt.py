@@ -11,7 +11,7 @@ from rapc.analysis import suite
 from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.files import (
     files_at,
-    named,
+    path_named,
     read_standard_input,
     read_text,
     write_back,
@@ -81,7 +81,7 @@ def _sources(paths: Sequence[str]) -> Iterator[SourceFile]:
         if path == "-":
             yield SourceFile(STANDARD_INPUT, read_standard_input())
             continue
-        for file in files_at(named(path), tests=True):
+        for file in files_at(path_named(path), tests=True):
             if str(file) not in seen:
                 seen.add(str(file))
                 yield SourceFile(str(file), read_text(file))

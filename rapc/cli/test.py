@@ -184,7 +184,7 @@ def _run(running: TestSession, cases: Iterable[Case]) -> list[Outcome]:
         if file != outcome.case.test.span.file:
             file = outcome.case.test.span.file
             _say("title", file)
-        _say(status, f"  {status:<6}  {explain.title(outcome)}")
+        _say(status, f"  {status:<6}  {explain.test_title(outcome)}")
     return outcomes
 
 
@@ -194,8 +194,8 @@ def _explain(outcomes: Sequence[Outcome]) -> None:
             click.echo()
             shown = " ".join(outcome.case.test.doc.split())
             doc = f": {shown}" if shown else ""
-            _say(outcome.status.value, f"{explain.title(outcome)}{doc}")
-            for line in explain.lines(outcome):
+            _say(outcome.status.value, f"{explain.test_title(outcome)}{doc}")
+            for line in explain.failure_lines(outcome):
                 _say(line.kind, line.text)
     if not settings().quiet or any(outcome.failures for outcome in outcomes):
         click.echo()

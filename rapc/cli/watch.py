@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from rapc.base.files import files_at, named
+from rapc.base.files import files_at, path_named
 from rapc.errors import Error, LoadError
 
 _INTERVAL = 0.2
@@ -51,7 +51,7 @@ def _snapshot(paths: Iterable[str], others: Iterable[str]) -> Snapshot:
 def _below(paths: Iterable[str]) -> Iterator[Path]:
     for path in paths:
         try:
-            yield from files_at(named(path), tests=False)
+            yield from files_at(path_named(path), tests=False)
         except LoadError:
             yield Path(path)
 

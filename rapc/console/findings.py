@@ -36,7 +36,7 @@ _MOST_LINES = 10
 """How many lines of a fix are drawn on each side."""
 
 
-def write(lines: Iterable[Text], stream: TextIO, *, color: bool) -> None:
+def write_lines(lines: Iterable[Text], stream: TextIO, *, color: bool) -> None:
     """Write lines to a stream, in colour or plain."""
     if not color:
         stream.writelines(f"{line.plain}\n" for line in lines)

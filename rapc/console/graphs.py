@@ -65,7 +65,7 @@ def mermaid(graph: Graph) -> str:
     return _lines(rows)
 
 
-def text(graph: Graph) -> str:
+def graph_text(graph: Graph) -> str:
     """Return a graph for people to read: each vertex with what its arrows lead to."""
     labels = {one.id: one.label for one in graph.vertices}
     led: dict[str, dict[str, list[str]]] = {one.id: {} for one in graph.vertices}
@@ -98,7 +98,7 @@ _WIDTH = 80
 """How long the lines of a text are."""
 
 
-def as_json(graph: Graph) -> str:
+def graph_json(graph: Graph) -> str:
     """Return a graph as JSON: its title, vertices and edges."""
     return json.dumps(msgspec.to_builtins(graph), indent=2, ensure_ascii=False) + "\n"
 
@@ -106,8 +106,8 @@ def as_json(graph: Graph) -> str:
 WRITERS: Mapping[str, Callable[[Graph], str]] = {
     "dot": dot,
     "mermaid": mermaid,
-    "json": as_json,
-    "text": text,
+    "json": graph_json,
+    "text": graph_text,
 }
 """What writes graphs in each format."""
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
-from rapc.base.values import Fact, format_atom, match
+from rapc.base.values import Fact, format_atom, match_pattern
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
@@ -173,7 +173,8 @@ class Breakpoints:
         return _of(
             (events.TaskSelected,),
             lambda keys: (
-                match(pattern, (_goal(keys).name, *_goal(keys).inputs)) is not None
+                match_pattern(pattern, (_goal(keys).name, *_goal(keys).inputs))
+                is not None
             ),
         )
 
@@ -264,7 +265,7 @@ def _fits(key: str, pattern: Fact) -> Callable[[Mapping[str, object]], bool]:
     def fits(keys: Mapping[str, object]) -> bool:
         fact = keys[key]
         assert isinstance(fact, tuple)
-        return match(pattern, fact[:size]) is not None
+        return match_pattern(pattern, fact[:size]) is not None
 
     return fits
 

@@ -122,7 +122,7 @@ def _failing(
     unwanted: tuple[Fact, ...] = ()
     near: tuple[Fact, ...] = ()
     if isinstance(inner, nodes.Proposition) and _in_memory(machine, inner):
-        patterns = [filled(machine, inner, one) for one in known]
+        patterns = [with_values(machine, inner, one) for one in known]
         if negated:
             unwanted = tuple(_matching(machine, patterns))
         else:
@@ -149,7 +149,7 @@ Pattern = tuple[object, ...]
 """A fact with None where nothing is known."""
 
 
-def filled(
+def with_values(
     machine: Machine, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Pattern:
     """Return a proposition with the values that variables have, None for the others."""
@@ -233,7 +233,7 @@ def _rests_on(
         return [one.fact for one in supports(machine, query.formula, inner)]
     if not _in_memory(machine, part):
         return []
-    facts = machine.memory.facts.matching(filled(machine, part, env))  # type: ignore[arg-type]
+    facts = machine.memory.facts.matching(with_values(machine, part, env))  # type: ignore[arg-type]
     return facts[:1]
 
 
@@ -243,7 +243,7 @@ def support(machine: Machine, fact: Fact) -> Support:
     return Support(fact, None if stamp is None or stamp == NEVER else stamp)
 
 
-def lines(asked: ClauseAsked, indent: str = "  ") -> Iterator[str]:
+def clause_in_lines(asked: ClauseAsked, indent: str = "  ") -> Iterator[str]:
     """Say in lines how far a clause holds, and what is missing."""
     yield f"{asked.clause}: {'holds' if asked.holds else 'does not hold'}"
     for part in asked.parts:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import msgspec
 
-from rapc.base.values import Fact, format_list, match, number
+from rapc.base.values import Fact, format_list, match_pattern, number
 from rapc.debug.acts import Act
 from rapc.errors import ArgumentError
 from rapc.library.signatures import Signatures
@@ -45,7 +45,7 @@ class ForcedWorld(FaultyWorld):
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Answer as is forced, or hand the request on."""
         for one in self.forced:
-            if match(one.pattern, request) is not None:
+            if match_pattern(one.pattern, request) is not None:
                 one.left -= 1
                 self.forced = [other for other in self.forced if other.left > 0]
                 self.advance(number(self.now() + self._usual(request)))

@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.base.values import Fact, format_atom, format_list, match
+from rapc.base.values import Fact, format_atom, format_list, match_pattern
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
@@ -51,7 +51,7 @@ def of_facts(session: Stepped, pattern: Fact) -> list[FactChange]:
 
     def wanted(told: ToldEvent) -> bool:
         fact = told.keys["fact"]
-        return len(fact) >= size and match(pattern, fact[:size]) is not None
+        return len(fact) >= size and match_pattern(pattern, fact[:size]) is not None
 
     return _changes(session, wanted, lambda told: False)
 

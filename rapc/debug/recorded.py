@@ -25,7 +25,7 @@ _BROKEN_OFF = ("until", "cycles", "cancelled")
 _Event = dict[str, Any]
 
 
-def write(session: Stepped, path: Path) -> int:
+def write_trace(session: Stepped, path: Path) -> int:
     """Write the trace of the run up to now; return how many events it has.
 
     Raises:
@@ -43,7 +43,7 @@ def write(session: Stepped, path: Path) -> int:
     return len(told)
 
 
-def read(path: Path) -> Iterator[_Event]:
+def read_events(path: Path) -> Iterator[_Event]:
     """Iterate over the events of a trace in the form jsonl.
 
     Raises:
@@ -84,7 +84,7 @@ def beginnings(path: Path) -> Beginnings:
     Raises:
         LoadError: for what is no trace, or one that lacks its beginning.
     """
-    for event in read(path):
+    for event in read_events(path):
         if event["event"] == "run-started":
             try:
                 return msgspec.convert(event, Beginnings)
@@ -112,10 +112,10 @@ def follow(session: Session, path: Path) -> Parting | None:
         StateError: if the run cannot be taken back in time and has to be.
     """
     last = 0
-    for event in read(path):
+    for event in read_events(path):
         last = max(last, event.get("cycle", 0))
     session.goto(last)
-    ends = [event for event in read(path) if event["event"] == "run-ended"]
+    ends = [event for event in read_events(path) if event["event"] == "run-ended"]
     broken_off = bool(ends) and ends[0]["reason"] in _BROKEN_OFF
     if ends and not broken_off:
         session.step()
@@ -138,7 +138,7 @@ def parting(session: Stepped, path: Path, *, decisions: bool = False) -> Parting
         LoadError: for what is no trace.
     """
     mine = _mine(session, decisions)
-    others = (e for e in read(path) if not decisions or e["event"] in _DECISIONS)
+    others = (e for e in read_events(path) if not decisions or e["event"] in _DECISIONS)
     for here, there in zip_longest(mine, others):
         if _bare(here, decisions) != _bare(there, decisions):
             either = here or there or {}

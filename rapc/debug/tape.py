@@ -16,7 +16,7 @@ import msgspec
 from rapc.base.values import Fact, number
 from rapc.debug.find import kinds
 from rapc.debug.log import EventLog, ToldEvent, Wanted
-from rapc.debug.recorded import read
+from rapc.debug.recorded import read_events
 from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError, TextError
 from rapc.parser.parse import parse_fact
@@ -48,7 +48,9 @@ class Tape(Stepped):
             LoadError: for what cannot be read, and for what is no trace.
         """
         known = kinds()
-        return cls(_told(path, row, one, known) for row, one in enumerate(read(path)))
+        return cls(
+            _told(path, row, one, known) for row, one in enumerate(read_events(path))
+        )
 
     @property
     def cycle(self) -> int:

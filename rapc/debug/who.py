@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import msgspec
 
 from rapc.analysis.index import Index
-from rapc.base.values import Fact, match
+from rapc.base.values import Fact, match_pattern
 from rapc.compiler.watches import WatchKey
 from rapc.debug.clause import Support, support
 from rapc.debug.session import Session
@@ -63,7 +63,7 @@ def who(session: Session, pattern: Fact) -> Who:
     facts = [
         fact
         for fact in machine.memory.facts.table(name).stamps
-        if match(pattern, fact[: len(pattern)]) is not None
+        if match_pattern(pattern, fact[: len(pattern)]) is not None
     ]
     found: list[Support] = [support(machine, fact) for fact in facts]
     entries = {entry.task: entry for entry in session.run.agenda()}

@@ -17,7 +17,7 @@ import msgspec
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text
 from rapc.errors import WorldError
-from rapc.experiments.draws import Draws, filled
+from rapc.experiments.draws import Draws, fill_in
 from rapc.runtime.settings import read_settings
 from rapc.world import World
 from rapc.worlds import registry
@@ -91,10 +91,10 @@ def plain_options(
 ) -> dict[str, Plain]:
     """The values of all options of a world: those given, and the defaults."""
     values = {option.name: option.default for option in world.kit.options} | dict(given)
-    return plain(values)
+    return plain_values(values)
 
 
-def plain(values: Mapping[str, Atom | bool]) -> dict[str, Plain]:
+def plain_values(values: Mapping[str, Atom | bool]) -> dict[str, Plain]:
     """Return values of options as a configuration has them."""
     return {n: v.value if isinstance(v, Text) else v for n, v in values.items()}
 
@@ -130,22 +130,22 @@ def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
         return config
     world = registry.find_world(config.world)
     own, theirs = by_owner(world, config.texts)
-    theirs = {name: filled(text, values) for name, text in theirs.items()}
-    own = {name: filled(text, values) for name, text in own.items()}
+    theirs = {name: fill_in(text, values) for name, text in theirs.items()}
+    own = {name: fill_in(text, values) for name, text in own.items()}
     options = registry.read_options(world, theirs)
     settings = msgspec.structs.asdict(read_settings(own))
     drawn = {name.replace("-", "_") for name in own}
     return msgspec.structs.replace(
         config,
-        tasks=tuple([filled(task, values) for task in config.tasks]),
-        options={**config.options, **plain(options)},
+        tasks=tuple([fill_in(task, values) for task in config.tasks]),
+        options={**config.options, **plain_values(options)},
         settings={**config.settings, **{name: settings[name] for name in drawn}},
         draws={},
         texts={},
     )
 
 
-def code_of(world: type[World]) -> str:
+def digest_of_code(world: type[World]) -> str:
     """A digest of the code that decides what a run comes to.
 
     That is all of rapc, and the package of the world if that is another one.

@@ -21,7 +21,7 @@ from rapc.errors import RefusedError, SettingError, TextError, WorldError
 from rapc.experiments.config import (
     PointConfig,
     by_owner,
-    code_of,
+    digest_of_code,
     plain_options,
     resolved,
     world_options,
@@ -31,11 +31,11 @@ from rapc.experiments.draws import (
     Value,
     drawn,
     extremes,
-    filled,
+    fill_in,
     names_in,
 )
 from rapc.experiments.measures import LABELS, figures_of
-from rapc.experiments.run import counted
+from rapc.experiments.run import counted_tasks
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import (
@@ -108,11 +108,11 @@ def command(experiment: Experiment, point: Point, seed: int) -> str:
     words = ["rapc", "run", str(point.library), "--world", experiment.world]
     words += ["--seed", str(seed), "--until", format_atom(experiment.until)]
     for name, text in point.texts.items():
-        words += ["--set", f"{name}={filled(text, values)}"]
+        words += ["--set", f"{name}={fill_in(text, values)}"]
     if point.agenda is not None:
         words += ["--agenda", point.agenda]
     for task in point.tasks:
-        words += ["--task", filled(task, values)]
+        words += ["--task", fill_in(task, values)]
     return shlex.join(words)
 
 
@@ -152,7 +152,7 @@ def _uncounted(config: PointConfig, tasks: Sequence[TaskRequest]) -> None:
     if not given:
         message = "all tasks are in the background: there is none to count"
         raise ExperimentError(message)
-    if not counted(tasks, config.counted):
+    if not counted_tasks(tasks, config.counted):
         said = " and ".join(f"`{name}`" for name in config.counted)
         message = f"`counted`: no task in the foreground is one of {said}"
         raise ExperimentError(message, did_you_mean(config.counted[0], given))
@@ -216,7 +216,7 @@ def _config(
     settings = read_settings(own)
     return PointConfig(
         rapc=VERSION,
-        code=code_of(world),
+        code=digest_of_code(world),
         library=library.name,
         sources=tuple((f.name, f.text) for f in library.library.files.values()),
         world=experiment.world,

@@ -34,7 +34,7 @@ def shipped() -> Mapping[str, Path]:
     return {file.name.removesuffix(SUFFIX): file for file in files}
 
 
-def find(name: str) -> Path:
+def experiment_file(name: str) -> Path:
     """The file of an experiment: one that comes with rapc, or a path that ends so.
 
     Raises:
@@ -51,7 +51,7 @@ def find(name: str) -> Path:
     return known[name]
 
 
-def read(file: Path) -> Experiment:
+def read_experiment(file: Path) -> Experiment:
     """Read and decode a file.
 
     Raises:
@@ -62,12 +62,12 @@ def read(file: Path) -> Experiment:
     except LoadError as error:
         raise ExperimentError(str(error)) from error
     try:
-        return decode(text, file.name.removesuffix(SUFFIX))
+        return decode_experiment(text, file.name.removesuffix(SUFFIX))
     except ExperimentError as error:
         raise ExperimentError(f"{file}: {error.message}", error.help) from error
 
 
-def decode(text: str, name: str) -> Experiment:
+def decode_experiment(text: str, name: str) -> Experiment:
     """An experiment from TOML text.
 
     Raises:

@@ -17,7 +17,7 @@ import msgspec
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.errors import Error
-from rapc.experiments.config import PointConfig, code_of, resolved, world_options
+from rapc.experiments.config import PointConfig, digest_of_code, resolved, world_options
 from rapc.experiments.draws import drawn
 from rapc.experiments.measures import Measures, Tally, figures_of, tasks_told
 from rapc.library.loader import load_sources
@@ -78,7 +78,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
     """
     config = resolved(config, drawn(config.draws, seed))
     world_class = registry.find_world(config.world)
-    if code_of(world_class) != config.code:
+    if digest_of_code(world_class) != config.code:
         raise OtherCode("the worker has another version of rapc or of the world")
     options = world_options(world_class, config.options)
     world = registry.build_world(world_class, seed, options)
@@ -92,7 +92,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
     for task in tasks:
         interpreter.submit(task)
     reason = interpreter.run(until=config.until)
-    given = [str(task.goal[0]) for task in counted(tasks, config.counted)]
+    given = [str(task.goal[0]) for task in counted_tasks(tasks, config.counted)]
     told = tasks_told(given, interpreter.results())
     ends = [task.outcome for task in told]
     completed, given_up = ends.count("succeeded"), ends.count("failed")
@@ -115,7 +115,9 @@ def measure(config: PointConfig, seed: int) -> Measures:
     )
 
 
-def counted(tasks: Sequence[TaskRequest], raps: Sequence[str]) -> list[TaskRequest]:
+def counted_tasks(
+    tasks: Sequence[TaskRequest], raps: Sequence[str]
+) -> list[TaskRequest]:
     """The tasks that are counted: those of some RAPs, or all in the foreground."""
     return [
         task

@@ -17,7 +17,7 @@ def declared(kind: type, field: str) -> str:
 
 
 @cache
-def words_of(text: str) -> frozenset[str]:
+def names_in_type(text: str) -> frozenset[str]:
     """Return the names in a type as it is written."""
     return frozenset(_WORD.findall(text))
 
@@ -27,7 +27,7 @@ def _children(kind: type[nodes.Node]) -> tuple[str, ...]:
     return tuple(
         field
         for field in kind.__struct_fields__
-        if _NODES & words_of(declared(kind, field)) and field not in _PAIRS
+        if _NODES & names_in_type(declared(kind, field)) and field not in _PAIRS
     )
 
 

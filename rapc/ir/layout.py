@@ -16,7 +16,7 @@ from wadler_lindig import AbstractDoc, BreakDoc, NestDoc, TextDoc, join, pformat
 from rapc.ir import nodes
 from rapc.ir.printer import trees
 from rapc.language.grammar import RULES
-from rapc.language.heads import FORMS, heads, rules_by_head, words
+from rapc.language.heads import FORMS, heads, rules_by_head, words_of_shape
 from rapc.language.shapes import Shape, is_list, is_rule, leaves
 
 WIDTH = 88
@@ -209,13 +209,13 @@ def _first_words(shape: Shape) -> set[str]:
     if isinstance(shape, str):
         return set()
     inner = [word for part in shape[1:] for word in _first_words(part)]
-    return {*inner, *(words(shape[1]) if shape[0] == "seq" else ())}
+    return {*inner, *(words_of_shape(shape[1]) if shape[0] == "seq" else ())}
 
 
 _ALONE = frozenset(
     word
     for shape in RULES.values()
-    for word in set(words(shape)) - _first_words(shape)
+    for word in set(words_of_shape(shape)) - _first_words(shape)
     if word.startswith(":")
 )
 """Words with a colon that have no value."""

@@ -29,19 +29,20 @@ class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False, array_like
         if type(self) is not type(other):
             return NotImplemented
         return all(
-            getattr(self, name) == getattr(other, name) for name in compared(type(self))
+            getattr(self, name) == getattr(other, name)
+            for name in compared_fields(type(self))
         )
 
     def __ne__(self, other: object) -> bool:
         return not self == other
 
     def __hash__(self) -> int:
-        values = [getattr(self, name) for name in compared(type(self))]
+        values = [getattr(self, name) for name in compared_fields(type(self))]
         return hash((type(self).__name__, *values))
 
 
 @cache
-def compared(kind: type[Node]) -> tuple[str, ...]:
+def compared_fields(kind: type[Node]) -> tuple[str, ...]:
     """Return the fields of a kind of node that make two nodes equal."""
     return tuple([f for f in kind.__struct_fields__ if not f.endswith("span")])
 

@@ -14,7 +14,7 @@ from typing import Any
 import msgspec
 
 from rapc.ir import nodes
-from rapc.ir.fields import declared, words_of
+from rapc.ir.fields import declared, names_in_type
 
 
 class Operands(msgspec.Struct, frozen=True):
@@ -54,7 +54,8 @@ def _fields(kind: type[nodes.Node]) -> tuple[tuple[str, ...], ...]:
     """The fields of a kind of formula for each field of `Operands`."""
     said = {
         field: {
-            _ROLES[word] for word in words_of(declared(kind, field)) & _ROLES.keys()
+            _ROLES[word]
+            for word in names_in_type(declared(kind, field)) & _ROLES.keys()
         }
         for field in kind.__struct_fields__
     }

@@ -9,7 +9,7 @@ from rapc.language.grammar import RULES
 from rapc.language.shapes import Shape, is_list, is_rule, is_word, leaves
 
 
-def words(shape: Shape) -> tuple[str, ...]:
+def words_of_shape(shape: Shape) -> tuple[str, ...]:
     """The words in a shape, without their quotes; rules are not entered."""
     return tuple([leaf[1:-1] for leaf in leaves(shape) if is_word(leaf)])
 
@@ -25,13 +25,13 @@ def heads(rule: str) -> tuple[str, ...]:
 
 def _heads(shape: Shape) -> tuple[str, ...]:
     if is_word(shape):
-        return words(shape)
+        return words_of_shape(shape)
     if isinstance(shape, str):
         return _heads(RULES[shape]) if is_rule(shape) else ()
     if shape[0] in ("list", "seq"):
         first = shape[1]
         named = first[0] == "or" and any(map(is_word, first[1:]))
-        return words(first) if is_word(first) or named else ()
+        return words_of_shape(first) if is_word(first) or named else ()
     if shape[0] == "or":
         return tuple(dict.fromkeys(h for part in shape[1:] for h in _heads(part)))
     return _heads(shape[1])

@@ -64,7 +64,7 @@ def spelling(rule: str) -> str:
     return _spelt(RULES[rule])
 
 
-def table(group: str) -> str:
+def forms_table(group: str) -> str:
     """Return a table of the lists in a group of the grammar, as the pages have them.
 
     Those that may stand several times beside others that stand once are marked *.

@@ -20,7 +20,7 @@ from rapc.base.files import (
     files_at,
     fold_line_ends,
     identity_of,
-    named,
+    path_named,
     read_standard_input,
     read_text,
 )
@@ -98,7 +98,7 @@ def load(
         elif path in reading.texts:
             reading.add_first(reading.source(path))
         else:
-            reading.read_all(files_at(named(path), tests))
+            reading.read_all(files_at(path_named(path), tests))
     return reading.finish()
 
 
@@ -137,7 +137,7 @@ def read_tests(
         if texts is not None and path in texts:
             yield SourceFile(path, texts[path])
             continue
-        whole = named(path)
+        whole = path_named(path)
         for file in files_at(whole, tests=True):
             if file != whole and not file.name.endswith(TEST_SUFFIX):
                 continue

@@ -137,7 +137,7 @@ class RapSignatures(Mapping[str, Signature]):
 # --- from declarations ----------------------------------------------------------------
 
 
-def plain(
+def plain_signature(
     kind: Kind,
     form: nodes.DeclareProposition
     | nodes.DeclareDatum

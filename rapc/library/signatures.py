@@ -32,7 +32,7 @@ from rapc.library.signature import (
     of_primitive,
     of_property,
     of_query,
-    plain,
+    plain_signature,
 )
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ class Signatures:
         """
         predicates = {
             **{
-                n: plain("proposition", form)
+                n: plain_signature("proposition", form)
                 for n, form in library.propositions.items()
             },
             **{n: of_property(form) for n, form in library.properties.items()},
@@ -142,9 +142,12 @@ class Signatures:
             RapSignatures(library.raps) if raps is None else raps,
             predicates,
             {n: of_primitive(form) for n, form in library.primitives.items()},
-            {n: plain("sensor datum", form) for n, form in library.data.items()},
-            {n: plain("skill", form) for n, form in library.skills.items()},
-            {n: plain("event", form) for n, form in library.events.items()},
+            {
+                n: plain_signature("sensor datum", form)
+                for n, form in library.data.items()
+            },
+            {n: plain_signature("skill", form) for n, form in library.skills.items()},
+            {n: plain_signature("event", form) for n, form in library.events.items()},
             Kinds(library.kinds),
         )
 

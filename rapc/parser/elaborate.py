@@ -24,7 +24,7 @@ import msgspec
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.language.grammar import RULES
-from rapc.language.heads import heads, rules_by_head, words
+from rapc.language.heads import heads, rules_by_head, words_of_shape
 from rapc.language.misfits import MISFITS
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
@@ -144,7 +144,7 @@ class GrammarReaders(dict[str, Read]):
         """The reader of whatever stands where a value of a shape is wanted."""
         if shape[0] == "list":
             return self._inner(rule, shape)
-        if words(shape) == _TRUTHS:
+        if words_of_shape(shape) == _TRUTHS:
             return _truth(rule)
         return _wanted(rule, shape, self.part(shape))
 

@@ -21,8 +21,8 @@ from rapc.runtime.authors import (
     SKILLED,
     Named,
     is_fact,
-    misfits,
-    wrong,
+    wrong_arities,
+    wrong_type,
 )
 from rapc.world import Skilled, World
 
@@ -107,7 +107,9 @@ def misfitting(program: Program, world: World, code: Mapping[str, Named]) -> lis
     found = [
         line
         for name, given in methods.items()
-        for line in misfits(f"the world `{world.name}`:", {name: port[name]}, given)
+        for line in wrong_arities(
+            f"the world `{world.name}`:", {name: port[name]}, given
+        )
     ]
     counts = (
         ("the handler of", 3),
@@ -116,16 +118,16 @@ def misfitting(program: Program, world: World, code: Mapping[str, Named]) -> lis
         ("the comparator", 2),
     )
     for what, given in counts:
-        found += misfits(what, code[what], given)
+        found += wrong_arities(what, code[what], given)
     functions, library = code["the function"], program.library
     for declared in library.functions.values():
         if declared.name in functions and declared.args is not None:
             one = {declared.name: functions[declared.name]}
-            found += misfits("the function", one, 1 + len(declared.args))
+            found += wrong_arities("the function", one, 1 + len(declared.args))
     for prop in library.properties.values():
         if prop.default in functions and prop.default not in library.functions:
             one = {prop.default: functions[prop.default]}
-            found += misfits("the default function", one, 2)
+            found += wrong_arities("the default function", one, 2)
     return list(dict.fromkeys(found))
 
 
@@ -165,10 +167,10 @@ def _untellable(
     told: set[str] = set()
     facts = world.facts()
     if not isinstance(facts, Iterable):
-        raise wrong(world, "facts", "what the robot knows at first", facts)
+        raise wrong_type(world, "facts", "what the robot knows at first", facts)
     for fact in facts:
         if not is_fact(fact):
-            raise wrong(world, "facts", "a first fact", fact)
+            raise wrong_type(world, "facts", "a first fact", fact)
         name = str(fact[0])
         fault = signatures.fault("asserted", name, len(fact) - 1)
         if fault is None or name in told:

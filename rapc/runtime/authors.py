@@ -45,7 +45,7 @@ SKILLED = {"activate": 3, "deactivate": 1}
 # --- beforehand -----------------------------------------------------------------------
 
 
-def misfits(what: str, code: Named, given: int) -> Iterator[str]:
+def wrong_arities(what: str, code: Named, given: int) -> Iterator[str]:
     """Yield a line for each callable that does not take the `given` arguments.
 
     Args:
@@ -154,7 +154,7 @@ def _method(world: World, call: str) -> str:
     return f"`{call}`{place_of(getattr(behind, call))}"
 
 
-def wrong(world: World, call: str, what: str, value: object) -> PortError:
+def wrong_type(world: World, call: str, what: str, value: object) -> PortError:
     """Return what to raise for a `value` of the wrong type from an author's code.
 
     Args:

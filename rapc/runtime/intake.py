@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rapc.runtime.acts.primitives import handle, named, take_reply
-from rapc.runtime.authors import breach, wrong
+from rapc.runtime.acts.primitives import handle, take_reply, with_memory_names
+from rapc.runtime.authors import breach, wrong_type
 from rapc.runtime.events.events import DataReceived
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.activations import Activation
@@ -27,7 +27,7 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
     others: list[Message] = []
     gone = tuple(machine.state.activations.off)
     if not isinstance(messages, tuple | list):
-        raise wrong(machine.world, "messages", "what `messages` returns", messages)
+        raise wrong_type(machine.world, "messages", "what `messages` returns", messages)
     for message in messages:
         if isinstance(message, Finished):
             finish(machine, message.ticket, message.reply)
@@ -42,7 +42,9 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
             if machine.recorder.on:
                 machine.recorder.emit(DataReceived, data=fact)
         elif isinstance(message, Signal):
-            signal(machine, named(machine, message.content), message.tickets)
+            signal(
+                machine, with_memory_names(machine, message.content), message.tickets
+            )
     if gone:
         machine.state.activations.forget(gone)
 

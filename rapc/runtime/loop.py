@@ -11,7 +11,7 @@ from __future__ import annotations
 import heapq
 
 from rapc.base.values import number
-from rapc.runtime.authors import is_time, wrong
+from rapc.runtime.authors import is_time, wrong_type
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.port import next_in_the_past, no_time_passed, stopped_for_nothing
@@ -104,7 +104,7 @@ class Loop:
         ended = machine.world.ended()
         if ended is not None:
             if not isinstance(ended, str):
-                raise wrong(machine.world, "ended", "the end", ended)
+                raise wrong_type(machine.world, "ended", "the end", ended)
             return "world"
         if not (state.foreground or state.expected or machine.host_timers):
             return "done"
@@ -213,7 +213,7 @@ class Loop:
         machine = self._machine
         times = [machine.monitors.next_time(), machine.world.next_time()]
         if times[1] not in (None, NOT_KNOWN) and not is_time(times[1]):
-            raise wrong(machine.world, "next_time", "the next time", times[1])
+            raise wrong_type(machine.world, "next_time", "the next time", times[1])
         if times[1] is not None and times[1] < machine.recorder.time:
             raise next_in_the_past(machine.world, times[1], machine.recorder.time)
         if machine.state.scheduled:

@@ -15,7 +15,7 @@ from typing import Any
 
 from rapc.base.values import Atom, format_atom, number
 from rapc.compiler.program import Program
-from rapc.runtime.authors import breach, is_time, wrong
+from rapc.runtime.authors import breach, is_time, wrong_type
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
 from rapc.runtime.monitors.monitors import Monitors
@@ -135,7 +135,7 @@ class Machine:
         """Return a time as the trace has it: a whole one as an integer."""
         if isinstance(now, float) and is_time(now):
             return number(now)
-        raise wrong(self.world, "now", "the time", now)
+        raise wrong_type(self.world, "now", "the time", now)
 
     def run_host_timers(self) -> None:
         """Do what the host wants done by now, in the order of its times."""

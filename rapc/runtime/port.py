@@ -23,7 +23,7 @@ from rapc.runtime.authors import (
     is_fact,
     is_reply,
     is_signal,
-    wrong,
+    wrong_type,
 )
 from rapc.world import (
     Datum,
@@ -90,7 +90,7 @@ class Port:
                 raise self._breach(sent, none)
             return None
         if not is_reply(reply):
-            raise wrong(
+            raise wrong_type(
                 self._world, "perform", f"the reply to {format_list(sent)}", reply
             )
         assert isinstance(reply, Reply)
@@ -104,7 +104,7 @@ class Port:
             PortError: if not.
         """
         if not is_reply(reply):
-            raise wrong(self._world, "messages", "the end of a request", reply)
+            raise wrong_type(self._world, "messages", "the end of a request", reply)
         assert isinstance(reply, Reply)
         self._check_content("messages", asked, reply)
 
@@ -161,7 +161,7 @@ class Port:
         elif isinstance(message, Signal) and is_signal(message):
             self._check_fact("event", message.content, "messages")
         elif not isinstance(message, Finished):
-            raise wrong(self._world, "messages", "a message", message)
+            raise wrong_type(self._world, "messages", "a message", message)
 
     def check_signal(self, content: Fact) -> None:
         """See that a host may send the signal `content`.

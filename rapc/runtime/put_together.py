@@ -12,7 +12,7 @@ from functools import partial
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.runtime.admission import misfitting, refusals, refuse_other_world
-from rapc.runtime.authors import Named, blame, is_time, wrong
+from rapc.runtime.authors import Named, blame, is_time, wrong_type
 from rapc.runtime.host_query import HandlerQuestions
 from rapc.runtime.machine import Machine
 from rapc.runtime.settings import Settings
@@ -70,7 +70,7 @@ def put_together(
     functions, comparators = code["the function"], code["the comparator"]
     try:
         if not is_time(now := world.now()):
-            raise wrong(world, "now", "the time", now)
+            raise wrong_type(world, "now", "the time", now)
         machine = Machine(
             library,
             world,

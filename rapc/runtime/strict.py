@@ -18,7 +18,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.code_places import place_of
-from rapc.base.values import Atom, Fact, format_list, match
+from rapc.base.values import Atom, Fact, format_list, match_pattern
 from rapc.errors import PortError
 from rapc.ir import nodes
 from rapc.runtime.host_query import HostQuery
@@ -210,7 +210,7 @@ class _Held:
         for change in noting.made:
             fact = now_called(change.fact)
             if not any(
-                not effect.negated and match(pattern, fact) is not None
+                not effect.negated and match_pattern(pattern, fact) is not None
                 for effect, pattern in patterns
             ):
                 told = format_list(fact)
@@ -260,7 +260,9 @@ class _Held:
     def _matching(self, pattern: Fact) -> Fact | None:
         """Return the oldest fact in memory that matches `pattern`."""
         facts = self._machine.memory.facts.starting((pattern[0],))
-        return next((fact for fact in facts if match(pattern, fact) is not None), None)
+        return next(
+            (fact for fact in facts if match_pattern(pattern, fact) is not None), None
+        )
 
     def _holds(self, effect: nodes.DeclaredEffect, given: Mapping[str, Atom]) -> bool:
         """Whether the fact of an effect holds, as a clause would ask it."""
@@ -278,10 +280,10 @@ def _takes(
     effect: nodes.DeclaredEffect, pattern: Fact, fact: Fact, is_property: bool
 ) -> bool:
     """Whether an effect says that `fact` may go, as a property's old value may."""
-    if (effect.negated or effect.possible) and match(pattern, fact) is not None:
+    if (effect.negated or effect.possible) and match_pattern(pattern, fact) is not None:
         return True
     replaced = is_property and not effect.negated
-    return replaced and match(pattern[:-1], fact[:-1]) is not None
+    return replaced and match_pattern(pattern[:-1], fact[:-1]) is not None
 
 
 def hold_handlers(machine: Machine) -> None:

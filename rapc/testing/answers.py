@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rapc.base.values import Atom, Fact, format_list, match
+from rapc.base.values import Atom, Fact, format_list, match_pattern
 from rapc.errors import Error
 from rapc.ir import nodes
 from rapc.testing.patterns import atom
@@ -49,7 +49,7 @@ def _function(name: str, table: Sequence[tuple[Fact, Atom]]) -> Callable[..., An
         args = given[0] if len(given) == 1 and isinstance(given[0], tuple) else given
         question = (name, *args)
         for pattern, value in table:
-            if match(pattern, question) is not None:
+            if match_pattern(pattern, question) is not None:
                 return value
         raise UnansweredQuestion(question)
 

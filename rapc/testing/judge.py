@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.base.values import Fact, format_atom, format_list, match
+from rapc.base.values import Fact, format_atom, format_list, match_pattern
 from rapc.ir import nodes, walk
 from rapc.runtime.events import events
 from rapc.runtime.events.report import cause_lines
@@ -71,7 +71,7 @@ def _succeeds(node: nodes.Succeeds, scene: Evidence) -> Happened | None:
     wanted = (*flat(node.goal), *[atom(out) for out in node.outputs])
     for task in found:
         values = (*task.inputs, *task.outputs) if node.outputs else task.inputs
-        if task.ended == "succeeded" and match(wanted, values) is not None:
+        if task.ended == "succeeded" and match_pattern(wanted, values) is not None:
             return None
     return _tasks(node.goal, scene, found)
 
@@ -83,7 +83,7 @@ def _fails(node: nodes.Fails, scene: Evidence) -> Happened | None:
         wanted = (*wanted, atom(node.result))
     for task in found:
         values = task.inputs if node.result is None else (*task.inputs, task.result)
-        if task.ended == "failed" and match(wanted, values) is not None:
+        if task.ended == "failed" and match_pattern(wanted, values) is not None:
             return None
     return _tasks(node.goal, scene, found)
 
@@ -139,7 +139,7 @@ def _primitives(node: nodes.Primitives, scene: Evidence) -> Happened | None:
     done, wanted = _requests(scene), node.requests
     same = 0
     for pattern, request in zip(wanted, done, strict=False):
-        if match(flat(pattern), request) is None:
+        if match_pattern(flat(pattern), request) is None:
             break
         same += 1
     if same == len(done) == len(wanted):
@@ -171,7 +171,7 @@ def _include(node: nodes.PrimitivesInclude, scene: Evidence) -> Happened | None:
     rest = iter(_requests(scene))
     for at, pattern in enumerate(node.requests):
         wanted = flat(pattern)
-        if not any(match(wanted, request) is not None for request in rest):
+        if not any(match_pattern(wanted, request) is not None for request in rest):
             after = " after those before it" if at else ""
             return (
                 f"{_written(wanted)} did not come{after}; all requests:",
@@ -182,7 +182,7 @@ def _include(node: nodes.PrimitivesInclude, scene: Evidence) -> Happened | None:
 
 def _never(node: nodes.Never, scene: Evidence) -> Happened | None:
     for request, event in scene.record.requests:
-        if match(flat(node.request), request) is not None:
+        if match_pattern(flat(node.request), request) is not None:
             task = scene.record.tasks[event.task]
             how = "enabled" if isinstance(event, events.SkillEnabled) else "requested"
             return (

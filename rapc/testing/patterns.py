@@ -78,7 +78,7 @@ def atom(term: nodes.Term) -> Atom:
 
 def goal_matches(goal: nodes.Goal, inputs: Fact) -> bool:
     """Whether the RAP and its inputs match; variables match anything."""
-    return values.match(flat(goal), inputs) is not None
+    return values.match_pattern(flat(goal), inputs) is not None
 
 
 # --- events ------------------------------------------------------------------------

@@ -16,7 +16,7 @@ import msgspec
 
 from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.base.code_places import place_of
-from rapc.base.values import Fact, format_list, is_variable, match, number
+from rapc.base.values import Fact, format_list, is_variable, match_pattern, number
 from rapc.errors import PortError
 from rapc.library.signatures import Signatures
 from rapc.world import (
@@ -58,7 +58,7 @@ class InjectedFault(msgspec.Struct, frozen=True):
     def concerns(self, request: Fact, now: Time) -> bool:
         """Whether a request made, or a signal sent, now may be hit."""
         on_time = self.start <= now and (self.stop is None or now <= self.stop)
-        return on_time and match(self.request, request) is not None
+        return on_time and match_pattern(self.request, request) is not None
 
 
 def problem(

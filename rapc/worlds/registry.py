@@ -17,7 +17,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from rapc.base.code_places import place_of_error, said_by
-from rapc.base.files import named, read_text
+from rapc.base.files import path_named, read_text
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
 from rapc.errors import LoadError, WorldError
@@ -218,7 +218,7 @@ def _wrong_kind(world: type[World], option: Option, value: str) -> WorldError:
 
 def _file(path: str) -> str:
     try:
-        return read_text(named(path))
+        return read_text(path_named(path))
     except LoadError as error:
         raise WorldError(str(error)) from error
 

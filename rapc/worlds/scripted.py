@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import msgspec
 
-from rapc.base.values import Bindings, Fact, format_list, match, number
+from rapc.base.values import Bindings, Fact, format_list, match_pattern, number
 from rapc.errors import Error
 from rapc.world import (
     Finished,
@@ -227,7 +227,7 @@ class ScriptedWorld(World):
             for row, used in rows
             if row.kind == "request"
             and used != row.times
-            and match(row.pattern, request) is not None
+            and match_pattern(row.pattern, request) is not None
         )
         return next(answers, 0)
 
@@ -302,7 +302,7 @@ class ScriptedWorld(World):
         for index, row in enumerate(self._rows):
             if row.kind != kind or used[index] == row.times:
                 continue
-            bound = match(row.pattern, asked)
+            bound = match_pattern(row.pattern, asked)
             if bound is not None:
                 return index, bound
         return None

@@ -80,7 +80,7 @@ def _report(text: str) -> CheckReport:
 
 def _lines(text: str, width: int) -> list[str]:
     stream = io.StringIO()
-    render.write(render.full(_report(text), width), stream, color=False)
+    render.write_lines(render.full(_report(text), width), stream, color=False)
     return stream.getvalue().split("\n")
 
 

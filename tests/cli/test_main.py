@@ -195,7 +195,7 @@ def test_full_disk_is_no_fault_of_rapc(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.setattr("rapc.cli.main._drop", lambda stream: None)
-    monkeypatch.setattr("rapc.console.findings.write", _full)
+    monkeypatch.setattr("rapc.console.findings.write_lines", _full)
     (tmp_path / "odd.rap").write_text("(define-rup (a))")
     with pytest.raises(SystemExit) as ended:
         main.main(["check", str(tmp_path)])

@@ -14,7 +14,7 @@ from rapc.library.loader import load
 from rapc.testing.contract.trials import try_world
 from rapc.world import Finished, Reply, Signal
 from rapc.worlds.courier import CourierWorld
-from rapc.worlds.courier.building import ROOMS, passed, way
+from rapc.worlds.courier.building import ROOMS, passed, way_to_room
 from tests.courier.shifts import COURIER
 
 STILL: Mapping[str, Atom | bool] = {
@@ -100,11 +100,11 @@ def test_a_drive_that_is_cancelled_ends_where_it_has_got_to() -> None:
 
 def test_the_way_is_as_long_in_pieces_as_at_once() -> None:
     for room in ROOMS:
-        whole = way(11, 2, room)
+        whole = way_to_room(11, 2, room)
         for gone in range(whole):
             along, depth = passed(11, 2, room, gone)
             if gone <= 2 or depth == 0:
-                assert gone + way(along, depth, room) == whole
+                assert gone + way_to_room(along, depth, room) == whole
 
 
 def test_a_blocked_door_leaves_the_robot_before_it() -> None:

@@ -55,7 +55,7 @@ def test_facts_that_were_given_are_given_again(tmp_path: Path) -> None:
 
 def test_facts_that_a_program_gave_are_told_too(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
-    recorded.write(truck(facts=["(truck-fuel 3)"]), trace)
+    recorded.write_trace(truck(facts=["(truck-fuel 3)"]), trace)
     assert recorded.beginnings(trace).facts == ("(truck-fuel 3)",)
 
 
@@ -74,7 +74,7 @@ def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     other = truck(seed=8)
     other.go()
-    recorded.write(other, trace)
+    recorded.write_trace(other, trace)
     shell = truck_shell()
     shell.answer(":run")
     text = said(shell, f":diff {trace}", width=200)
@@ -213,7 +213,7 @@ def test_a_trace_that_makes_no_sense_is_not_looked_at(
     line: str, why: str, tmp_path: Path
 ) -> None:
     trace = tmp_path / "run.jsonl"
-    recorded.write(truck(), trace)
+    recorded.write_trace(truck(), trace)
     first = trace.read_text().splitlines()[0]
     trace.write_text(f"{first}\n{line}\n")
     with pytest.raises(LoadError, match=why):

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import rapc
-from rapc.console.testing.explain import lines
+from rapc.console.testing.explain import failure_lines
 from rapc.testing.discover import find
 from rapc.testing.run import Case, Status, run_case
 
@@ -65,5 +65,5 @@ def test_tests_hold_whatever_chance_does(case: Case) -> None:
     for seed in SEEDS:
         outcome = run_case(case, seed)
         assert outcome.status is Status.PASSED, "\n".join(
-            line.text for line in lines(outcome)
+            line.text for line in failure_lines(outcome)
         )

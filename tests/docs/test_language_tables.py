@@ -12,7 +12,7 @@ import pytest
 
 from rapc.language.grammar import RULES
 from rapc.language.heads import rules_by_head
-from rapc.language.spelling import OPERANDS, table
+from rapc.language.spelling import OPERANDS, forms_table
 from rapc.language.words import WORDS
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -27,7 +27,7 @@ _TABLE = re.compile(r"(<!-- (\w+) -->\n).*?(<!-- end -->)", re.S)
 
 
 def _written(text: str) -> str:
-    return _TABLE.sub(lambda found: found[1] + table(found[2]) + found[3], text)
+    return _TABLE.sub(lambda found: found[1] + forms_table(found[2]) + found[3], text)
 
 
 @pytest.mark.parametrize("page", PAGES)

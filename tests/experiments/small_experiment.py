@@ -70,7 +70,7 @@ def session(
     text: str = TRUCK, parts: Sequence[str] = (), seeds: int | None = None
 ) -> Batch:
     """A session for the text of an experiment that lies in the checkout."""
-    made: Experiment = reading.decode(text, "truck")
+    made: Experiment = reading.decode_experiment(text, "truck")
     return Batch(made, CHECKOUT, checked, parts, seeds)
 
 

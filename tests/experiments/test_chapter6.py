@@ -13,8 +13,8 @@ from .small_experiment import checked
 
 
 def chapter6() -> Batch:
-    file = reading.find("chapter6")
-    made = reading.read(file)
+    file = reading.experiment_file("chapter6")
+    made = reading.read_experiment(file)
     return Batch(made, file.parent, checked)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from rapc.experiments import definition, reading
 from rapc.experiments.definition import ExperimentError
-from rapc.experiments.reading import decode
+from rapc.experiments.reading import decode_experiment
 
 from .small_experiment import LIBRARY, TRUCK, session
 
@@ -26,7 +26,7 @@ def changed(old: str, new: str) -> str:
 
 
 def test_what_is_not_said_has_its_default() -> None:
-    made = decode(changed("seeds = 5\n", ""), "name")
+    made = decode_experiment(changed("seeds = 5\n", ""), "name")
     assert (made.name, made.seeds, made.time_limit) == ("name", 30, 120)
     assert made.part[2] == definition.Series("usual")
 
@@ -237,16 +237,16 @@ def test_parts_are_found_by_name() -> None:
 
 def test_files_are_found_by_name(tmp_path: Path) -> None:
     with pytest.raises(ExperimentError) as caught:
-        reading.find("chapter")
+        reading.experiment_file("chapter")
     assert caught.value.message == "there is no experiment `chapter`"
     file = tmp_path / "my.toml"
-    assert reading.find(str(file)) == file
+    assert reading.experiment_file(str(file)) == file
     with pytest.raises(ExperimentError) as caught:
-        reading.read(file)
+        reading.read_experiment(file)
     assert caught.value.message == f"cannot read `{file}`: no such file or directory"
     file.write_bytes(b"\xff")
     with pytest.raises(ExperimentError) as caught:
-        reading.read(file)
+        reading.read_experiment(file)
     assert caught.value.message == f"`{file}` is not UTF-8: byte 0xff in line 1"
     file.write_text(TRUCK)
-    assert reading.read(file).name == "my"
+    assert reading.read_experiment(file).name == "my"

@@ -186,7 +186,7 @@ def test_plots_are_the_same_bytes_each_time(drops: PartSummary, tmp_path: Path) 
     other = summary(STILL, WILD, part=Series("more", vary="truck.fuel", values=(0, 1)))
     drawn = []
     for name in ("one", "two"):
-        files = plots.draw([drops, other], tmp_path / name)
+        files = plots.draw_plot([drops, other], tmp_path / name)
         assert [file.suffix for file in files] == [".svg", ".png"]
         drawn.append([file.read_bytes() for file in files])
     assert drawn[0] == drawn[1]
@@ -200,7 +200,7 @@ def test_bounds_told_in_words_are_drawn_as_bars(tmp_path: Path) -> None:
         Reference("T", {}, (0,)), bounds={"completed": ((0, 1.0, 2.0),)}
     )
     part = msgspec.structs.replace(PART, reference=reference)
-    svg, _ = plots.draw([summary(STILL, WILD, part=part)], tmp_path / "bounds")
+    svg, _ = plots.draw_plot([summary(STILL, WILD, part=part)], tmp_path / "bounds")
     assert "T, as told" in svg.read_text()
 
 
@@ -208,7 +208,7 @@ def test_what_nothing_can_go_below_is_a_line_and_no_comparison(tmp_path: Path) -
     figures = {"completed": (9, 9), "time": (10, 10)}
     least = Reference("least", figures, (0, 40), least=True)
     drawn = summary(STILL, WILD, part=msgspec.structs.replace(PART, reference=least))
-    svg, _ = plots.draw([drawn], tmp_path / "least")
+    svg, _ = plots.draw_plot([drawn], tmp_path / "least")
     assert "drops: least<" in svg.read_text().replace(" --", "<")
     assert "stroke-dasharray" in svg.read_text()
     told = [cell for row in grid(drawn).rows for cell in row]
@@ -219,7 +219,7 @@ def test_what_nothing_can_go_below_is_a_line_and_no_comparison(tmp_path: Path) -
 
 def test_a_plot_of_nothing_with_an_odd_title(tmp_path: Path) -> None:
     part = msgspec.structs.replace(PART, title="$\\nothing_ \n " + "\u4eba" * 200)
-    svg, png = plots.draw([summary([], [], part=part)], tmp_path / "nothing")
+    svg, png = plots.draw_plot([summary([], [], part=part)], tmp_path / "nothing")
     assert svg.read_text().startswith("<?xml")
     assert png.read_bytes().startswith(b"\x89PNG")
 
@@ -231,7 +231,7 @@ def _of_skills(name: str, folder: Path) -> str:
     drawn = summary(runs, runs)
     if name == "nothing":
         drawn = made(drawn, counted=())
-    svg, _ = plots.draw([drawn], folder / name)
+    svg, _ = plots.draw_plot([drawn], folder / name)
     return svg.read_text()
 
 
@@ -254,7 +254,7 @@ def test_values_that_are_no_numbers_stand_side_by_side(tmp_path: Path) -> None:
     named = [point.__replace__(value=bool(n)) for n, point in enumerate(points)]
     found = {point.digest: dict(enumerate(STILL)) for point in named}
     made = summarize(part, "", named, found.__getitem__, 4)
-    svg, _ = plots.draw([made], tmp_path / "way")
+    svg, _ = plots.draw_plot([made], tmp_path / "way")
     text = svg.read_text()
     assert "<!-- false -->" in text
     assert "<!-- true -->" in text

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.runtime.memory.recognition import departure as leaving
-from rapc.runtime.memory.recognition.scoring import plain
+from rapc.runtime.memory.recognition.scoring import default_comparator
 from rapc.runtime.memory.recognition.sets import Description, ExpectationSet
 from tests.effort import examples
 
@@ -33,7 +33,7 @@ def _set(rows: Rows, layers: int) -> ExpectationSet:
 
 def _sizes(of: ExpectationSet, item: Description) -> tuple[int, int] | None:
     """The size of the smallest collection, and of what leaves; by trying all."""
-    served, found = leaving.collect(of, item, plain())
+    served, found = leaving.collect(of, item, default_comparator())
     groups = [set(group) for _, grouped in found for group in grouped]
     members = sorted(set().union(*groups), key=lambda d: d.number)
     for size in range(len(members) + 1):
@@ -56,7 +56,7 @@ def test_the_collection_is_the_smallest_and_the_fewest_leave(rows: Rows) -> None
     of = _set(rows, 3)
     item = Description(99, "item-99", "s", "drum")
     expected = _sizes(of, item)
-    served, found = leaving.collect(of, item, plain())
+    served, found = leaving.collect(of, item, default_comparator())
     chosen = leaving.smallest(served, found)
     if chosen is None:
         assert expected is None
@@ -68,7 +68,9 @@ def test_the_collection_is_the_smallest_and_the_fewest_leave(rows: Rows) -> None
 def test_many_groups_are_hit_greedily_and_each_layer_loses_one() -> None:
     rows = [(number + 1, 1 << number % 2) for number in range(40)]
     of = _set(rows, 2)
-    served, found = leaving.collect(of, Description(99, "i", "s", "drum"), plain())
+    served, found = leaving.collect(
+        of, Description(99, "i", "s", "drum"), default_comparator()
+    )
     chosen = leaving.smallest(served, found)
     assert chosen is not None
     assert len(chosen.members) == 40

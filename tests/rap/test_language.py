@@ -16,7 +16,7 @@ import pytest
 
 from rapc.analysis.driver import check_library
 from rapc.analysis.suite import rules
-from rapc.console.testing.explain import lines
+from rapc.console.testing.explain import failure_lines
 from rapc.library.loader import load_text
 from rapc.testing.discover import find
 from rapc.testing.run import Status, run_case
@@ -125,7 +125,7 @@ def test_the_tests_pass_whatever_the_seed(file: Path) -> None:
         for seed in SEEDS:
             outcome = run_case(case, seed, modules=["tests.rap.language_world"])
             assert outcome.status is Status.PASSED, "\n".join(
-                line.text for line in lines(outcome)
+                line.text for line in failure_lines(outcome)
             )
 
 

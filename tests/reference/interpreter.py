@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, cast
 
-from rapc.base.values import Atom, Fact, match, number
+from rapc.base.values import Atom, Fact, match_pattern, number
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.runtime.events import events
@@ -71,7 +71,10 @@ class Reference:
     def cancel(self, goal: Fact) -> None:
         """Cancel every live top-level task that a goal matches."""
         for task in self._run.given:
-            if task.live and match(goal, (task.rap.name, *task.args)) is not None:
+            if (
+                task.live
+                and match_pattern(goal, (task.rap.name, *task.args)) is not None
+            ):
                 remove(self._run, task, "cancelled")
 
     def take_up(self, agenda: str) -> Iterator[TaskRequest]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import rapc
-from rapc.console.show.beliefs import believed_contents, words
+from rapc.console.show.beliefs import believed_contents, contents_in_words
 from rapc.console.show.canvas import folded
 from rapc.console.show.frame import Activity, draw_frame
 from rapc.library.loader import load_text
@@ -156,7 +156,7 @@ def test_what_goes_by_two_descriptions_is_counted_once(memory: MemoryBench) -> N
     ],
 )
 def test_contents_in_words(contents: dict[tuple[str, str], int], said: str) -> None:
-    assert words(Counter(contents)) == said
+    assert contents_in_words(Counter(contents)) == said
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def test_a_test_with_its_own_seed_runs_once(tmp_path: Path) -> None:
     session = TestSession(range(20, 25))
     outcome = session.run_one(found["it"])
     assert outcome.seed == 7
-    assert explain.title(outcome) == "it (seed 7)"
+    assert explain.test_title(outcome) == "it (seed 7)"
     free = cases(tmp_path, LIBRARY + "(define-test it (expect (memory nil)))")
     assert session.run_one(free["it"]).seed == 20
 
@@ -240,7 +240,7 @@ def test_that_only_background_tasks_were_left_is_told(
     assert ended.note == (
         "the test was over at time 0: only background tasks were left"
     )
-    assert any(ended.note in line.text for line in explain.lines(ended))
+    assert any(ended.note in line.text for line in explain.failure_lines(ended))
 
 
 def test_nothing_is_told_of_background_tasks_where_they_made_no_end(

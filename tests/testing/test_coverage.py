@@ -12,7 +12,7 @@ import pytest
 from rapc.console.testing.coverage_table import (
     Share,
     as_json,
-    counted,
+    share_in_all,
     table,
     verdict,
 )
@@ -194,7 +194,7 @@ def test_queries_agendas_and_constraints_are_counted(tmp_path: Path) -> None:
 
 def test_how_much_is_covered_in_all(tmp_path: Path) -> None:
     files = _more(tmp_path)
-    assert counted(files) == Share(10, 12)
+    assert share_in_all(files) == Share(10, 12)
     assert verdict(files, 83) == (False, "coverage: 83.3 % (10 of 12)")
     assert verdict(files, 84) == (
         True,

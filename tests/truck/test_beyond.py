@@ -97,7 +97,7 @@ def test_who_minds_the_mud_arrives_and_who_does_not_is_stuck() -> None:
 
 
 def test_the_experiment_sets_both_ways_to_the_same_worlds() -> None:
-    made = reading.read(reading.find("rounds"))
+    made = reading.read_experiment(reading.experiment_file("rounds"))
     parts = {part.name: part for part in made.part}
     for mine, theirs in (
         ("still", "orders-still"),

@@ -156,7 +156,9 @@ def test_trace_2_comes_about(seed: int) -> None:
 def calibrated() -> TruckSettings:
     """The world that is calibrated on T's tables."""
     file = EXAMPLES / "experiments" / "calibrated.toml"
-    return read_settings({**reading.read(file).set["truck"], "map": Text("")})
+    return read_settings(
+        {**reading.read_experiment(file).set["truck"], "map": Text("")}
+    )
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from rapc.analysis.driver import check_library
 from rapc.analysis.index import Index
 from rapc.base.files import TEST_SUFFIX
-from rapc.console.testing.explain import lines
+from rapc.console.testing.explain import failure_lines
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.library.loader import load
@@ -41,7 +41,7 @@ def covered(file: str) -> Coverage:
         for seed in SEEDS:
             outcome = run_case(case, seed, coverage=coverage)
             assert outcome.status is Status.PASSED, "\n".join(
-                line.text for line in lines(outcome)
+                line.text for line in failure_lines(outcome)
             )
     return coverage
 

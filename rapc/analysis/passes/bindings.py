@@ -18,7 +18,7 @@ import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import BindingWalker, Bound, Findings
-from rapc.analysis.named_bindings import arguments
+from rapc.analysis.named_bindings import query_arguments
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
 from rapc.ir import nodes
 
@@ -60,7 +60,7 @@ def _run(run: Pass) -> Bindings:
         elif type(form) is nodes.EventRule:
             _rules(walk, form.rules, Bound(None, _names(form.args)))
         elif type(form) is nodes.DefineQuery:
-            walk.walker.formula(form.formula, Bound(None, arguments(form)))
+            walk.walker.formula(form.formula, Bound(None, query_arguments(form)))
             walk.note("query")
         elif isinstance(form, nodes.DeclarePrimitive | nodes.DeclareSkill):
             _things(walk, form.uses, _declared(form), ":uses")

@@ -15,7 +15,7 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, sort_of
 from rapc.analysis.close_names import Close, is_row
-from rapc.analysis.file_census import FormKey, compared, key_of
+from rapc.analysis.file_census import FormKey, compared_constants, form_key
 from rapc.analysis.index import INDEX, Form
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
@@ -154,12 +154,12 @@ def _run(run: Pass) -> Mapping[tuple[int, str], FormKey]:
         if isinstance(one.form, nodes.DefineTest):
             continue
         if not known.fits(one):
-            unmarked[id(one.form), f"?{one.const.value}"] = key_of(one.form)
+            unmarked[id(one.form), f"?{one.const.value}"] = form_key(one.form)
         if id(one.form) in told or not known.fits(one):
             continue
         found = _misspelt(run, known, one) or _mixed(known, one) or _foreign(known, one)
         if found is not None:
-            unmarked[id(one.form), f"?{one.const.value}"] = key_of(one.form)
+            unmarked[id(one.form), f"?{one.const.value}"] = form_key(one.form)
             run.report(found)
             if found.rule == MIXED.name:
                 run.watch(one.form)  # the finding tells how many others there are
@@ -184,7 +184,7 @@ def _standing(run: Pass, kinds: PlaceKinds) -> Iterator[_Standing]:
         if isinstance(one.term, nodes.Const):
             yield _made(one.term, one.form, (one.place,), kinds)
     for test in run.result(INDEX).of(nodes.Compare):
-        for const, other in compared(test.node):
+        for const, other in compared_constants(test.node):
             there = tuple(dict.fromkeys(places.of(test.owner, other.name)))
             yield _made(const, test.owner, there, kinds)
 
@@ -274,7 +274,7 @@ class _Known:
         if forms is None:
             every = self.census.standing(one.written)
             forms = self._forms[one.written] = Counter([found.form for found in every])
-        return forms[key_of(one.form)]
+        return forms[form_key(one.form)]
 
     def _own_values(self, run: Pass, name: str) -> Sequence[Atom]:
         form = run.library.kinds.get(name)

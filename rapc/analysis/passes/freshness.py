@@ -15,7 +15,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, Census
 from rapc.analysis.file_census import CONDITIONS
 from rapc.analysis.index import INDEX
-from rapc.analysis.literals import number
+from rapc.analysis.literals import number_of
 from rapc.analysis.passes.standing import is_described
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
@@ -73,13 +73,13 @@ class _Sensed(msgspec.Struct, frozen=True):
 def _run(run: Pass) -> None:
     library = run.library
     believed = [
-        one for one in run.result(INDEX).of(nodes.Believe) if number(one.node.age)
+        one for one in run.result(INDEX).of(nodes.Believe) if number_of(one.node.age)
     ]
     if not believed or not run.complete or not is_described(library):
         return
     sensing = _Sensing(library, run.result(CENSUS))
     for part in _told(run):
-        found, age = sensing.of(part.pattern.name), number(part.age)
+        found, age = sensing.of(part.pattern.name), number_of(part.age)
         if found is not None and age is not None and 0 < age < found.every:
             run.report(_finding(part, age, found))
 

@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.first_values import FirstValues
 from rapc.analysis.index import INDEX
-from rapc.analysis.literals import literals, number
+from rapc.analysis.literals import literals, number_of
 from rapc.analysis.passes.resources import ANALYZER as RESOURCES
-from rapc.analysis.resource_flow import Flow, flows, whole
+from rapc.analysis.resource_flow import Flow, flows, overall_use
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 
@@ -90,7 +90,7 @@ def _run(run: Pass) -> None:
             if (id(rap), resource.variable.name) in wrong:
                 continue
             own = every[id(rap), resource.variable.name]
-            for finding in _judge(resource, whole(own, every, run.library), rap):
+            for finding in _judge(resource, overall_use(own, every, run.library), rap):
                 run.report(finding)
 
 
@@ -195,7 +195,7 @@ def _wanted(goal: nodes.Formula | None, name: str, first: FirstValues) -> int:
             (test.left, test.right, 1),
             (test.right, test.left, -1),
         ):
-            if _is_value(one, name) and number(other) is not None:
+            if _is_value(one, name) and number_of(other) is not None:
                 return sign * _SIGNS.get(test.op, 0)
     return 0
 
@@ -212,7 +212,7 @@ def _is_value(term: nodes.Term, name: str) -> bool:
 
 def _way(change: nodes.ResourceChange) -> int:
     """Which way a change moves a counter; 0 if its amount is not known."""
-    amount = number(change.amount)
+    amount = number_of(change.amount)
     if amount is None or amount <= 0:
         return 0
     return 1 if change.op == "counter-add" else -1

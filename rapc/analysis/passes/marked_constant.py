@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, Census, Found, sort_of
-from rapc.analysis.file_census import FormKey, key_of
+from rapc.analysis.file_census import FormKey, form_key
 from rapc.analysis.index import INDEX, Form, Occurrence
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.bindings import BINDINGS
@@ -76,7 +76,7 @@ def _run(run: Pass) -> None:
         wanted = kinds.of((place,))
         others = list(_others(census, kinds, variable.name[1:], place))
         others = [o for o in others if (o.form, variable.name) not in unmarked]
-        if _are_sure(others, key_of(owner)):
+        if _are_sure(others, form_key(owner)):
             run.report(_finding(variable, others[0].span))
         elif any(_lists(run, kind, variable.name[1:]) for kind in wanted):
             run.report(_finding(variable, None))

@@ -6,7 +6,7 @@ from collections.abc import Container
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
-from rapc.analysis.literals import holds_between, number
+from rapc.analysis.literals import holds_between, number_of
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import Number
 from rapc.ir import nodes
@@ -92,7 +92,7 @@ def _is_age_and_word(
         isinstance(one, nodes.Var)
         and (form, one.name) in ages
         and isinstance(other, nodes.Const)
-        and number(other) is None
+        and number_of(other) is None
         for one, other in ((test.left, test.right), (test.right, test.left))
     )
 
@@ -102,15 +102,15 @@ def _apart(term: nodes.Term) -> tuple[nodes.Term | None, Number]:
 
     A number alone is nothing and that number.
     """
-    alone = number(term)
+    alone = number_of(term)
     if alone is not None:
         return None, alone
     if isinstance(term, nodes.Call) and term.function in _ADDING:
         left, right = term.args[0], term.args[-1]
-        added = number(right)
+        added = number_of(right)
         if added is not None:
             return left, added if term.function == "+" else -added
-        added = number(left)
+        added = number_of(left)
         if added is not None and term.function == "+":
             return right, added
     return term, 0

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, Census
-from rapc.analysis.file_census import MOST_PLACES, key_of
+from rapc.analysis.file_census import MOST_PLACES, form_key
 from rapc.analysis.index import INDEX, Form, NameUse
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.places import PLACES, SPACES, Place, Places
@@ -102,7 +102,7 @@ class _Links:
 
         More than `_OFTEN` are not counted.
         """
-        most, key = 0, key_of(form)
+        most, key = 0, form_key(form)
         for point in points:
             if isinstance(point, str):
                 count = self._census.beside_elsewhere(point, place, key)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.endless import is_never
 from rapc.analysis.index import INDEX
-from rapc.analysis.literals import number
+from rapc.analysis.literals import number_of
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -110,7 +110,7 @@ def _run(run: Pass) -> None:
         for found in _monitor(timed.node, rap):
             run.report(found)
     for believe in index.of(nodes.Believe):
-        age = number(believe.node.age)
+        age = number_of(believe.node.age)
         if age is not None and age <= 0:
             run.report(
                 Diagnostic(
@@ -132,14 +132,14 @@ ANALYZER = Analyzer(
 
 
 def _window(run: Pass, window: nodes.Window, step: nodes.Step) -> Iterator[Diagnostic]:
-    start, stop = number(window.start), number(window.stop)
+    start, stop = number_of(window.start), number_of(window.stop)
     if start is None or stop is None:
         return
     if start > stop:
         yield _turned_round(window, start, stop)
         return
     rap = run.library.raps.get(step.goal.name)
-    takes = number(rap.duration) if rap is not None else None
+    takes = number_of(rap.duration) if rap is not None else None
     if rap is not None and takes is not None and start + takes > stop:
         assert rap.duration is not None
         yield Diagnostic(
@@ -169,7 +169,7 @@ def _turned_round(
 
 
 def _monitor(timed: nodes.MonitorTime, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
-    start, stop = number(timed.start), number(timed.stop)
+    start, stop = number_of(timed.start), number_of(timed.stop)
     if start is not None and stop is not None and start > stop:
         yield _turned_round(timed, start, stop)
     waits = rap.monitor_state is not None or timed.reference != "now"

@@ -15,7 +15,7 @@ import msgspec
 from rapc.compiler.query.code import FunctionWriter
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.compiler.query.term_code import (
-    arguments,
+    argument_code,
     bound_value,
     fault,
     known_value,
@@ -72,7 +72,7 @@ def pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
         _fact(fn, relation, formula, formula)
     elif formula.name in fn.code.signatures.functions:
         fn.code.note(formula, AccessPath.TEST)
-        args = arguments(fn, formula.args)
+        args = argument_code(fn, formula.args)
         if args is not None:
             listed = "".join(f"{a}, " for a in args)
             held = registered(fn, formula.name, listed, "holds({})")

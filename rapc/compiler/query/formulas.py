@@ -18,7 +18,7 @@ from rapc.base.values import is_number
 from rapc.compiler.query import facts, named
 from rapc.compiler.query.code import MAX_LOOPS, FunctionWriter, ResultMode
 from rapc.compiler.query.plan_steps import AccessPath
-from rapc.compiler.query.term_code import arguments, attempt, known_value, match
+from rapc.compiler.query.term_code import argument_code, attempt, known_value, match
 from rapc.compiler.watches import Watch, of_age, of_call, of_proposition, of_resources
 from rapc.ir import nodes
 from rapc.ir.fields import CHILDREN
@@ -55,7 +55,7 @@ def solve(
 def write(fn: FunctionWriter, formula: nodes.Formula) -> None:
     """Append the code of a formula; what follows runs once for each solution."""
     unsure = fn.maybe and type(formula) not in _CONNECTIVES
-    if unsure and not fn.maybe.isdisjoint(variables(formula)):
+    if unsure and not fn.maybe.isdisjoint(variables_in_order(formula)):
         _in_either_case(fn, formula)
         return
     query = named.query_of(fn.code.signatures, formula)
@@ -65,7 +65,7 @@ def write(fn: FunctionWriter, formula: nodes.Formula) -> None:
         _KINDS[type(formula)].write(fn, formula)
 
 
-def variables(formula: nodes.Formula) -> tuple[str, ...]:
+def variables_in_order(formula: nodes.Formula) -> tuple[str, ...]:
     """The named variables a formula could bind or uses, in the order of the text."""
     found: dict[str, None] = {}
     _gather(formula, found)
@@ -125,7 +125,7 @@ def _through(
     if not branches:
         fn.line(fn.skip)
         return
-    needed = [name for branch in branches for name in variables(branch)]
+    needed = [name for branch in branches for name in variables_in_order(branch)]
     inner = fn.child(prefix, needed, ResultMode.EACH)
     writers = [inner.child(prefix, inner.parameters, ResultMode.EACH) for _ in branches]
     fn.code.depth += len(branches) > 1
@@ -145,7 +145,7 @@ def _in_either_case(fn: FunctionWriter, formula: nodes.Formula) -> None:
 
     Writing it here for each case would take two to the number of such variables.
     """
-    names = variables(formula)
+    names = variables_in_order(formula)
     fn.code.note(formula, AccessPath.LATER)
     fn.code.counts = True
     known = fn.bound | fn.maybe
@@ -204,7 +204,7 @@ def _export(writer: FunctionWriter, exports: Sequence[str]) -> None:
 
 def _not(fn: FunctionWriter, formula: nodes.Not) -> None:
     fn.code.note(formula, AccessPath.NEITHER)
-    inner = fn.child("no", variables(formula.part), ResultMode.ANY)
+    inner = fn.child("no", variables_in_order(formula.part), ResultMode.ANY)
     fn.code.depth += 1
     solve(inner, formula.part, lambda _: "True")
     fn.code.depth -= 1
@@ -216,7 +216,7 @@ def _not(fn: FunctionWriter, formula: nodes.Not) -> None:
 
 def _compare(fn: FunctionWriter, formula: nodes.Compare) -> None:
     fn.code.note(formula, AccessPath.TEST)
-    args = arguments(fn, (formula.left, formula.right))
+    args = argument_code(fn, (formula.left, formula.right))
     if args is None:
         return
     left, right = args
@@ -235,7 +235,7 @@ def _compare(fn: FunctionWriter, formula: nodes.Compare) -> None:
 
 def _set_test(fn: FunctionWriter, formula: nodes.SetTest) -> None:
     fn.code.note(formula, AccessPath.TEST)
-    args = arguments(fn, formula.args)
+    args = argument_code(fn, formula.args)
     if args is None:
         return
     members = attempt(fn, f"set_members({args[0]})")
@@ -248,12 +248,12 @@ def _set_test(fn: FunctionWriter, formula: nodes.SetTest) -> None:
 def _history(fn: FunctionWriter, formula: nodes.HistoryTest) -> None:
     fn.code.note(formula, AccessPath.TEST)
     if formula.query == "method-tried":
-        args = arguments(fn, formula.args)
+        args = argument_code(fn, formula.args)
         if args is not None:
             fn.skip_unless(f"ctx.method_tried({args[0]})")
         return
     *key, wanted = formula.args
-    known = arguments(fn, key)
+    known = argument_code(fn, key)
     if known is None:
         return
     asked = f"ctx.last_result({', '.join(known)})"
@@ -280,7 +280,7 @@ def _sensor_name(fn: FunctionWriter, formula: nodes.SensorName) -> None:
 
 def _count(fn: FunctionWriter, formula: nodes.Count) -> None:
     fn.code.note(formula, AccessPath.TEST)
-    args = arguments(fn, (formula.kind, formula.place))
+    args = argument_code(fn, (formula.kind, formula.place))
     if args is None:
         return
     size = fn.code.fresh("t")

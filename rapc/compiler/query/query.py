@@ -140,7 +140,7 @@ class Query:
     ) -> None:
         self.formula = formula
         self.where = where
-        self.variables = formulas.variables(formula)
+        self.variables = formulas.variables_in_order(formula)
         self._signatures = signatures
         self._is_whole = is_whole
         self._beginnings: tuple[QueryPrefix, ...] | None = None
@@ -195,7 +195,7 @@ class Query:
     @staticmethod
     def names(formula: nodes.Formula) -> tuple[str, ...]:
         """Return the named variables of a formula, in the order of the text."""
-        return formulas.variables(formula)
+        return formulas.variables_in_order(formula)
 
     def variant(
         self, inputs: tuple[str, ...], mode: ResultMode, by_place: bool = False

@@ -48,7 +48,7 @@ def bound_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
     return None
 
 
-def arguments(fn: FunctionWriter, args: Sequence[nodes.Term]) -> list[str] | None:
+def argument_code(fn: FunctionWriter, args: Sequence[nodes.Term]) -> list[str] | None:
     """Expressions for terms that must be bound; None as `bound_value`."""
     found = []
     for arg in args:
@@ -60,7 +60,7 @@ def arguments(fn: FunctionWriter, args: Sequence[nodes.Term]) -> list[str] | Non
 
 
 def _computed(fn: FunctionWriter, term: nodes.Call) -> str:
-    args = arguments(fn, term.args)
+    args = argument_code(fn, term.args)
     if args is None:
         return "UNBOUND"
     listed = "".join(f"{a}, " for a in args)

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from rapc.console.experiments.tables import (
     grid,
-    lines,
     markdown,
+    part_title,
     remarks,
     rest,
     show,
+    table_lines,
     tasks,
-    title,
 )
 from rapc.console.experiments.textplot import plot
 from rapc.console.lines import Kind, Line
@@ -32,8 +32,8 @@ COMMANDS = "commands.txt"
 
 def as_text(summary: PartSummary, width: int) -> Iterator[Line]:
     """A part for a terminal of so many columns: table, remarks and plot."""
-    yield from _wrapped("title", title(summary.part), width)
-    yield from lines(grid(summary), width)
+    yield from _wrapped("title", part_title(summary.part), width)
+    yield from table_lines(grid(summary), width)
     for remark in remarks(summary):
         yield from _wrapped("text", remark, width)
     if summary.part.vary is not None:
@@ -50,12 +50,12 @@ def write_tables(
     """Write the tables of parts as Markdown, with plots for those that were drawn."""
     text = [f"## {heading}"]
     for summary in summaries:
-        text += ["", f"### {title(summary.part)}", "", *markdown(grid(summary))]
+        text += ["", f"### {part_title(summary.part)}", "", *markdown(grid(summary))]
         text += ["", *markdown(rest(summary))]
         for remark in remarks(summary, None):
             text += ["", remark]
         if summary.part.name in drawn:
-            text += ["", f"![{title(summary.part)}]({summary.part.name}.svg)"]
+            text += ["", f"![{part_title(summary.part)}]({summary.part.name}.svg)"]
     file.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
@@ -63,7 +63,7 @@ def write_tasks(heading: str, summaries: Iterable[PartSummary], file: Path) -> N
     """Write as Markdown when the tasks of each point came and were completed."""
     text = [f"## {heading}"]
     for summary in summaries:
-        text += ["", f"### {title(summary.part)}"]
+        text += ["", f"### {part_title(summary.part)}"]
         for row in summary.rows:
             if row.value is not None:
                 _, _, name = (summary.part.vary or "").partition(".")

@@ -44,7 +44,7 @@ _CROSSES = {"effector": "x", "sensor": "+", "failed": "*"}
 """The marks of others' figures in that panel."""
 
 
-def draw(drawn: Sequence[PartSummary], file: Path) -> tuple[Path, Path]:
+def draw_plot(drawn: Sequence[PartSummary], file: Path) -> tuple[Path, Path]:
     """Draw parts that vary the same into one plot, the first one's name for title.
 
     Above is the time for each task completed, then how many were completed, below the

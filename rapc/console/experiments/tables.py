@@ -33,7 +33,7 @@ def heading(part: Series) -> str:
     return " ".join(part.title.split()) or f"Part {part.name}"
 
 
-def title(part: Series) -> str:
+def part_title(part: Series) -> str:
     """Return what a part is called, and by which name it is asked for."""
     return f"{heading(part)} (part `{part.name}`)" if part.title else heading(part)
 
@@ -155,7 +155,7 @@ def tasks(row: PointSummary) -> Grid:
     return Grid(head, tuple(rows))
 
 
-def lines(made: Grid, width: int) -> Iterator[Line]:
+def table_lines(made: Grid, width: int) -> Iterator[Line]:
     """The table for a width in columns: the first column comes with all others."""
     widths = [
         max(len(cell) for cell in column)

@@ -70,7 +70,7 @@ def _outermost(place: Atom, places: Mapping[Atom, Atom]) -> Atom:
     return place
 
 
-def words(contents: Contents) -> str:
+def contents_in_words(contents: Contents) -> str:
     """Contents in words: `2 red+blue rock, fuel-drum`; `nothing` if there are none."""
     by_kind: dict[tuple[str, bool], list[str]] = {}
     for (kind, look), count in sorted(contents.items()):

@@ -13,7 +13,12 @@ import msgspec
 from rich.text import Text
 
 from rapc.base.values import format_atom
-from rapc.console.show.beliefs import Contents, believed_contents, true_contents, words
+from rapc.console.show.beliefs import (
+    Contents,
+    believed_contents,
+    contents_in_words,
+    true_contents,
+)
 from rapc.console.show.canvas import Canvas, fit, folded
 from rapc.console.show.plan import draw_plan, legend
 from rapc.runtime.memory.view import MemoryView
@@ -68,7 +73,10 @@ class _SpotView(msgspec.Struct, frozen=True):
         """Return how belief compares with truth, and the style for that."""
         if self.right:
             return "=", _RIGHT
-        return f"≠ {words(self.believed)}", _WRONG if self.believed else _UNKNOWN
+        return (
+            f"≠ {contents_in_words(self.believed)}",
+            _WRONG if self.believed else _UNKNOWN,
+        )
 
 
 def draw_frame(
@@ -179,7 +187,7 @@ def _place(
         canvas.write(column + len(name), row, note)
     if not sight.empty:
         belief, style = sight.belief()
-        for text, drawn in ((words(sight.true), _TRUE), (belief, style)):
+        for text, drawn in ((contents_in_words(sight.true), _TRUE), (belief, style)):
             for line in folded(text, room - 2, lines):
                 row += 1
                 canvas.write(column + 2, row, line, drawn)
@@ -209,7 +217,7 @@ def _row(sight: _SpotView, name: str) -> Text:
         line.append(f" ({sight.spot.note})")
     if not sight.empty:
         belief, style = sight.belief()
-        line.append(f": {words(sight.true)} ", _TRUE).append(belief, style)
+        line.append(f": {contents_in_words(sight.true)} ", _TRUE).append(belief, style)
     return line
 
 
@@ -228,7 +236,10 @@ def _aboard(sights: Sequence[_SpotView], width: int) -> Iterator[Text]:
 
 def _elsewhere(believed: Mapping[str, Contents]) -> Iterator[Text]:
     """Yield what is believed to be where nothing of the kind is drawn."""
-    found = [f"{words(contents)} at {place}" for place, contents in believed.items()]
+    found = [
+        f"{contents_in_words(contents)} at {place}"
+        for place, contents in believed.items()
+    ]
     line = Text().append("elsewhere", _PLACE)
     yield line.append(f": {', '.join(found)}") if found else line
 

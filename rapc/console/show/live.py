@@ -20,7 +20,7 @@ from rich.live import Live
 from rich.text import Text
 
 from rapc.base.values import format_list
-from rapc.console.findings import write
+from rapc.console.findings import write_lines
 from rapc.console.show.frame import Activity, draw_frame
 from rapc.runtime.events.events import (
     Event,
@@ -96,7 +96,7 @@ class LiveView:
         if self._live is not None:
             self._live.stop()
         if kind is None:
-            write(self._last, self._stream, color=self._color)
+            write_lines(self._last, self._stream, color=self._color)
 
     def __call__(self, event: Event) -> None:
         """Take note of an event, and draw if it is the end of a request."""
@@ -145,7 +145,7 @@ class LiveView:
         self._frames += 1
         if self._live is None:
             if self._every and self._frames % self._every == 0:
-                write([*self._frame(), Text()], self._stream, color=self._color)
+                write_lines([*self._frame(), Text()], self._stream, color=self._color)
             return
         frame = Group(*self._frame())
         time.sleep(max(self._next - time.monotonic(), 0))

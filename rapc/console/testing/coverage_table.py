@@ -92,7 +92,7 @@ def _counts(file: FileCoverage) -> Iterator[tuple[str, int | None]]:
             yield "agenda_tasks_given", task.given
 
 
-def counted(files: Iterable[FileCoverage]) -> Share:
+def share_in_all(files: Iterable[FileCoverage]) -> Share:
     """Return how much was exercised of all that a test should show."""
     found = shares(files)
     parts = [found[column] for column in _COUNTED]
@@ -107,7 +107,7 @@ def per_cent(share: Share) -> str:
 
 def verdict(files: Sequence[FileCoverage], least: float) -> tuple[bool, str]:
     """Return whether less is covered than `least` per cent, and a line that says so."""
-    share = counted(files)
+    share = share_in_all(files)
     short = share.covered * 100 < least * share.of
     more = f", less than the {least:g} % that are asked for" if short else ""
     return short, f"coverage: {per_cent(share)}{more}"

@@ -14,14 +14,14 @@ from rapc.testing.run import Outcome, Status, Unmet
 _MOST_ROWS = 8
 
 
-def title(outcome: Outcome) -> str:
+def test_title(outcome: Outcome) -> str:
     """The test's name, with the seed that it does not pass under unless that is 0."""
     told = outcome.seed and outcome.status is not Status.PASSED
     seed = f" (seed {outcome.seed})" if told else ""
     return f"{outcome.case.test.name}{seed}"
 
 
-def lines(outcome: Outcome) -> Iterator[Line]:
+def failure_lines(outcome: Outcome) -> Iterator[Line]:
     """All there is to say about a test that did not pass."""
     wrong = outcome.status is Status.ERROR
     files = outcome.case.library.library.files

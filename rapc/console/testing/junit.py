@@ -43,5 +43,8 @@ def _case(suite: ElementTree.Element, outcome: Outcome) -> None:
     kind = "error" if outcome.status is Status.ERROR else "failure"
     message = outcome.failures[0].happened[0]
     told = ElementTree.SubElement(case, kind, {"message": legal(message)})
-    lines = (explain.title(outcome), *(line.text for line in explain.lines(outcome)))
+    lines = (
+        explain.test_title(outcome),
+        *(line.text for line in explain.failure_lines(outcome)),
+    )
     told.text = legal("\n".join(lines))

@@ -67,7 +67,9 @@ class RapTest(pytest.Item):
         """Return what `rapc test` would say of it."""
         if not isinstance(excinfo.value, RapTestFailure):
             return super().repr_failure(excinfo, style)
-        return "\n".join(line.text for line in explain.lines(excinfo.value.outcome))
+        return "\n".join(
+            line.text for line in explain.failure_lines(excinfo.value.outcome)
+        )
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """The file, the row of the test from 0, and its name."""

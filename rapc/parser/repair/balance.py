@@ -40,7 +40,7 @@ class Repair(msgspec.Struct, frozen=True):
 
 def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
     """The likeliest way to make tokens balance."""
-    fewest = plain(tokens)
+    fewest = plain_repair(tokens)
     if not fewest.edits:
         return fewest
     guided = _Guided(source, tokens)
@@ -50,7 +50,7 @@ def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
     return meant
 
 
-def plain(tokens: Sequence[Token]) -> Repair:
+def plain_repair(tokens: Sequence[Token]) -> Repair:
     """The repair that looks at nothing but the parentheses."""
     stack: list[int] = []
     drops: list[tuple[int, int | None]] = []

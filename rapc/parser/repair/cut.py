@@ -29,7 +29,7 @@ from rapc.parser.lexicon import (
     Token,
 )
 from rapc.parser.repair.balance import Repair, balance
-from rapc.parser.repair.messages import findings
+from rapc.parser.repair.messages import repair_findings
 from rapc.parser.syntax import Datum, List, String
 
 CUT = STRING + 100
@@ -199,7 +199,7 @@ def _data(log: ReadLog, segment: Segment) -> list[Datum]:
     if lost is not None:
         log.report(lost)
     elif not log.full:
-        for found in findings(log.source, code, repair, segment.end):
+        for found in repair_findings(log.source, code, repair, segment.end):
             log.report(found)
     for kind, start, end in segment.tokens:
         if kind in (COMMENT, BLOCK):

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.source import SourceFile
 from rapc.parser.lexicon import CLOSE, OPEN, Token
-from rapc.parser.repair.balance import Repair, plain
+from rapc.parser.repair.balance import Repair, plain_repair
 
 
-def findings(
+def repair_findings(
     source: SourceFile, tokens: Sequence[Token], repair: Repair, end: int
 ) -> Iterator[Diagnostic]:
     """Return the message on a repair; the next form begins at the offset `end`."""
@@ -77,7 +77,7 @@ def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Dia
         closed = "is closed before it" if opener is None else "is closed too early"
         text = f"{_words(source, tokens, before)} {closed}"
         labels.append(Label(source.span(start, start + 1), text))
-    unmatched = plain(tokens).drops
+    unmatched = plain_repair(tokens).drops
     if unmatched and unmatched[0][0] != at:
         _, start, stop = tokens[unmatched[0][0]]
         labels.append(Label(source.span(start, stop), "noticed here"))

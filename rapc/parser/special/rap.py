@@ -12,7 +12,7 @@ from rapc.base.diagnostics import Fix
 from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.grammar import RULES
-from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, often, words
+from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, often, words_of_shape
 from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import ANY_CLAUSE, Context, head_of
 from rapc.parser.elaborate import made
@@ -178,7 +178,7 @@ def monitor_time(ctx: Context, clause: Datum) -> nodes.MonitorTime | None:
     return nodes.MonitorTime(reference, start, stop, ctx.span(clause))
 
 
-_CLOCKS = words(RULES["monitor_time"])[1:]
+_CLOCKS = words_of_shape(RULES["monitor_time"])[1:]
 
 
 def resources(ctx: Context, clause: Datum) -> tuple[nodes.Resource, ...]:

@@ -136,7 +136,9 @@ def _why_not(shell: Shell, args: Arguments) -> ShownAnswer:
     has ended is asked about as it stood before its last cycle.
     """  # noqa: E501  # the help has it in one sentence
     if args.peek().startswith("("):
-        return say(*clause.lines(why_not.why_not_query(shell.session, args.word(""))))
+        return say(
+            *clause.clause_in_lines(why_not.why_not_query(shell.session, args.word("")))
+        )
     answer = why_not.why_not(shell.session, shell.task(args))
     if args:
         return say(*_one_method(answer, args.word("a method")))
@@ -148,13 +150,13 @@ def _one_method(answer: TaskAnswer, name: str) -> Iterator[str]:
     asked = [one for one in answer.clauses if one.clause.split()[0] == name]
     if asked:
         for one in asked:
-            yield from clause.lines(one)
+            yield from clause.clause_in_lines(one)
         return
     method = why_not.named_method(answer, name)
     if method.context is None:
         yield f"method {name}: {_method(method)}"
         return
-    yield from clause.lines(method.context)
+    yield from clause.clause_in_lines(method.context)
     rest = _method(method).partition("; ")[2]
     if rest:
         yield f"  {rest}"

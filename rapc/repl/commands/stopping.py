@@ -169,7 +169,7 @@ def _record(shell: Shell, args: Arguments) -> ShownAnswer:
     `rapc repl run.jsonl` opens it again.
     """
     path = Path(args.word("a file"))
-    count = recorded.write(shell.session, path)
+    count = recorded.write_trace(shell.session, path)
     done = len(shell.session.branch.acts)
     notes = ["what was done by hand is not in it"] if done else []
     return say(f"{plural(count, 'event')} in {path}", *notes)

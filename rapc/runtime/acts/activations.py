@@ -11,7 +11,7 @@ from rapc.base.values import Fact
 from rapc.compiler.activation import ActivationPlan
 from rapc.compiler.compiler import RequestPlan
 from rapc.runtime.acts.primitives import cancel, filled_in, ground, sensed
-from rapc.runtime.authors import is_refusal, wrong
+from rapc.runtime.authors import is_refusal, wrong_type
 from rapc.runtime.events.events import RequestRefused, SkillDisabled, SkillEnabled
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.activations import Activation
@@ -59,7 +59,7 @@ def _refused(
     """Tell that the world has refused an activation; return what it said."""
     if not is_refusal(answer):
         what = "the answer to an activation"
-        raise wrong(machine.world, "activate", what, answer)
+        raise wrong_type(machine.world, "activate", what, answer)
     if machine.recorder.on:
         for skill, named in zip(skills, sent, strict=True):
             machine.recorder.emit(

@@ -198,7 +198,7 @@ def take_reply(
             task=task.number if task is not None else None,
             request=machine.memory.canonical(asked),
             result=result,
-            data=tuple([named(machine, datum) for datum in reply.data]),
+            data=tuple([with_memory_names(machine, datum) for datum in reply.data]),
         )
     if task is None or task.run is None:
         return None
@@ -207,7 +207,7 @@ def take_reply(
     return result
 
 
-def named(machine: Machine, content: Fact) -> Fact:
+def with_memory_names(machine: Machine, content: Fact) -> Fact:
     """Return a datum, or a signal, with memory names for known sensor names."""
     name_of = machine.memory.items.name_of
     name, *parts = content
@@ -216,6 +216,6 @@ def named(machine: Machine, content: Fact) -> Fact:
 
 def handle(machine: Machine, content: Fact) -> Fact:
     """Hand the datum `content` to its handler; return it in memory names."""
-    fact = named(machine, content)
+    fact = with_memory_names(machine, content)
     machine.handlers.data[str(content[0])](machine.access, fact)
     return fact

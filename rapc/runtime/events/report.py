@@ -96,15 +96,15 @@ class RunReport:
 def cause_lines(cause: events.Cause | None) -> Iterator[str]:
     """Say why something failed, one line for each link down to the first cause."""
     while cause is not None:
-        yield f"because of {one_line(cause)}"
+        yield f"because of {cause_in_a_line(cause)}"
         for method in cause.methods:
-            yield f"  {one_line(method)}"
+            yield f"  {cause_in_a_line(method)}"
         if cause.skipped:
             yield f"... and so on, {cause.skipped} further down"
         cause = cause.because
 
 
-def one_line(cause: events.Cause) -> str:
+def cause_in_a_line(cause: events.Cause) -> str:
     """Return a cause on one line, without what it came from."""
     at = f" at {cause.place}" if cause.place else ""
     said = cause.part

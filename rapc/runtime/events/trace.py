@@ -15,7 +15,7 @@ import msgspec
 
 from rapc.base.values import Fact, format_atom, format_list
 from rapc.runtime.events import events
-from rapc.runtime.events.report import one_line
+from rapc.runtime.events.report import cause_in_a_line
 from rapc.world import Time
 
 
@@ -232,7 +232,7 @@ def _failed(event: Any) -> str:
 def _short(cause: events.Cause) -> str:
     """Return a cause on one line, with its file but not with the folders of that."""
     file = cause.place.replace("\\", "/").rpartition("/")[2]
-    return one_line(msgspec.structs.replace(cause, place=file))
+    return cause_in_a_line(msgspec.structs.replace(cause, place=file))
 
 
 def _run_started(event: Any) -> str:

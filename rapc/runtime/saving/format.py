@@ -63,10 +63,10 @@ def decode(saved: bytes) -> RunRecord:
     try:
         return _decoder().decode(body)
     except (msgspec.MsgspecError, RecursionError) as error:
-        raise wrong(error) from error
+        raise not_a_run(error) from error
 
 
-def wrong(error: Exception) -> StateError:
+def not_a_run(error: Exception) -> StateError:
     """Return the error for a saved run that says what no run can have left."""
     return StateError(f"the saved run holds what no run leaves: {error}")
 

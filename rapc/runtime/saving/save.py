@@ -13,7 +13,7 @@ from rapc.errors import StateError
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.saving.capture import capture
-from rapc.runtime.saving.format import decode, digest, encode, wrong
+from rapc.runtime.saving.format import decode, digest, encode, not_a_run
 from rapc.runtime.saving.rebuild import Rebuilt, WrongRecordError
 from rapc.runtime.saving.records import RunRecord
 from rapc.runtime.state.task import MethodRun
@@ -54,7 +54,7 @@ def restore(machine: Machine, saved: bytes) -> int:
     try:
         rebuilt = Rebuilt(machine, record)
     except WrongRecordError as error:
-        raise wrong(error) from error
+        raise not_a_run(error) from error
     before, noted = memory_saving.capture(machine.parts), _noted(machine)
     try:
         memory_saving.restore(machine.parts, record.memory)
@@ -63,7 +63,7 @@ def restore(machine: Machine, saved: bytes) -> int:
         memory_saving.restore(machine.parts, before)
         for run, facts in noted:
             run.notations = machine.memory.notations.of(facts)
-        raise wrong(error) from error
+        raise not_a_run(error) from error
     rebuilt.install()
     machine.broken = False
     return record.seed

@@ -45,10 +45,10 @@ def of_inputs(machine: Machine, task: Task) -> Cause | None:
     unbound = [format_term(term) for term, value in values if value is None]
     return Cause(
         clause=f"inputs of step `{step.node.tag}` of `{run.task.plan.name}`",
-        place=place_of(machine, step.node.span),
+        place=file_and_line(machine, step.node.span),
         part=format_goal(step.node.goal),
         note=f"{', '.join(unbound)} not bound",
-        bindings=told_of(run.env, names_in(step.node.goal.args)),
+        bindings=told_of(run.env, variables_in(step.node.goal.args)),
     )
 
 
@@ -63,10 +63,10 @@ def of_set_up(machine: Machine, task: Task) -> Cause | None:
             initial.needed(context, task.env)
             return Cause(
                 clause=f"resources of `{task.plan.name}`",
-                place=place_of(machine, resource.span),
+                place=file_and_line(machine, resource.span),
                 part=format_term(initial.term),
                 note=context.noted or f"is no {resource.kind}",
-                bindings=told_of(task.env, names_in([initial.term])),
+                bindings=told_of(task.env, variables_in([initial.term])),
             )
     return _of_times(machine, task, context)
 
@@ -81,10 +81,10 @@ def _of_times(machine: Machine, task: Task, context: NotingContext) -> Cause | N
             if step is not None and time_of(context, time, env) is None:
                 return Cause(
                     clause=f"window of step `{step.node.tag}`",
-                    place=place_of(machine, step.node.span),
+                    place=file_and_line(machine, step.node.span),
                     part=format_term(time.term),
                     note=context.noted,
-                    bindings=told_of(env, names_in([time.term])),
+                    bindings=told_of(env, variables_in([time.term])),
                 )
     context.task = task
     delay, node = task.plan.monitor_time, task.plan.node.monitor_time
@@ -92,10 +92,10 @@ def _of_times(machine: Machine, task: Task, context: NotingContext) -> Cause | N
         if node is not None and time_of(context, time, task.env) is None:
             return Cause(
                 clause=f"monitor-time of `{task.plan.name}`",
-                place=place_of(machine, node.span),
+                place=file_and_line(machine, node.span),
                 part=format_term(time.term),
                 note=context.noted,
-                bindings=told_of(task.env, names_in([time.term])),
+                bindings=told_of(task.env, variables_in([time.term])),
             )
     return None
 
@@ -172,7 +172,7 @@ def of_no_method(machine: Machine, task: Task) -> Cause | None:
     asked = plan.name in machine.solvers
     cause = Cause(
         clause=f"methods of `{plan.name}`",
-        place=place_of(machine, plan.node.name_span),
+        place=file_and_line(machine, plan.node.name_span),
         note="none, from the solver neither" if asked else "" if ruled_out else "none",
         methods=tuple(ruled_out),
     )
@@ -188,7 +188,7 @@ def of_futile_choice(
     env = {**task.env, **found}
     cause = Cause(
         clause=f"method `{method.name}` of `{task.plan.name}`",
-        place=place_of(machine, method.node.span),
+        place=file_and_line(machine, method.node.span),
         note=f"chosen {machine.settings.futile_limit} times with the same bindings",
         bindings=told_of(env, env),
     )
@@ -206,11 +206,11 @@ def of_recursion(machine: Machine, step: Task) -> Cause | None:
     who = "a task above it" if above is None else f"{above.goal()} [{above.number}]"
     return Cause(
         clause=f"step `{node.tag}`",
-        place=place_of(machine, node.span),
+        place=file_and_line(machine, node.span),
         part=format_goal(node.goal),
         note=f"repeats {who}",
         bindings=told_of(
-            step.within.env if step.within else {}, names_in(node.goal.args)
+            step.within.env if step.within else {}, variables_in(node.goal.args)
         ),
     )
 
@@ -233,17 +233,17 @@ def of_step_end(machine: Machine, task: Task, outputs: Mapping[str, object]) -> 
         elif receiver.term.needed(context_of(machine, run.task), bound) != value:
             return Cause(
                 clause=f"outputs of step `{step.node.tag}` of `{run.task.plan.name}`",
-                place=place_of(machine, step.node.span),
+                place=file_and_line(machine, step.node.span),
                 part=format_term(receiver.term.term),
                 note=f"is not `{format_atom(value)}`",
-                bindings=told_of(bound, names_in([receiver.term.term])),
+                bindings=told_of(bound, variables_in([receiver.term.term])),
             )
     names = [
-        n for e in step.effects for n in names_in([e.node.resource, e.node.amount])
+        n for e in step.effects for n in variables_in([e.node.resource, e.node.amount])
     ]
     return Cause(
         clause=f"effects of step `{step.node.tag}` of `{run.task.plan.name}`",
-        place=place_of(machine, step.node.span),
+        place=file_and_line(machine, step.node.span),
         note="one of them cannot be made",
         bindings=told_of(bound, names),
     )
@@ -256,7 +256,7 @@ def of_signal(machine: Machine, task: Task) -> Cause | None:
     node = task.step.node
     return Cause(
         clause=f"wait-for of step `{node.tag}`",
-        place=place_of(machine, node.span),
+        place=file_and_line(machine, node.span),
         note="its signal came",
     )
 
@@ -270,7 +270,7 @@ def of_child(
         return None
     link = Cause(
         clause=f"step `{step.node.tag}` of `{task.parent.plan.name}`",
-        place=place_of(machine, step.node.span),
+        place=file_and_line(machine, step.node.span),
         part=str(task.goal()),
         note=f"failed: {result}",
         task=task.number,
@@ -312,8 +312,8 @@ def _of_query(
             names = [n for n in Query.names(part) if n in bound]
             return Cause(
                 clause=clause,
-                place=place_of(machine, part.span)
-                or place_of(machine, query.formula.span),
+                place=file_and_line(machine, part.span)
+                or file_and_line(machine, query.formula.span),
                 part=text,
                 note=context.noted,
                 bindings=told_of(bound, names),
@@ -329,12 +329,12 @@ def context_of(machine: Machine, asker: Task | None) -> NotingContext:
     return context
 
 
-def place_of(machine: Machine, span: Span) -> str:
+def file_and_line(machine: Machine, span: Span) -> str:
     """Return the file and line of `span`, or nothing for one that has none."""
     return machine.library.compiler.row(span)
 
 
-def names_in(terms: Iterable[nodes.Term]) -> list[str]:
+def variables_in(terms: Iterable[nodes.Term]) -> list[str]:
     """Return the names of the variables in `terms`."""
     parts = (part for term in terms for part in subterms(term))
     return [part.name for part in parts if isinstance(part, nodes.Var)]

@@ -50,7 +50,7 @@ def choose(machine: Machine, task: Task) -> Choice | None:
     if len(holding) > 1:
         return _choose_among(machine, task, holding)
     for method, found in holding:
-        return method, found, key_of(method, env, found), _SOLE
+        return method, found, choice_key(method, env, found), _SOLE
     return None
 
 
@@ -62,13 +62,13 @@ def choose_sole(machine: Machine, task: Task) -> Choice | None:
     if method is None:
         return choose(machine, task)
     if method.choice is None:
-        return method, {}, key_of(method, env, {}) if env else method.key, _SOLE
+        return method, {}, choice_key(method, env, {}) if env else method.key, _SOLE
     context = machine.context
     context.task = task
     found = context.bound[method.choice].first(env)
     if found is None:
         return None
-    key = key_of(method, env, found) if env or found else method.key
+    key = choice_key(method, env, found) if env or found else method.key
     return method, found, key, _SOLE
 
 
@@ -82,10 +82,10 @@ def _choose_among(machine: Machine, task: Task, holding: list[Held]) -> Choice:
         holding = free or holding
     at = below(machine.rng, len(holding)) if len(holding) > 1 else 0
     method, found = holding[at]
-    return method, found, key_of(method, task.env, found), holding
+    return method, found, choice_key(method, task.env, found), holding
 
 
-def key_of(method: MethodPlan, env: Env, found: Env) -> Key:
+def choice_key(method: MethodPlan, env: Env, found: Env) -> Key:
     """The key of a choice, with what the task's environment holds now."""
     if not (env or found):
         return method.key

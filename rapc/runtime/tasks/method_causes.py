@@ -11,7 +11,7 @@ from rapc.ir.printer import format_formula, format_term
 from rapc.runtime.events.events import Cause
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import MethodRun
-from rapc.runtime.tasks.causes import context_of, names_in, place_of, told_of
+from rapc.runtime.tasks.causes import context_of, file_and_line, told_of, variables_in
 
 
 def of_bad_start(machine: Machine, run: MethodRun) -> Cause | None:
@@ -73,10 +73,10 @@ def _cause(
 ) -> Cause:
     return Cause(
         clause=f"{what} of `{run.task.plan.name}`",
-        place=place_of(machine, node.span),
+        place=file_and_line(machine, node.span),
         part=format_formula(node),
         note=note,
-        bindings=told_of(run.env, names_in(node.args)),
+        bindings=told_of(run.env, variables_in(node.args)),
     )
 
 

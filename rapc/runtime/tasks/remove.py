@@ -8,7 +8,7 @@ whole subtrees is iterative: tasks may nest without limit.
 
 from __future__ import annotations
 
-from rapc.base.values import Fact, match
+from rapc.base.values import Fact, match_pattern
 from rapc.runtime.acts.activations import call_off
 from rapc.runtime.events.events import TaskRemoved
 from rapc.runtime.machine import Machine
@@ -42,7 +42,8 @@ def cancel_matching(machine: Machine, goal: Fact) -> int:
     found = [
         task
         for task in (given.task for given in machine.state.top_level)
-        if task.live and match(goal, (task.plan.name, *task.goal_args)) is not None
+        if task.live
+        and match_pattern(goal, (task.plan.name, *task.goal_args)) is not None
     ]
     for task in found:
         remove(machine, task, "cancelled")

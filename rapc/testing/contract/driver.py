@@ -15,7 +15,7 @@ from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.kinds import Kinds
 from rapc.runtime.acts.primitives import take_reply
-from rapc.runtime.authors import breach, is_fact, is_refusal, is_time, wrong
+from rapc.runtime.authors import breach, is_fact, is_refusal, is_time, wrong_type
 from rapc.runtime.host_query import HandlerQuestions
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
@@ -62,7 +62,7 @@ class Driver:
     ) -> None:
         kit = world.kit
         if not is_time(now := world.now()):
-            raise wrong(world, "now", "the time", now)
+            raise wrong_type(world, "now", "the time", now)
         self.world = world
         self.history: History = []
         self._rng = random.Random(f"{seed}:contract")
@@ -265,9 +265,9 @@ def first_facts(world: World) -> list[Fact]:
     """Return what the robot knows at first. Raises PortError for what are no facts."""
     facts = world.facts()
     if not isinstance(facts, Iterable):
-        raise wrong(world, "facts", "what the robot knows at first", facts)
+        raise wrong_type(world, "facts", "what the robot knows at first", facts)
     found = list(facts)
     for fact in found:
         if not is_fact(fact):
-            raise wrong(world, "facts", "a first fact", fact)
+            raise wrong_type(world, "facts", "a first fact", fact)
     return found

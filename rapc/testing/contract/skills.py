@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from rapc.runtime.authors import breach, is_refusal, wrong
+from rapc.runtime.authors import breach, is_refusal, wrong_type
 from rapc.testing.contract.driver import Driver
 from rapc.world import Message, Savable, Skilled, Time, World
 
@@ -44,7 +44,7 @@ def try_skills(driver: Driver, copy: World) -> Iterator[str]:
         if answer is None:
             on.add(ticket)
         elif not is_refusal(answer):
-            raise wrong(driver.world, "activate", "the answer to skills", answer)
+            raise wrong_type(driver.world, "activate", "the answer to skills", answer)
         elif not set(answer.conflicts) <= on:
             said = "refuses skills beside an activation that is not on"
             yield f"{breach(driver.world, 'activate', said)}"

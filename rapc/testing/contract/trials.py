@@ -14,7 +14,7 @@ from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.runtime.admission import misfitting, refusals
-from rapc.runtime.authors import blame, breach, is_time, wrong
+from rapc.runtime.authors import blame, breach, is_time, wrong_type
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver, first_facts
 from rapc.testing.contract.skills import try_skills
@@ -224,7 +224,7 @@ def _time(tried: _Tried) -> Iterator[str]:
         for _ in range(20):
             now, due = _now(world), world.next_time()
             if due not in (None, NOT_KNOWN) and not is_time(due):
-                raise wrong(world, "next_time", "the next time", due)
+                raise wrong_type(world, "next_time", "the next time", due)
             target = now + 10 if due in (None, NOT_KNOWN) else due
             assert target is not None
             world.advance(target)
@@ -250,7 +250,7 @@ def _sent(world: World) -> Sequence[object]:
     """Return the messages of a world. Raises PortError for what are none."""
     messages = world.messages()
     if not isinstance(messages, tuple | list):
-        raise wrong(world, "messages", "what `messages` returns", messages)
+        raise wrong_type(world, "messages", "what `messages` returns", messages)
     return list(messages)
 
 
@@ -258,7 +258,7 @@ def _now(world: World) -> Time:
     """Return the time of a world. Raises PortError for what is none."""
     now = world.now()
     if not is_time(now):
-        raise wrong(world, "now", "the time", now)
+        raise wrong_type(world, "now", "the time", now)
     return now
 
 
@@ -332,7 +332,7 @@ def _usual_times(tried: _Tried) -> Iterator[str]:
         request = driver.request()
         now = _now(driver.world)
         if request is not None and not is_time(takes := world.usual_time(request)):
-            raise wrong(driver.world, "usual_time", "a usual time", takes)
+            raise wrong_type(driver.world, "usual_time", "a usual time", takes)
         if _now(driver.world) != now:
             yield f"{breach(driver.world, 'usual_time', 'moves its clock on')}"
             return

@@ -41,21 +41,21 @@ SOLD: Mapping[str, tuple[str, ...]] = {
 """What each store gives out."""
 
 
-def at(room: str) -> int:
+def corridor_place(room: str) -> int:
     """Return how far along the corridor a room is."""
     return ROOMS[room][0]
 
 
-def way(along: int, depth: int, room: str) -> int:
+def way_to_room(along: int, depth: int, room: str) -> int:
     """Return how long the way is from a place to a room that it is not in."""
-    return depth + abs(at(room) - along) + DEPTH
+    return depth + abs(corridor_place(room) - along) + DEPTH
 
 
 def passed(along: int, depth: int, room: str, gone: int) -> tuple[int, int]:
     """The place on the way to a room after so much of it."""
     if gone <= depth:
         return along, depth - gone
-    ahead = at(room) - along
+    ahead = corridor_place(room) - along
     straight = min(gone - depth, abs(ahead))
     reached = along + (straight if ahead > 0 else -straight)
     return reached, gone - depth - straight

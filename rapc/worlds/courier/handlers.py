@@ -64,10 +64,14 @@ def way(memory: HandlerMemory, from_: Atom, to: Atom) -> int | None:
         return 0
     if from_ == CORRIDOR:
         along = memory.value("robot-along")
-        return building.way(along, 0, str(to)) if isinstance(along, int) else None
+        return (
+            building.way_to_room(along, 0, str(to)) if isinstance(along, int) else None
+        )
     if from_ not in building.ROOMS:
         return None
-    return building.way(building.at(str(from_)), building.DEPTH, str(to))
+    return building.way_to_room(
+        building.corridor_place(str(from_)), building.DEPTH, str(to)
+    )
 
 
 HANDLERS = Handlers(

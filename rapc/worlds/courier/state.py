@@ -20,7 +20,7 @@ class DriveUnderWay(msgspec.Struct, frozen=True):
     @property
     def arrives(self) -> int:
         """Return when the robot will be there."""
-        return self.since + building.way(self.along, self.depth, self.room)
+        return self.since + building.way_to_room(self.along, self.depth, self.room)
 
     def place(self, now: int) -> tuple[int, int]:
         """Return where the robot has got to: along the corridor, and beside it."""

@@ -19,7 +19,7 @@ from rapc.worlds.skills.checks import (
     check_entry,
     check_list,
     check_together,
-    told,
+    label_of,
 )
 from rapc.worlds.skills.declarations import (
     KINDS,
@@ -89,7 +89,7 @@ class Catalogue:
         #: Every event that some skill may tell, by name.
         self.events: dict[str, type[Event]] = {}
         for skill in self._single_skills():
-            self._check_parameters(told(skill), skill.parameters)
+            self._check_parameters(label_of(skill), skill.parameters)
             for event in skill.events:
                 self._add_event(event)
         self._check_channels()
@@ -141,12 +141,12 @@ class Catalogue:
         for skill in seen:
             if names.setdefault(skill.name, skill) is not skill:
                 raise CatalogueError(
-                    f"{told(names[skill.name])} and {told(skill)} have one name"
+                    f"{label_of(names[skill.name])} and {label_of(skill)} have one name"
                 )
         return iter(seen)
 
     def _add_event(self, event: type[Event]) -> None:
-        self._check_parameters(told(event), event.carries)
+        self._check_parameters(label_of(event), event.carries)
         known = self.events.setdefault(event.name, event)
         if known.carries != event.carries:
             raise CatalogueError(
@@ -178,7 +178,7 @@ class Catalogue:
                 inputs = [as_input(reads_).channel for reads_ in node.inputs]
                 self._know(channels, node, inputs)
                 mine = own if node is not skill else set()
-                reads += ((told(node), channel, mine) for channel in inputs)
+                reads += ((label_of(node), channel, mine) for channel in inputs)
         for channel in self.actuators:
             if channel not in written:
                 raise CatalogueError(f"no skill writes the actuator `{channel.name}`")
@@ -198,7 +198,7 @@ class Catalogue:
             known = channels.setdefault(channel.name, channel)
             if known is not channel:
                 raise CatalogueError(
-                    f"{told(node)} means another channel `{channel.name}` than "
+                    f"{label_of(node)} means another channel `{channel.name}` than "
                     f"others do: {channel.kind} instead of {known.kind}"
                 )
 

@@ -43,7 +43,7 @@ class CatalogueError(ValueError):
     """Declarations of skills that cannot work together."""
 
 
-def told(node: type[NetworkNode]) -> str:
+def label_of(node: type[NetworkNode]) -> str:
     """Return how messages name a skill or an event: by its name and its class."""
     return f"`{node.name}` ({node.__name__})"
 
@@ -186,8 +186,8 @@ def check_together(
             other = writer.setdefault(channel, skill)
             if other is not skill and not channel.own and channel not in arbitrated:
                 raise CatalogueError(
-                    f"{told(other)} and {told(skill)}, which come on together, both "
-                    f"write `{channel.name}`"
+                    f"{label_of(other)} and {label_of(skill)}, which come on together, "
+                    f"both write `{channel.name}`"
                 )
     _check_circles(on, writer, sensed)
 
@@ -216,5 +216,5 @@ def _check_circles(
     try:
         TopologicalSorter(before).prepare()
     except CycleError as error:
-        circle = " reads ".join(map(told, reversed(error.args[1])))
+        circle = " reads ".join(map(label_of, reversed(error.args[1])))
         raise CatalogueError(f"{circle}, without a delay") from error

@@ -18,7 +18,7 @@ from rapc.worlds.truck.map import PRODUCTS
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.shuffle import shuffle
 from rapc.worlds.truck.state import Demon
-from rapc.worlds.truck.weather import change
+from rapc.worlds.truck.weather import change_weather
 
 Job = Callable[[Scene, Demon], Number | None]
 """Does what is to be done, and says after how long again; None: never."""
@@ -34,7 +34,7 @@ def summon(scene: Scene) -> None:
         demons.append(Demon("shuffle", "", settings.shuffle_interval))
     for sector in scene.map.sectors if settings.rain > 0 else ():
         turn = Demon("weather", sector.name, 0)
-        turn.time = change(scene, turn)
+        turn.time = change_weather(scene, turn)
         demons.append(turn)
     haunts = enemies.haunts(scene.map, settings.enemy_sectors, settings.road_troops)
     if settings.enemy_interval > 0 and settings.enemy_units > 0 and haunts:
@@ -112,9 +112,9 @@ JOBS: Mapping[str, Job] = {
     **_PLACES,
     "shuffle": shuffle,
     "enemies": enemies.appear,
-    "leaving": enemies.leave,
-    "capture": enemies.capture,
-    "weather": change,
+    "leaving": enemies.move_band_on,
+    "capture": enemies.take_truck,
+    "weather": change_weather,
     "machine": work,
 }
 """All jobs by name."""

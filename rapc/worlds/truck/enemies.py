@@ -73,7 +73,7 @@ def appear(scene: Scene, demon: Demon) -> Number:
     return pause(scene)
 
 
-def leave(scene: Scene, demon: Demon) -> None:
+def move_band_on(scene: Scene, demon: Demon) -> None:
     """The band at a place moves on, unless the truck is there."""
     if scene.state.truck.place != demon.place:
         _remove(scene, demon.place)
@@ -96,7 +96,7 @@ def meet(scene: Scene) -> None:
         state.demons.append(Demon("capture", place, due))
 
 
-def capture(scene: Scene, demon: Demon) -> None:
+def take_truck(scene: Scene, demon: Demon) -> None:
     """The enemies have the truck, and the run is over."""
     _over(scene, "captured")
     scene.end(f"captured at {demon.place}")

@@ -16,7 +16,7 @@ from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import Demon, TruckItem
 
 
-def change(scene: Scene, demon: Demon) -> Number:
+def change_weather(scene: Scene, demon: Demon) -> Number:
     """The weather of a sector turns to rain or to sun, and stays so for a while."""
     settings, rng = scene.settings, scene.chance["weather"]
     rained = [name for name in scene.state.raining if name != demon.place]

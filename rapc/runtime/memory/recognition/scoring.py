@@ -55,7 +55,7 @@ class Score:
         self.sparse = sparse
 
 
-def plain() -> Score:
+def default_comparator() -> Score:
     """The comparator where nothing is declared."""
 
     def score(a: Description, b: Description) -> Number:
@@ -86,7 +86,7 @@ def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
     return Score(score, not vetoing)
 
 
-def named(name: str, compare: Comparator) -> Score:
+def python_comparator(name: str, compare: Comparator) -> Score:
     """A comparator in Python; empty descriptions match anything."""
 
     def score(a: Description, b: Description) -> Number:
@@ -108,7 +108,7 @@ def _described(of: Description) -> DescribedItem:
 
 def _found(name: str, registered: Mapping[str, Comparator]) -> Score:
     compare = registered.get(name)
-    return plain() if compare is None else named(name, compare)
+    return default_comparator() if compare is None else python_comparator(name, compare)
 
 
 class Scores:
@@ -127,7 +127,7 @@ class Scores:
         comparators: Sequence[nodes.DeclareComparator],
         registered: Mapping[str, Comparator],
     ) -> None:
-        self._plain = plain()
+        self._plain = default_comparator()
         self._by_place: dict[tuple[str, Atom], Score] = {}
         self._by_class: dict[str, Score] = {}
         for declared in classes:

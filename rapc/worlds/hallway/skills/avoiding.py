@@ -33,7 +33,7 @@ from rapc.worlds.hallway.channels import (
     Progress,
     Trajectory,
 )
-from rapc.worlds.hallway.skills.sonar import Point, points
+from rapc.worlds.hallway.skills.sonar import Point, echo_points
 from rapc.worlds.skills.declarations import (
     Arbiter,
     Event,
@@ -162,7 +162,7 @@ class FollowTrajectory(Skill):
             ports[DRIVE] = Drive(0.0, TURNING * wanted.bearing)
             return
         most = wanted.speed if limit is None else min(limit, wanted.speed)
-        near = [p for p in points(ports[OBSTACLES]) if abs(p[0]) + abs(p[1]) < 2.6]
+        near = [p for p in echo_points(ports[OBSTACLES]) if abs(p[0]) + abs(p[1]) < 2.6]
         bearing = self._choose(now, near, wanted)
         if bearing is None:
             ports[DRIVE] = Drive(0.0, 0.0)

@@ -35,7 +35,7 @@ from rapc.worlds.hallway.skills.sonar import (
     Point,
     Votes,
     bearing_of,
-    points,
+    echo_points,
     square_to,
     vote,
 )
@@ -141,7 +141,7 @@ class TrackDoorJambs(Skill):
         bearing = bearing_of(heading, pose)
         if state.stage in {"looking", "going"}:
             going = state.stage == "going"
-            echoes = turned(points(ranges), bearing)
+            echoes = turned(echo_points(ranges), bearing)
             if self._far(along) if going else abs(bearing) < FACED:
                 self._look(ranges, echoes, along, across)
             self._judge(along)

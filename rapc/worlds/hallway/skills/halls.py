@@ -22,7 +22,7 @@ from rapc.worlds.hallway.skills.sonar import (
     Point,
     Votes,
     bearing_of,
-    points,
+    echo_points,
     square_to,
     vote,
 )
@@ -103,7 +103,7 @@ class TrackHallway(Skill):
         before = pose.heading if state.heading is None else state.heading
         state.heading = square_to(state.votes, before)
         bearing = bearing_of(state.heading, pose)
-        echoes = turned(points(ranges), bearing)
+        echoes = turned(echo_points(ranges), bearing)
         self._measure(echoes)
         state.ends = state.ends + 1 if self._ends(echoes) else 0
         offset, width = (state.right - state.left) / 2, state.left + state.right

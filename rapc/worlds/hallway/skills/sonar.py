@@ -34,7 +34,7 @@ class Votes(msgspec.Struct):
     sin: float = 0.0
 
 
-def points(ranges: Sequence[float]) -> list[Point]:
+def echo_points(ranges: Sequence[float]) -> list[Point]:
     """Return where the echoes come from, the robot's middle at (0, 0), ahead is x."""
     return [(r * dx, r * dy) for r, (dx, dy) in zip(ranges, DIRECTIONS, strict=True)]
 
@@ -43,7 +43,7 @@ def vote(votes: Votes, ranges: Sequence[float], pose: Pose) -> None:
     """Let the echoes of one tick vote."""
     votes.cos *= FADING
     votes.sin *= FADING
-    echoes = points(ranges)
+    echoes = echo_points(ranges)
     near = [r < FAR for r in ranges]
     for middle in range(SONARS):
         before, after = middle - 1, (middle + 1) % SONARS
