@@ -25,9 +25,8 @@ from rapc.analysis.driver import (
     Analysis,
     CheckReport,
     Written,
-    analyzed,
-    needed_for,
     reported,
+    reporting,
 )
 from rapc.analysis.file_census import FileCensus, FormKey, gather
 from rapc.analysis.index import USES, Index
@@ -80,7 +79,7 @@ def check_again(
         chosen: the rules that may report, the same as before.
         digest: tells the text of a file from others.
     """
-    if any(one.of_all for one in needed_for(chosen.enabled)):
+    if any(one.of_all for one in reporting(chosen.enabled)):
         return None
     sources = sketched.files
     both = {one.name for one in old.files} & sources.keys()
@@ -174,10 +173,10 @@ class _Part:
         self._census.unmarked = frozenset(
             [(key, name) for key, name in self._unmarked() if key not in dirty]
         )
-        wanted = needed_for(chosen.enabled)
         known = {CENSUS.name: self._census, USES.name: self._census.uses()}
         raps = RapSignatures(_Raps(part, self._raps, self._rap))
-        analysis = analyzed(part, wanted, True, never, self._required, known, raps)
+        analysis = Analysis(part, True, never, self._required, known, raps)
+        analysis.run(reporting(chosen.enabled))
         if not self._is_certain(analysis, dirty):
             return None
         found = [*self._kept(dirty), *self._new(analysis, dirty)]

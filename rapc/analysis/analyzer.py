@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, Generic, Literal, Protocol, TypeVar, cast
+from typing import Any, Generic, Literal, Protocol, TypeVar
 
 import msgspec
 
@@ -32,7 +32,7 @@ class Analyzer(msgspec.Struct, Generic[T], frozen=True, eq=False):
         name: named for the fault it finds, or for what it works out for others.
         doc: what it does, one sentence or more.
         run: the pass itself; what it returns is handed to those that need it.
-        needs: passes whose results it asks for.
+        needs: passes whose results it may ask for.
         rules: the rules it may report, no others.
         needs_whole: what must have been read without a slip for a finding to be sure:
             the node it is about, its method, or all of the form.
@@ -64,6 +64,13 @@ def never(place: Span) -> bool:
     return False
 
 
+class PassResults(Protocol):
+    """What tells the result of an analyzer, which runs then if it has not run yet."""
+
+    def __call__(self, analyzer: Analyzer[T], /) -> T:
+        """Return what the analyzer returns."""
+
+
 class Pass:
     """One run of one analyzer: what it looks at, and where its findings go.
 
@@ -71,7 +78,7 @@ class Pass:
         analyzer: the analyzer that runs.
         library: what it looks at.
         signatures: what is declared in it.
-        results: what the analyzers that ran before returned, by name.
+        ask: tells what other analyzers return.
         complete: whether every file that the library requires was found.
         unsure: whether a slip of the pen may have to do with what is at a place.
         required: the files that files require themselves, by their names.
@@ -82,7 +89,7 @@ class Pass:
         analyzer: Analyzer[Any],
         library: Library,
         signatures: Signatures,
-        results: Mapping[str, object],
+        ask: PassResults,
         complete: bool,
         unsure: Callable[[Span], bool] = never,
         required: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
@@ -98,7 +105,7 @@ class Pass:
         #: The files of which all forms are to be checked if one is.
         self.watched_files: set[str] = set()
         self._analyzer = analyzer
-        self._results = results
+        self._ask = ask
         self._rules = frozenset(rule.name for rule in analyzer.rules)
 
     def report(self, diagnostic: Diagnostic) -> None:
@@ -122,7 +129,7 @@ class Pass:
         self.watched_files.add(name)
 
     def result(self, analyzer: Analyzer[T]) -> T:
-        """Return what a needed analyzer returned.
+        """Return what a needed analyzer returns; it runs when it is asked first.
 
         Raises:
             ValueError: if this one does not say that it needs it; that is a bug.
@@ -131,4 +138,4 @@ class Pass:
             raise ValueError(
                 f"pass `{self._analyzer.name}` does not need `{analyzer.name}`"
             )
-        return cast(T, self._results[analyzer.name])
+        return self._ask(analyzer)

@@ -1,8 +1,9 @@
 """Run the passes over what was loaded, and decide what becomes of their findings.
 
-Orders the passes by what they need, leaves out findings about forms that could not be
-read whole, applies suppressions and the user's selection, and sorts. Nothing of the
-checked code is executed or imported, and nothing is printed here.
+Runs those that own a rule that the user wants, and those whose results are asked for;
+leaves out findings about forms that could not be read whole, applies suppressions and
+the user's selection, and sorts. Nothing of the checked code is executed or imported,
+and nothing is printed here.
 """
 
 from __future__ import annotations
@@ -91,10 +92,8 @@ def examined(loaded: Loaded, chosen: Selection) -> Examined:
     """Check a loaded library; see `check_library`."""
     damage = Damage(loaded)
     complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
-    wanted = needed_for(chosen.enabled)
-    analysis = analyzed(
-        loaded.library, wanted, complete, damage.reaches, loaded.required
-    )
+    analysis = Analysis(loaded.library, complete, damage.reaches, loaded.required)
+    analysis.run(reporting(chosen.enabled))
     sure = [
         diagnostic
         for analyzer, diagnostic in analysis.found
@@ -137,27 +136,20 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     """
     alone = msgspec.structs.replace(library, forms=(), tests=tuple(tests))
     rules = suite.rules()
-    wanted = needed_for(errors().enabled)
-    every = analyzed(alone, wanted, True, never, {}).found
-    found = [Finding(rules[d.rule], d) for _, d in every]
+    analysis = Analysis(alone, True, never, {}).run(reporting(errors().enabled))
+    found = [Finding(rules[d.rule], d) for _, d in analysis.found]
     return [finding for finding in found if finding.severity is Severity.ERROR]
 
 
 @cache
 def passes() -> tuple[Analyzer[Any], ...]:
-    """The passes of the suite in the order in which they run."""
+    """The passes of the suite, each behind those that it needs."""
     return ordered(suite.ANALYZERS)
 
 
-def needed_for(enabled: Collection[str]) -> list[Analyzer[Any]]:
-    """Return the passes that the enabled rules need, in the order in which they run."""
-    chosen: list[Analyzer[Any]] = []
-    needed: set[str] = set()
-    for analyzer in reversed(passes()):
-        if analyzer.name in needed or any(r.name in enabled for r in analyzer.rules):
-            chosen.append(analyzer)
-            needed.update(need.name for need in analyzer.needs)
-    return chosen[::-1]
+def reporting(enabled: Collection[str]) -> list[Analyzer[Any]]:
+    """Return the passes that report by one of the enabled rules, in their order."""
+    return [one for one in passes() if any(r.name in enabled for r in one.rules)]
 
 
 def ordered(analyzers: Sequence[Analyzer[Any]]) -> tuple[Analyzer[Any], ...]:
@@ -204,63 +196,77 @@ def _must_be_documented(analyzer: Analyzer[Any], codes: set[str]) -> None:
         codes.update((rule.code, rule.name))
 
 
-class Analysis(msgspec.Struct, frozen=True):
-    """What the passes came to."""
-
-    #: Each finding with the pass that made it; what a file says of all its tests is
-    #: part of each, and reported once.
-    found: Sequence[tuple[Analyzer[Any], Diagnostic]]
-    #: What each pass returned, by its name.
-    results: Mapping[str, object]
-    #: The forms that are to be checked each time, by file and beginning.
-    watched: frozenset[FormKey]
-    #: The files of which all forms are to be checked if one is.
-    watched_files: frozenset[str]
-
-    def result(self, analyzer: Analyzer[T]) -> T:
-        """Return what a pass that ran has returned."""
-        return cast(T, self.results[analyzer.name])
-
-
-def analyzed(
-    library: Library,
-    wanted: Iterable[Analyzer[Any]],
-    complete: bool,
-    unsure: Callable[[Span], bool],
-    required: Mapping[str, tuple[str, ...]],
-    known: Mapping[str, object] = MappingProxyType({}),
-    raps: Mapping[str, Signature] | None = None,
-) -> Analysis:
-    """Run passes over the forms and tests of a library.
+class Analysis:
+    """What the passes come to; one runs when its result is asked for first.
 
     Args:
         library: what they look at.
-        wanted: the passes in the order in which they run.
         complete: whether every file that the library requires was found.
         unsure: whether a slip of the pen may have to do with what is at a place.
         required: the files that files require themselves, by their names.
         known: the results of passes that need not run, by their names.
         raps: the signatures of all RAPs, where the library is a part of another.
     """
-    results: dict[str, object] = dict(known)
-    found: list[tuple[Analyzer[Any], Diagnostic]] = []
-    seen: set[tuple[str, Span, str]] = set()
-    watched: set[FormKey] = set()
-    watched_files: set[str] = set()
-    signatures = Signatures.of(library, raps)
-    for analyzer in wanted:
-        if analyzer.name in results:
-            continue
-        run = Pass(analyzer, library, signatures, results, complete, unsure, required)
-        results[analyzer.name] = analyzer.run(run)
-        watched |= run.watched
-        watched_files |= run.watched_files
+
+    def __init__(
+        self,
+        library: Library,
+        complete: bool,
+        unsure: Callable[[Span], bool],
+        required: Mapping[str, tuple[str, ...]],
+        known: Mapping[str, object] = MappingProxyType({}),
+        raps: Mapping[str, Signature] | None = None,
+    ) -> None:
+        #: Each finding with the pass that made it; what a file says of all its tests
+        #: is part of each, and reported once.
+        self.found: list[tuple[Analyzer[Any], Diagnostic]] = []
+        #: The forms that are to be checked each time, by file and beginning.
+        self.watched: set[FormKey] = set()
+        #: The files of which all forms are to be checked if one is.
+        self.watched_files: set[str] = set()
+        self._library = library
+        self._complete = complete
+        self._unsure = unsure
+        self._required = required
+        self._signatures = Signatures.of(library, raps)
+        self._results = dict(known)
+        self._seen: set[tuple[str, Span, str]] = set()
+
+    def run(self, wanted: Iterable[Analyzer[Any]]) -> Analysis:
+        """Run passes, and those whose results they ask for; return all they come to."""
+        for analyzer in wanted:
+            self.result(analyzer)
+        return self
+
+    def result(self, analyzer: Analyzer[T]) -> T:
+        """Return what a pass returns, which runs now if it has not run yet."""
+        if not self.has_run(analyzer):
+            self._results[analyzer.name] = self._run(analyzer)
+        return cast(T, self._results[analyzer.name])
+
+    def has_run(self, analyzer: Analyzer[Any]) -> bool:
+        """Whether a pass has run."""
+        return analyzer.name in self._results
+
+    def _run(self, analyzer: Analyzer[T]) -> T:
+        run = Pass(
+            analyzer,
+            self._library,
+            self._signatures,
+            self.result,
+            self._complete,
+            self._unsure,
+            self._required,
+        )
+        result = analyzer.run(run)
+        self.watched |= run.watched
+        self.watched_files |= run.watched_files
         for one in run.found:
             key = (one.rule, one.span, one.message)
-            if key not in seen:
-                seen.add(key)
-                found.append((analyzer, one))
-    return Analysis(found, results, frozenset(watched), frozenset(watched_files))
+            if key not in self._seen:
+                self._seen.add(key)
+                self.found.append((analyzer, one))
+        return result
 
 
 class Written(msgspec.Struct, frozen=True):

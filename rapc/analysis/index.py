@@ -64,6 +64,16 @@ class NameUse(msgspec.Struct, frozen=True, gc=False):
         return word_span(files, self.span, 0) if heads else self.span
 
 
+class NamedKind(msgspec.Struct, frozen=True, gc=False):
+    """A place where a kind is named."""
+
+    kind: str
+    #: What names it.
+    span: Span
+    #: The top-level form that it stands in.
+    owner: Form
+
+
 class Index:
     """The nodes of a library by type; constants are left out.
 
@@ -77,6 +87,7 @@ class Index:
         }
         self._forms: dict[str, list[Form]] = {}
         self._uses: tuple[NameUse, ...] | None = None
+        self._kinds: tuple[NamedKind, ...] | None = None
         self._by_name: dict[tuple[Use, str], list[NameUse]] | None = None
         for form in (*library.forms, *library.tests):
             self._forms.setdefault(form.span.file, []).append(form)
@@ -114,6 +125,12 @@ class Index:
             self._uses = tuple(self._gathered())
         return self._uses
 
+    def kinds(self) -> Sequence[NamedKind]:
+        """Return each place where a kind is named; gathered once."""
+        if self._kinds is None:
+            self._kinds = tuple(_named_kinds(self))
+        return self._kinds
+
     def _gathered(self) -> Iterator[NameUse]:
         for proposition in self.of(nodes.Proposition):
             use = _use(proposition.node, proposition.parent)
@@ -145,6 +162,17 @@ class Index:
                         self._add(child, node, owner)
             elif value is not None and type(value) is not nodes.Const:
                 self._add(value, node, owner)
+
+
+def _named_kinds(index: Index) -> Iterator[NamedKind]:
+    for argument in index.of(nodes.Argument):
+        if argument.node.kind is not None:
+            yield NamedKind(argument.node.kind, argument.node.span, argument.owner)
+    for variable in index.of(nodes.VariableKind):
+        yield NamedKind(variable.node.kind, variable.node.span, variable.owner)
+    for declared in index.of(nodes.DeclareKind):
+        if declared.node.above is not None:
+            yield NamedKind(declared.node.above, declared.node.span, declared.owner)
 
 
 def _child_at(node: nodes.Node, offset: int) -> nodes.Node | None:

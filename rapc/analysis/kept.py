@@ -89,8 +89,7 @@ def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
     library = loaded.library
     if loaded.diagnostics or loaded.partial or library.tests or library.skills:
         return None
-    needed = (CENSUS, CONSTANTS)
-    if not all(analyzer.name in analysis.results for analyzer in needed):
+    if not analysis.has_run(CONSTANTS):
         return None
     censuses = analysis.result(CENSUS).files
     entangled = entangled_in(analysis.result(INDEX))

@@ -7,7 +7,15 @@ its place. The passes `unknown-rap`, `undeclared-predicate`, `functions`, `primi
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import (
+    Callable,
+    Container,
+    Iterable,
+    Iterator,
+    Mapping,
+    Sequence,
+)
+from functools import partial
 from typing import get_args
 
 import msgspec
@@ -34,10 +42,11 @@ class Misuse(msgspec.Struct, frozen=True):
 
 
 class Misuses(msgspec.Struct, frozen=True):
-    """All misuses of a library, with how often names are used."""
+    """All misuses of a library."""
 
     found: Sequence[Misuse]
-    uses: Uses
+    #: Tells how often names are used: only where something is wrong is it asked.
+    uses: Callable[[], Uses]
 
 
 def _run(run: Pass) -> Misuses:
@@ -49,7 +58,7 @@ def _run(run: Pass) -> Misuses:
         if fault is not None:
             run.watch(used.owner)  # what is said of it depends on all other names
             found.append(Misuse(used, fault))
-    return Misuses(found, run.result(USES))
+    return Misuses(found, partial(run.result, USES))
 
 
 MISUSES = Analyzer(
@@ -81,7 +90,7 @@ def report_arguments(run: Pass, rule: Rule, uses: Container[Use]) -> None:
     for one in misuses(run, uses, "arguments"):
         faults.setdefault((one.used.name, one.fault.message), []).append(one)
     for (name, _), wrong in faults.items():
-        count = run.result(MISUSES).uses.count
+        count = run.result(MISUSES).uses().count
         every = sum(count(use, name) for use in _ALL_USES if use in uses)
         alike = every == len(wrong) >= _ALL
         for one in wrong[:1] if alike else wrong:
@@ -182,7 +191,7 @@ def _unused(run: Pass, meant: Signature | None) -> Iterator[Label]:
     """Show the declaration that may be meant, if nothing uses its name."""
     if meant is None or meant.kind not in _SAME:
         return
-    uses = run.result(MISUSES).uses
+    uses = run.result(MISUSES).uses()
     if not any(uses.count(use, meant.name) for use in _SAME[meant.kind]):
         label = "nothing uses this, and the name is close"
         yield Label(declared_at(run, meant), label)

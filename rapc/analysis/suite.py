@@ -1,7 +1,7 @@
 """Which passes there are: the one list of them, and of all rules.
 
 A new pass is a file in `rapc/analysis/passes` and a line here. The order of the list
-does not matter: the driver orders passes by what they need.
+does not matter: a pass runs when it is wanted, or when another asks for its result.
 """
 
 from __future__ import annotations

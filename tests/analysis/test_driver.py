@@ -10,12 +10,13 @@ import pytest
 
 import rapc
 from rapc.analysis import suite
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.analyzer import Analyzer, Pass, never
 from rapc.analysis.driver import (
+    Analysis,
     check_library,
-    needed_for,
     ordered,
     passes,
+    reporting,
 )
 from rapc.analysis.selection import Selection, errors
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
@@ -34,9 +35,10 @@ def _pass(name: str, *needs: Analyzer[Any], rule: Rule | None = None) -> Analyze
     return Analyzer(name, "A page.", _nothing, needs, (rule,) if rule else ())
 
 
-def _run_of(analyzer: Analyzer[Any], results: dict[str, object]) -> Pass:
+def _run_of(analyzer: Analyzer[Any]) -> Pass:
     library = load_text("").library
-    return Pass(analyzer, library, Signatures.of(library), results, complete=True)
+    ask = Analysis(library, True, never, {}).result
+    return Pass(analyzer, library, Signatures.of(library), ask, complete=True)
 
 
 def test_passes_follow_what_they_need() -> None:
@@ -85,7 +87,7 @@ def test_circle_of_needs_is_named() -> None:
 
 
 def test_pass_reports_its_own_rules_only() -> None:
-    run = _run_of(_pass("one", rule=RULE), {})
+    run = _run_of(_pass("one", rule=RULE))
     run.report(Diagnostic("some-fault", "message", NOWHERE))
     assert len(run.found) == 1
     with pytest.raises(ValueError, match="does not own rule `other-fault`"):
@@ -94,7 +96,7 @@ def test_pass_reports_its_own_rules_only() -> None:
 
 def test_pass_gets_results_of_its_needs_only() -> None:
     one = _pass("one")
-    run = _run_of(_pass("two"), {"one": None})
+    run = _run_of(_pass("two"))
     with pytest.raises(ValueError, match="does not need `one`"):
         run.result(one)
 
@@ -143,10 +145,25 @@ def test_passes_that_find_no_errors_are_left_out_where_only_errors_count(
     assert list(check_library(loaded, errors()).findings) == grave
 
 
-def test_a_pass_runs_if_one_of_its_rules_is_enabled_or_another_needs_it() -> None:
-    chosen = [one.name for one in needed_for({"age-in-monitor"})]
-    assert chosen == ["task-nets", "bindings", "age-in-monitor"]
-    assert needed_for(suite.rules().keys()) == list(passes())
+def test_a_pass_runs_if_one_of_its_rules_is_enabled_or_its_result_is_asked_for() -> (
+    None
+):
+    wanted = reporting({"age-in-monitor"})
+    assert [one.name for one in wanted] == ["age-in-monitor"]
+    analysis = Analysis(load_text("").library, True, never, {}).run(wanted)
+    ran = [one.name for one in passes() if analysis.has_run(one)]
+    assert ran == ["task-nets", "bindings", "age-in-monitor"]
+    assert reporting(suite.rules()) == [one for one in passes() if one.rules]
+
+
+def test_a_pass_runs_once_however_many_ask_for_it() -> None:
+    runs: list[str] = []
+    one = Analyzer("one", "A page.", lambda run: runs.append("one"))
+    asking = [
+        Analyzer(name, "A page.", lambda run: run.result(one), (one,)) for name in "ab"
+    ]
+    Analysis(load_text("").library, True, never, {}).run([*asking, one])
+    assert runs == ["one"]
 
 
 def test_report_knows_its_worst_and_its_size() -> None:

@@ -33,9 +33,8 @@ request, a test or a sum there is nothing it could stand for.""",
 
 
 def _run(run: Pass) -> None:
-    explained = run.result(EXPLAINED).anonymous
     for variable in run.result(BINDINGS).anonymous:
-        if id(variable) in explained:
+        if id(variable) in run.result(EXPLAINED).anonymous:
             continue
         run.report(
             Diagnostic(

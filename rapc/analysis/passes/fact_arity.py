@@ -107,14 +107,13 @@ def _run(run: Pass) -> None:
         for name, signature in run.signatures.relations.items()
         if signature.is_property and signature.most is not None
     }
-    known = _Values(run)
     for used in run.result(INDEX).uses():
         declared = properties.get(used.name)
         if declared is None or used.count + 1 != declared.most or not used.count:
             continue
         if used.use in _FACTS and used.use != "erased":
             run.watch(used.owner)
-            if known.never_true(declared):
+            if _never_true(run, declared):
                 run.report(_missing(run, used, declared))
             else:
                 run.report(_implied(run, used, declared))
@@ -129,24 +128,17 @@ ANALYZER = Analyzer(
 )
 
 
-class _Values:
-    """What the library says of the values of properties."""
-
-    def __init__(self, run: Pass) -> None:
-        self._kinds = run.signatures.kinds
-        self._census = run.result(CENSUS)
-
-    def never_true(self, declared: Signature) -> bool:
-        """Whether nothing in the library lets a property have the value `true`."""
-        args = declared.args or ()
-        kind = args[-1].kind if args else None
-        if kind is not None and not self._kinds.holds(kind, "true"):
-            return True
-        place = Place("predicate", declared.name, (declared.most or 1) - 1)
-        there = self._census.at(place)
-        values = {one.written for _, one in there if one.count == declared.most}
-        values.discard("unknown")
-        return bool(values) and values.isdisjoint(TRUTH)
+def _never_true(run: Pass, declared: Signature) -> bool:
+    """Whether nothing in the library lets a property have the value `true`."""
+    args = declared.args or ()
+    kind = args[-1].kind if args else None
+    if kind is not None and not run.signatures.kinds.holds(kind, "true"):
+        return True
+    place = Place("predicate", declared.name, (declared.most or 1) - 1)
+    there = run.result(CENSUS).at(place)
+    values = {one.written for _, one in there if one.count == declared.most}
+    values.discard("unknown")
+    return bool(values) and values.isdisjoint(TRUTH)
 
 
 def _missing(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:

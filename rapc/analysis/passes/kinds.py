@@ -8,10 +8,10 @@ inputs for which no kind is declared their use tells. Numbers are the business o
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX, Form, Index, NameUse
+from rapc.analysis.index import INDEX, Index, NameUse
 from rapc.analysis.inferred_kinds import INFERRED, KindClash, Learned
 from rapc.analysis.named import UnknownNames, declared_at
 from rapc.analysis.renaming import renaming
@@ -98,6 +98,8 @@ def _run(run: Pass) -> Container[int]:
     """Report, and return the ids of the forms in which kinds do not go together."""
     index = run.result(INDEX)
     told: set[int] = set()
+    if not index.kinds():
+        return told
     _unknown(run, index)
     _circles(run)
     declared = _of_forms(index)
@@ -131,7 +133,8 @@ def _unknown(run: Pass, index: Index) -> None:
     kinds = run.signatures.kinds
     unknown = UnknownNames(UNKNOWN)
     near = Suggestions(kinds)
-    for name, place, owner in _named(index):
+    for named in index.kinds():
+        name = named.kind
         if name not in kinds:
             advice = "declare it with `declare-kind`, or `require` the file that does"
             fault = Fault(
@@ -141,20 +144,8 @@ def _unknown(run: Pass, index: Index) -> None:
                 name=name,
                 meant=near.near(name),
             )
-            unknown.add(fault, place, owner)
+            unknown.add(fault, named.span, named.owner)
     unknown.report(run)
-
-
-def _named(index: Index) -> Iterator[tuple[str, Span, Form]]:
-    """The places where a kind is named, each with its top-level form."""
-    for argument in index.of(nodes.Argument):
-        if argument.node.kind is not None:
-            yield argument.node.kind, argument.node.span, argument.owner
-    for variable in index.of(nodes.VariableKind):
-        yield variable.node.kind, variable.node.span, variable.owner
-    for declared in index.of(nodes.DeclareKind):
-        if declared.node.above is not None:
-            yield declared.node.above, declared.node.span, declared.owner
 
 
 def _circles(run: Pass) -> None:

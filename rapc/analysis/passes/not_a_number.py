@@ -135,6 +135,8 @@ def _must_be_numbers(why: str, *terms: nodes.Term | None) -> Found:
 
 def _declared(run: Pass, index: Index) -> Found:
     """Arguments that were declared to be numbers."""
+    if not any(named.kind == "number" for named in index.kinds()):
+        return
     for used in index.uses():
         declared = run.signatures.table(used.use).get(used.name)
         args = declared.args if declared is not None else None

@@ -80,12 +80,11 @@ _BIND = {
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
     nets = run.result(TASK_NETS)
-    explained = run.result(EXPLAINED)
     for form in (*run.library.forms, *run.library.tests):
         lacking: Iterable[Missing] = missing.get(id(form), ())
         if lacking:
             places = _Places(form, run.library.functions)
-            lacking = explained.left(id(form), lacking, places.binds)
+            lacking = run.result(EXPLAINED).left(id(form), lacking, places.binds)
             for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
                 if net is None or not net.broken or not _by_steps(first, places):
