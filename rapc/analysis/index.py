@@ -82,9 +82,11 @@ class Index:
     """
 
     def __init__(self, library: Library) -> None:
-        self._by_type: dict[type, list[Occurrence[nodes.Node]]] = {
+        #: For each type of node: the node, its parent, its form; `of` makes more of it.
+        self._rows: dict[type, list[tuple[nodes.Node, nodes.Node, Form]]] = {
             kind: [] for kind in CHILDREN
         }
+        self._made: dict[type, Sequence[Occurrence[nodes.Node]]] = {}
         self._forms: dict[str, list[Form]] = {}
         self._uses: tuple[NameUse, ...] | None = None
         self._kinds: tuple[NamedKind, ...] | None = None
@@ -97,7 +99,11 @@ class Index:
 
     def of(self, kind: type[N]) -> Sequence[Occurrence[N]]:
         """Return all nodes of one type, in the order of the text."""
-        return cast(Sequence[Occurrence[N]], self._by_type.get(kind, ()))
+        made = self._made.get(kind)
+        if made is None:
+            made = [Occurrence(*row) for row in self._rows.get(kind, ())]
+            self._made[kind] = made
+        return cast(Sequence[Occurrence[N]], made)
 
     def at(self, file: str, offset: int) -> Occurrence[nodes.Node] | None:
         """Return the innermost node at an offset of a file; None between forms."""
@@ -152,15 +158,19 @@ class Index:
             yield from _row_uses(row.node, row.owner)
 
     def _add(self, node: nodes.Node, parent: nodes.Node, owner: Form) -> None:
-        kind = type(node)
-        self._by_type[kind].append(Occurrence(node, parent, owner))
+        rows, kind = self._rows, type(node)
+        rows[kind].append((node, parent, owner))
         for field in CHILDREN[kind]:
             value = getattr(node, field)
-            if type(value) is tuple:
+            held = type(value)
+            if held is tuple:
                 for child in value:
-                    if type(child) is not nodes.Const:
+                    held = type(child)
+                    if held is nodes.Var:
+                        rows[held].append((child, node, owner))
+                    elif held is not nodes.Const:
                         self._add(child, node, owner)
-            elif value is not None and type(value) is not nodes.Const:
+            elif value is not None and held is not nodes.Const:
                 self._add(value, node, owner)
 
 

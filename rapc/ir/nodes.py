@@ -9,7 +9,9 @@ Sources: [T 4], [T A], [S 3], [S 4]; those of tests are in docs/testing.md.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
+from operator import attrgetter
 from typing import Literal
 
 import msgspec
@@ -26,25 +28,31 @@ class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False, array_like
     """
 
     def __eq__(self, other: object) -> bool:
-        if type(self) is not type(other):
+        kind = type(self)
+        if kind is not type(other):
             return NotImplemented
-        return all(
-            getattr(self, name) == getattr(other, name)
-            for name in compared_fields(type(self))
-        )
+        told = _told(kind)
+        return bool(told(self) == told(other))
 
     def __ne__(self, other: object) -> bool:
         return not self == other
 
     def __hash__(self) -> int:
-        values = [getattr(self, name) for name in compared_fields(type(self))]
-        return hash((type(self).__name__, *values))
+        kind = type(self)
+        return hash((kind.__name__, _told(kind)(self)))
 
 
 @cache
 def compared_fields(kind: type[Node]) -> tuple[str, ...]:
     """Return the fields of a kind of node that make two nodes equal."""
     return tuple([f for f in kind.__struct_fields__ if not f.endswith("span")])
+
+
+@cache
+def _told(kind: type[Node]) -> Callable[[Node], object]:
+    """Return what takes the values that make two nodes equal from a node of a kind."""
+    fields = compared_fields(kind)
+    return attrgetter(*fields) if fields else lambda node: ()
 
 
 # --- terms -------------------------------------------------------------------

@@ -36,7 +36,7 @@ def operands(formula: nodes.Formula) -> Operands:
     by_value = _BY_VALUE.get(kind)
     if by_value is not None:
         return by_value(formula)
-    return Operands(*[held(formula) for held in _HELD[kind]])
+    return Operands(**{role: held(formula) for role, held in _HELD[kind]})
 
 
 _ROLES: Mapping[str, str] = {
@@ -69,8 +69,6 @@ def _held(
     kind: type[nodes.Node], fields: tuple[str, ...]
 ) -> Callable[[nodes.Node], tuple[Any, ...]]:
     """Return what takes the values of some fields from a node, as one tuple."""
-    if not fields:
-        return lambda node: ()
     takes = [attrgetter(field) for field in fields]
     rows = [declared(kind, field).startswith("tuple[") for field in fields]
     if len(fields) == 1 and rows[0]:
@@ -86,7 +84,14 @@ def _held(
 
 _FIELDS = {kind: _fields(kind) for kind in nodes.Formula.__args__}
 
-_HELD = {kind: [_held(kind, one) for one in fields] for kind, fields in _FIELDS.items()}
+_HELD = {
+    kind: [
+        (role, _held(kind, one))
+        for role, one in zip(Operands.__struct_fields__, fields, strict=True)
+        if one
+    ]
+    for kind, fields in _FIELDS.items()
+}
 
 PARTS: Mapping[type, tuple[str, ...]] = {
     kind: (*fields[2], *fields[3]) for kind, fields in _FIELDS.items()

@@ -252,7 +252,8 @@ def _step(walk: _Walk, step: nodes.Step, bound: Bound, net: Net, at: int) -> Non
     """Walk all that a step says; what it surely binds is bound afterwards."""
     if step.annotations:
         _windows(walk, step, bound)
-    _formulas(walk, net, at, bound)
+    if net.edges[at]:
+        _formulas(walk, net, at, bound)
     if step.annotations:
         bound.names.update(_signals(step))
     walk.walker.values(step.goal.args, bound)
@@ -307,13 +308,13 @@ class _OrderedBindings:
         self._sets: dict[int, int] = {}
         self._left = [0] * len(net.edges)
         for into in net.edges:
-            for before in {edge.before for edge in into}:
+            for before in {edge.before for edge in into} if into else ():
                 self._left[before] += 1
 
     def before(self, at: int) -> _Names:
         """The names surely bound by the steps that are ordered before one."""
-        here = 0
-        for before in {edge.before for edge in self._edges[at]}:
+        here, into = 0, self._edges[at]
+        for before in {edge.before for edge in into} if into else ():
             here |= self._sets.get(before, 0)
             self._left[before] -= 1
             if not self._left[before]:
