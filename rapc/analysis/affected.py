@@ -20,9 +20,9 @@ from itertools import islice
 from rapc.analysis.census import ENOUGH, Census, sort_of
 from rapc.analysis.change import Change
 from rapc.analysis.close_names import is_one_slip
-from rapc.analysis.file_census import FormKey, place_from
+from rapc.analysis.file_census import FormKey
 from rapc.analysis.kept import AGENDAS, FileState, State, form_at
-from rapc.analysis.places import Place
+from rapc.analysis.places import Place, parts_of, place_of
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 
@@ -158,7 +158,7 @@ class Affected:
 
     def _by_constants(self) -> Iterator[FormKey]:
         # told by RAPs: one that goes from a RAP to another may now be the first
-        turned: Counter[tuple[str, str, int, tuple[str, ...]]] = Counter()
+        turned: Counter[tuple[str, str, int, tuple[Place, ...]]] = Counter()
         for sign, files, keys in (
             (-1, self._before, self._change.gone),
             (1, self._files, self._change.fresh),
@@ -168,8 +168,8 @@ class Affected:
                     form = keys.get((name, one.form))
                     if form is not None:
                         turned[form.rap, one.written, one.count, one.places] += sign
-        sorts: dict[str, Counter[str]] = {}
-        words: dict[str, list[tuple[bool, tuple[str, ...]]]] = {}
+        sorts: dict[Place, Counter[str]] = {}
+        words: dict[str, list[tuple[bool, tuple[Place, ...]]]] = {}
         for (_, written, count, places), number in turned.items():
             sort = sort_of(written)
             if number and sort != "number":
@@ -178,11 +178,11 @@ class Affected:
                 sorts.setdefault(place, Counter())[sort] += number
         for written, where in words.items():
             yield from self._by_word(written, where)
-        for word, counts in sorts.items():
-            yield from self._by_sorts(place_from(word), counts)
+        for place, counts in sorts.items():
+            yield from self._by_sorts(place, counts)
 
     def _by_word(
-        self, written: str, where: Iterable[tuple[bool, tuple[str, ...]]]
+        self, written: str, where: Iterable[tuple[bool, tuple[Place, ...]]]
     ) -> Iterator[FormKey]:
         yield from self._with_text(f"?{written.lower()}")
         there = self._census.standing(written)
@@ -196,8 +196,7 @@ class Affected:
                     if one.filled is filled and set(one.places).issuperset(places)
                 ]
             )
-            for filled, words in where
-            for places in [{place_from(word) for word in words}]
+            for filled, places in where
         ):
             return
         twins = (written, f'"{written}"', *self._close_to(written))
@@ -240,7 +239,7 @@ class Affected:
     # --- sideways: places -------------------------------------------------------------
 
     def _by_places(self) -> Iterator[FormKey]:
-        turned: Counter[tuple[str, str]] = Counter()
+        turned: Counter[tuple[Place, Place]] = Counter()
         for sign, files, keys in (
             (-1, self._before, self._change.gone),
             (1, self._files, self._change.fresh),
@@ -250,19 +249,18 @@ class Affected:
                     turned[pair] += sign
         for (one, other), number in turned.items():
             if number:
-                first, second = place_from(one), place_from(other)
-                rest = self._census.together(first, second, self._fresh)
+                rest = self._census.together(one, other, self._fresh)
                 if rest < ENOUGH:
-                    yield from self._with(first) & self._with(second)
+                    yield from self._with(one) & self._with(other)
 
     def _with(self, place: Place) -> frozenset[FormKey]:
         """Return the forms that use the name of a place."""
-        name = (place.space, place.name)
-        users = self._users.get(name)
+        space, name, _ = parts_of(place)
+        users = self._users.get((space, name))
         if users is None:
-            every = (Place(*name, at) for at in range(_MOST_ARGUMENTS))
+            every = (place_of(space, name, at) for at in range(_MOST_ARGUMENTS))
             forms = [form for at in every for form in self._census.forms_with(at)]
-            users = self._users[name] = frozenset(forms)
+            users = self._users[space, name] = frozenset(forms)
         return users
 
 
@@ -295,18 +293,18 @@ def _is_enough(forms: Sequence[FormKey]) -> bool:
 
 def _pairs(
     files: Mapping[str, FileState], changed: Iterable[str], forms: Iterable[FormKey]
-) -> Iterator[set[tuple[str, str]]]:
+) -> Iterator[set[tuple[Place, Place]]]:
     """Yield for each of some forms the pairs of places that it puts together."""
     wanted = frozenset(forms)
     for name in changed:
         census = files[name].census if name in files else None
-        groups: dict[int, list[str]] = {}
+        groups: dict[int, list[Place]] = {}
         for place, there in census.groups.items() if census else ():
             for group in there:
                 assert census is not None
                 if (name, census.owners[group]) in wanted:
                     groups.setdefault(group, []).append(place)
-        by_form: dict[int, set[tuple[str, str]]] = {}
+        by_form: dict[int, set[tuple[Place, Place]]] = {}
         for group, places in groups.items():
             assert census is not None
             found = by_form.setdefault(census.owners[group], set())

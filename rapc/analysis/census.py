@@ -22,8 +22,6 @@ from rapc.analysis.file_census import (
     FormKey,
     Standing,
     gather,
-    place_from,
-    word_for,
 )
 from rapc.analysis.index import INDEX, Uses
 from rapc.analysis.named import MISUSES
@@ -72,16 +70,15 @@ class Census:
             self._owners += [(name, start) for start in one.owners]
             self._double.update([(name, start) for start in one.others])
             self._tests.update([(name, start) for start in one.tests])
-        self._merged: dict[str, list[int]] | None = None
+        self._merged: dict[Place, list[int]] | None = None
         self._sets: dict[Place, frozenset[int]] = {}
         self._together: dict[
             tuple[Place, Place], tuple[int, Mapping[FormKey, int]]
         ] = {}
         self._beside: dict[tuple[str, Place], tuple[FormKey, ...]] = {}
-        self._places: dict[str, Place] = {}
         self._standing: dict[str, tuple[Found, ...]] = {}
         self._by_word: dict[str, list[tuple[str, Standing]]] | None = None
-        self._by_place: dict[str, list[tuple[str, Standing]]] | None = None
+        self._by_place: dict[Place, list[tuple[str, Standing]]] | None = None
         self._changed: frozenset[str] | None = None
         self._requested: frozenset[str] | None = None
 
@@ -136,9 +133,9 @@ class Census:
             self._by_place = {}
             for file, census in self.files.items():
                 for one in census.constants:
-                    for word in one.places:
-                        self._by_place.setdefault(word, []).append((file, one))
-        return self._by_place.get(word_for(place), ())
+                    for there in one.places:
+                        self._by_place.setdefault(there, []).append((file, one))
+        return self._by_place.get(place, ())
 
     def is_changed(self, name: str) -> bool:
         """Whether any RAP brings or takes away facts of a name."""
@@ -191,37 +188,31 @@ class Census:
             Span(file, one.start, one.end),
             (file, one.form),
             one.count > 0,
-            tuple([self._place(word) for word in one.places]),
+            one.places,
             (file, one.form) in self._tests,
         )
-
-    def _place(self, word: str) -> Place:
-        place = self._places.get(word)
-        if place is None:
-            place = self._places[word] = place_from(word)
-        return place
 
     def _set(self, place: Place) -> frozenset[int]:
         found = self._sets.get(place)
         if found is None:
-            found = self._sets[place] = frozenset(self._groups(word_for(place)))
+            found = self._sets[place] = frozenset(self._groups(place))
         return found
 
-    def _groups(self, word: str) -> Iterable[int]:
+    def _groups(self, place: Place) -> Iterable[int]:
         """Return the variables at a place; what all files tell is put together late."""
         if self._merged is None and len(self._sets) < _FEW:
             return [
                 first + group
                 for first, one in self._first
-                for group in one.groups.get(word, ())
+                for group in one.groups.get(place, ())
             ]
         if self._merged is None:
             self._merged = {}
             for first, one in self._first:
-                for place, groups in one.groups.items():
-                    there = self._merged.setdefault(place, [])
+                for at, groups in one.groups.items():
+                    there = self._merged.setdefault(at, [])
                     there += [first + group for group in groups]
-        return self._merged.get(word, ())
+        return self._merged.get(place, ())
 
     def _forms_with_both(
         self, one: Place, other: Place, but: Container[FormKey]

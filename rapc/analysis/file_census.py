@@ -14,7 +14,6 @@ import msgspec
 from rapc.analysis.asking import Asking, asking
 from rapc.analysis.index import Form, Index, use_key
 from rapc.analysis.places import Place, Places
-from rapc.base.values import format_atom
 from rapc.ir import nodes
 from rapc.ir.walk import Clause, formulas, subformulas
 from rapc.library.library import Library
@@ -39,17 +38,14 @@ class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     #: variable.
     count: int
     #: The place that it is at, or those of the variable that it is compared with.
-    places: tuple[str, ...]
+    places: tuple[Place, ...]
 
 
 class FileCensus(msgspec.Struct, array_like=True):
-    """What the forms of one file tell; a place is told by the words of its parts.
-
-    The variables of forms are numbered, as `groups`.
-    """
+    """What the forms of one file tell; their variables are numbered, as `groups`."""
 
     #: For each place the variables that stand at it.
-    groups: dict[str, list[int]] = {}
+    groups: dict[Place, list[int]] = {}
     #: For each variable where its form begins.
     owners: list[int] = []
     constants: list[Standing] = []
@@ -84,16 +80,18 @@ def gather(library: Library, index: Index, places: Places) -> Mapping[str, FileC
         places: what stands at their places.
     """
     made = _begun(library)
-    words = _Words()
     for form, names in places.forms():
         here, start = made[form.span.file], form.span.start
         for there in names.values():
             group = len(here.owners)
             here.owners.append(start)
             for place in list(dict.fromkeys(there))[:MOST_PLACES]:
-                here.groups.setdefault(words.of(place), []).append(group)
-    for one in _standing(index, places, words):
-        made[one[0]].constants.append(one[1])
+                here.groups.setdefault(place, []).append(group)
+    for one in places.constants:
+        at, span = one.form.span, one.const.span
+        made[at.file].constants.append(
+            Standing(one.written, at.start, span.start, span.end, one.count, one.places)
+        )
     for file, name in dict.fromkeys(_changed(index)):
         made[file].changed.append(name)
     for file, name in dict.fromkeys(_conditions(library)):
@@ -138,59 +136,7 @@ CONDITIONS: frozenset[Clause] = frozenset(
 """The clauses that have to hold when a task comes up."""
 
 
-class _Words:
-    """The words of places, each made once."""
-
-    def __init__(self) -> None:
-        self._made: dict[Place, str] = {}
-
-    def of(self, place: Place) -> str:
-        made = self._made.get(place)
-        if made is None:
-            made = self._made[place] = word_for(place)
-        return made
-
-
-def _standing(
-    index: Index, places: Places, words: _Words
-) -> Iterator[tuple[str, Standing]]:
-    for one in places.filled:
-        if isinstance(one.term, nodes.Const):
-            at = words.of(one.place)
-            yield one.form.span.file, _one(one.term, one.form, (at,), one.count)
-    for test in index.of(nodes.Compare):
-        for const, other in compared_constants(test.node):
-            found = dict.fromkeys(places.of(test.owner, other.name))
-            there = tuple(map(words.of, found))
-            yield test.owner.span.file, _one(const, test.owner, there, 0)
-
-
-def compared_constants(test: nodes.Compare) -> Iterator[tuple[nodes.Const, nodes.Var]]:
-    """Yield a constant that is compared with a variable, and the variable."""
-    for one, other in ((test.left, test.right), (test.right, test.left)):
-        if isinstance(one, nodes.Const) and isinstance(other, nodes.Var):
-            yield one, other
-
-
-def _one(
-    const: nodes.Const, form: Form, there: tuple[str, ...], count: int
-) -> Standing:
-    span, written = const.span, format_atom(const.value)
-    return Standing(written, form.span.start, span.start, span.end, count, there)
-
-
 def _changed(index: Index) -> Iterator[tuple[str, str]]:
     for one in index.uses():
         if one.use in ("asserted", "erased") and type(one.owner) is nodes.DefineRap:
             yield one.owner.span.file, one.name
-
-
-def word_for(place: Place) -> str:
-    """Return the words of the parts of a place."""
-    return f"{place.space} {place.name} {place.position}"
-
-
-def place_from(word: str) -> Place:
-    """Return a place by the words of its parts."""
-    space, name, position = word.split(" ")
-    return Place(space, name, int(position))

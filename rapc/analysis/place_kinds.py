@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rapc.analysis.inferred_kinds import InferredKinds
-from rapc.analysis.places import Place
+from rapc.analysis.places import Place, parts_of
 from rapc.library.signatures import Signatures
 
 
@@ -40,13 +40,14 @@ class PlaceKinds:
         return self._known[place]
 
     def _look_up(self, place: Place) -> str | None:
-        declared = self._tables[place.space].get(place.name)
+        space, name, position = parts_of(place)
+        declared = self._tables[space].get(name)
         args = declared.args if declared is not None else None
-        if args is None or place.position >= len(args):
+        if args is None or position >= len(args):
             return None
-        kind = args[place.position].kind
-        if kind is None and place.space == "RAP":
-            learned = self._inputs.get(place.name, ())
-            one = learned[place.position] if place.position < len(learned) else None
+        kind = args[position].kind
+        if kind is None and space == "RAP":
+            learned = self._inputs.get(name, ())
+            one = learned[position] if position < len(learned) else None
             kind = one.kind if one is not None else None
         return kind

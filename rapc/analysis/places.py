@@ -9,33 +9,49 @@ arguments draw; declarations take part as forms of their own, with their variabl
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import NewType
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.named import MISUSES
+from rapc.base.values import format_atom
 from rapc.ir import nodes
 from rapc.library.signatures import Use
 
+Place = NewType("Place", str)
+"""An argument place in words: the space of names, the name, the argument's number.
 
-class Place(NamedTuple):
-    """An argument place: of what space of names, of which name, the how-manieth."""
-
-    space: str
-    name: str
-    position: int
+The number counts from 0: `predicate location 1` is the value of `location`. Names have
+no spaces in them.
+"""
 
 
-class Filled(msgspec.Struct, frozen=True, gc=False):
-    """A term at a place."""
+def place_of(space: str, name: str, position: int) -> Place:
+    """Return the place of an argument of a name."""
+    return Place(f"{space} {name} {position}")
 
-    place: Place
-    term: nodes.Term
+
+def parts_of(place: Place) -> tuple[str, str, int]:
+    """Return the space of names of a place, the name, and the argument's number."""
+    space, name, position = place.split(" ")
+    return space, name, int(position)
+
+
+class Constant(msgspec.Struct, frozen=True, gc=False):
+    """A constant where it stands, at a place or beside a variable."""
+
+    const: nodes.Const
+    #: As it is written, so that a text has its quotes.
+    written: str
+    #: The top-level form that it stands in.
     form: Form
-    #: How many arguments stand with it.
+    #: With how many arguments it stands at its place; 0 if it is compared with a
+    #: variable.
     count: int
+    #: The place that it is at, or those of the variable that it is compared with.
+    places: tuple[Place, ...]
 
 
 SPACES: Mapping[Use, str] = {
@@ -62,15 +78,35 @@ class Places:
     """
 
     def __init__(self, index: Index, wrong: Container[int]) -> None:
-        #: Every term at a place, in the order of uses.
-        self.filled: Sequence[Filled] = tuple(_filled(index, wrong))
+        #: The constants at places in the order of uses, then those that are compared.
+        self.constants: list[Constant] = []
+        self._rows: dict[tuple[str, str], list[Place]] = {}
         self._of: dict[int, dict[str, list[Place]]] = {}
         self._forms: dict[int, Form] = {}
-        for one in self.filled:
-            if isinstance(one.term, nodes.Var) and not one.term.anonymous:
-                names = self._of.setdefault(id(one.form), {})
-                self._forms[id(one.form)] = one.form
-                names.setdefault(one.term.name, []).append(one.place)
+        for used in index.uses():
+            if id(used.node) not in wrong:
+                terms = used.node.args
+                if type(used.node) is nodes.Goal:
+                    terms = (*terms, *used.node.outputs)
+                self._fill(SPACES[used.use], used.name, terms, used.owner, used.count)
+        for rap in index.of(nodes.DefineRap):
+            own, count = rap.node, len(rap.node.inputs)
+            self._fill("RAP", own.name, (*own.inputs, *own.outputs), rap.owner, count)
+        for space, kind in _DECLARED.items():
+            for form in index.of(kind):
+                node = form.node
+                assert isinstance(node, _WithArguments)
+                variables = [arg.variable for arg in node.args]
+                self._fill(space, node.name, variables, form.owner, len(variables))
+        for test in index.of(nodes.Compare):
+            self._compare(test.node, test.owner)
+
+    def row(self, space: str, name: str, count: int) -> Sequence[Place]:
+        """Return the first places of a name: as many as are wanted, or more."""
+        found = self._rows.setdefault((space, name), [])
+        while len(found) < count:
+            found.append(place_of(space, name, len(found)))
+        return found
 
     def of(self, form: Form, name: str) -> Sequence[Place]:
         """Return the places at which a variable stands in a form."""
@@ -81,28 +117,39 @@ class Places:
         for key, names in self._of.items():
             yield self._forms[key], names
 
+    def _fill(
+        self,
+        space: str,
+        name: str,
+        terms: Sequence[nodes.Term],
+        form: Form,
+        count: int,
+    ) -> None:
+        """Note the terms at the places of a name."""
+        own = self._of.get(id(form))
+        if own is None:
+            own = self._of[id(form)] = {}
+            self._forms[id(form)] = form
+        row = self.row(space, name, len(terms))
+        for place, term in zip(row, terms, strict=False):
+            if type(term) is nodes.Var:
+                if not term.anonymous:
+                    own.setdefault(term.name, []).append(place)
+            elif type(term) is nodes.Const:
+                self._constant(term, form, count, (place,))
 
-def _filled(index: Index, wrong: Container[int]) -> Iterator[Filled]:
-    for used in index.uses():
-        if id(used.node) in wrong:
-            continue
-        space = SPACES[used.use]
-        terms = used.node.args
-        if isinstance(used.node, nodes.Goal):
-            terms = (*terms, *used.node.outputs)
-        for at, term in enumerate(terms):
-            yield Filled(Place(space, used.name, at), term, used.owner, used.count)
-    for rap in index.of(nodes.DefineRap):
-        for at, variable in enumerate((*rap.node.inputs, *rap.node.outputs)):
-            count = len(rap.node.inputs)
-            yield Filled(Place("RAP", rap.node.name, at), variable, rap.owner, count)
-    for space, kind in _DECLARED.items():
-        for form in index.of(kind):
-            node = form.node
-            assert isinstance(node, _WithArguments)
-            for at, arg in enumerate(node.args):
-                count, place = len(node.args), Place(space, node.name, at)
-                yield Filled(place, arg.variable, form.owner, count)
+    def _compare(self, test: nodes.Compare, form: Form) -> None:
+        """Note the constants that are compared with variables."""
+        for one, other in ((test.left, test.right), (test.right, test.left)):
+            if type(one) is nodes.Const and type(other) is nodes.Var:
+                places = tuple(dict.fromkeys(self.of(form, other.name)))
+                self._constant(one, form, 0, places)
+
+    def _constant(
+        self, const: nodes.Const, form: Form, count: int, places: tuple[Place, ...]
+    ) -> None:
+        written = format_atom(const.value)
+        self.constants.append(Constant(const, written, form, count, places))
 
 
 _DECLARED: Mapping[str, type[nodes.Node]] = {

@@ -15,12 +15,12 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, sort_of
 from rapc.analysis.close_names import Close, is_row
-from rapc.analysis.file_census import FormKey, compared_constants, form_key
-from rapc.analysis.index import INDEX, Form
+from rapc.analysis.file_census import FormKey, form_key
+from rapc.analysis.index import Form
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.place_kinds import PlaceKinds
-from rapc.analysis.places import PLACES, Place
+from rapc.analysis.places import PLACES, Place, parts_of
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -138,11 +138,9 @@ class _Standing(msgspec.Struct, frozen=True):
     places: tuple[Place, ...]
     #: The kinds of these places.
     kinds: tuple[str, ...]
-
-    @property
-    def is_word(self) -> bool:
-        """Whether it is a symbol that means something of its own."""
-        return sort_of(self.written) == "word"
+    #: Its sort by how it is written (`census.sort_of`): `word` is a symbol that means
+    #: something of its own, nothing what goes with all.
+    sort: str
 
 
 def _run(run: Pass) -> Mapping[tuple[int, str], FormKey]:
@@ -155,7 +153,8 @@ def _run(run: Pass) -> Mapping[tuple[int, str], FormKey]:
             continue
         if not known.fits(one):
             unmarked[id(one.form), f"?{one.const.value}"] = form_key(one.form)
-        if id(one.form) in told or not known.fits(one):
+            continue
+        if id(one.form) in told or not one.sort:
             continue
         found = _misspelt(run, known, one) or _mixed(known, one) or _foreign(known, one)
         if found is not None:
@@ -170,7 +169,7 @@ ANALYZER = Analyzer(
     name="constants",
     doc="Holds constants against those that stand at the same places elsewhere.",
     run=_run,
-    needs=(CENSUS, INDEX, INFERRED, KINDS, PLACES),
+    needs=(CENSUS, INFERRED, KINDS, PLACES),
     rules=(MISSPELT, FOREIGN, MIXED),
 )
 
@@ -179,24 +178,17 @@ ANALYZER = Analyzer(
 
 
 def _standing(run: Pass, kinds: PlaceKinds) -> Iterator[_Standing]:
-    places = run.result(PLACES)
-    for one in places.filled:
-        if isinstance(one.term, nodes.Const):
-            yield _made(one.term, one.form, (one.place,), kinds)
-    for test in run.result(INDEX).of(nodes.Compare):
-        for const, other in compared_constants(test.node):
-            there = tuple(dict.fromkeys(places.of(test.owner, other.name)))
-            yield _made(const, test.owner, there, kinds)
+    for one in run.result(PLACES).constants:
+        sort = sort_of(one.written)
+        wanted = kinds.of(one.places)
+        yield _Standing(one.const, one.written, one.form, one.places, wanted, sort)
 
 
-def _made(
-    const: nodes.Const, form: Form, there: tuple[Place, ...], kinds: PlaceKinds
-) -> _Standing:
-    return _Standing(const, format_atom(const.value), form, there, kinds.of(there))
+class _Stands(msgspec.Struct, frozen=True):
+    """How often a constant stands where."""
 
-
-_Key = Place | str
-"""A place, or a kind."""
+    places: Counter[Place]
+    kinds: Counter[str]
 
 
 class _Known:
@@ -215,7 +207,7 @@ class _Known:
                 self._listing.setdefault(format_atom(value), []).append(name)
         for value in _results(run):
             self._listed[value] += 2
-        self._at: dict[str, Counter[_Key]] = {}
+        self._at: dict[str, _Stands] = {}
         self._sorts: dict[Place, Counter[str]] = {}
         self._forms: dict[str, Counter[FormKey]] = {}
         self._close: Close | None = None
@@ -224,16 +216,16 @@ class _Known:
         """Return how often a constant stands in the library."""
         return len(self.census.standing(written)) + self._listed[written]
 
-    def at(self, written: str) -> Counter[_Key]:
+    def at(self, written: str) -> _Stands:
         """Return the places and kinds of a constant, with how often it stands there."""
         found = self._at.get(written)
         if found is None:
-            found = self._at[written] = Counter()
+            found = self._at[written] = _Stands(Counter(), Counter())
             for one in self.census.standing(written):
-                found.update(one.places)
-                found.update(self.place_kinds.of(one.places))
+                found.places.update(one.places)
+                found.kinds.update(self.place_kinds.of(one.places))
             for name in self._listing.get(written, ()):
-                found[name] += 2
+                found.kinds[name] += 2
         return found
 
     def sorts(self, place: Place) -> Counter[str]:
@@ -263,11 +255,14 @@ class _Known:
 
     def is_new(self, one: _Standing) -> bool:
         """Whether a constant stands nowhere else in its form, or where such do."""
-        keys: tuple[_Key, ...] = (*one.places, *one.kinds)
-        if not keys or self.count(one.written) == 1:
+        if not one.places or self.count(one.written) == 1:
             return self.count(one.written) == 1
         there = self.at(one.written)
-        return self._in_form(one) == 1 and all(there[key] == 1 for key in keys)
+        return (
+            self._in_form(one) == 1
+            and all(there.places[place] == 1 for place in one.places)
+            and all(there.kinds[kind] == 1 for kind in one.kinds)
+        )
 
     def _in_form(self, one: _Standing) -> int:
         forms = self._forms.get(one.written)
@@ -291,19 +286,22 @@ def _results(run: Pass) -> Iterator[str]:
 
 def _misspelt(run: Pass, known: _Known, one: _Standing) -> Diagnostic | None:
     word = one.written
-    if not one.is_word:
+    if one.sort != "word":
         return None
     if known.is_new(one) and run.result(PLACES).of(one.form, f"?{word}"):
         return _slip(one, f"?{word}", ())
     if known.count(word) != 1:
         return None
     for other in known.close_to(word):
-        keys: tuple[_Key, ...] = (*one.places, *one.kinds)
-        together = any(key in known.at(other) for key in keys)
+        there = known.at(other)
+        together = not there.places.keys().isdisjoint(one.places)
+        together = together or not there.kinds.keys().isdisjoint(one.kinds)
         alike = other[0] == word[0] and not is_row(word, other)
         if together and alike and known.count(other) > 1:
-            there = known.first(other)
-            labels = [Label(span, "a constant with a close name") for span in there]
+            labels = [
+                Label(span, "a constant with a close name")
+                for span in known.first(other)
+            ]
             return _slip(one, other, labels)
     return None
 
@@ -329,8 +327,8 @@ def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
 
     `false` among words is none: it says that there is no such thing.
     """
-    own = sort_of(one.written)
-    if not own or len(one.places) != 1 or one.const.value == "false":
+    own = one.sort
+    if len(one.places) != 1 or one.const.value == "false":
         return None
     there = known.sorts(one.places[0])
     others = {sort: n for sort, n in there.items() if sort and sort != own}
@@ -339,11 +337,12 @@ def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
     ((sort, count),) = others.items()
     if count < _enough(known, one, own, sort):
         return None
+    _, name, _ = parts_of(one.places[0])
     return Diagnostic(
         rule=MIXED.name,
         message=f"`{format_atom(one.const.value)}` stands where all others are {sort}s",
         span=one.const.span,
-        help=f"there are {count} of them at this place of `{one.places[0].name}`",
+        help=f"there are {count} of them at this place of `{name}`",
     )
 
 
@@ -355,20 +354,19 @@ def _enough(known: _Known, one: _Standing, own: str, sort: str) -> int:
     """Return how many others make a sort; where a text is there as a word, one does."""
     value = one.const.value
     word = value.value if isinstance(value, Text) else ""
-    if sort_of(word) not in ("number", "text") and known.at(word)[one.places[0]]:
+    if sort_of(word) not in ("number", "text") and known.at(word).places[one.places[0]]:
         return 1
     return _ENOUGH if {"number", "text"} & {own, sort} else _SURE
 
 
 def _foreign(known: _Known, one: _Standing) -> Diagnostic | None:
-    if not one.is_word or len(one.kinds) != 1 or len(one.places) != 1:
+    if one.sort != "word" or len(one.kinds) != 1 or len(one.places) != 1:
         return None
     (wanted,) = one.kinds
-    there = known.at(one.written)
+    there = known.at(one.written).kinds
     if there[wanted] > 1 or known.kinds.values(wanted) is not None:
         return None
-    homes = [k for k, n in there.items() if isinstance(k, str) and n > 1]
-    homes = [kind for kind in homes if kind != wanted]
+    homes = [kind for kind, n in there.items() if n > 1 and kind != wanted]
     if not homes or not all(_strange(known, kind, wanted) for kind in homes):
         return None
     return Diagnostic(

@@ -61,16 +61,17 @@ anything will do, write a bare `?`, or another name; then nothing is reported.""
 
 def _run(run: Pass) -> None:
     kinds = PlaceKinds(run.signatures, run.result(INFERRED))
-    places = {id(one.term): one.place for one in run.result(PLACES).filled}
+    places = run.result(PLACES)
     missing = run.result(BINDINGS).missing
     constants = run.result(CONSTANTS)
     census = run.result(CENSUS)
     own = [(form, name) for (_, name), form in constants.items()]
     unmarked = {*census.unmarked, *own}
     for variable, owner in _used_once(run):
-        place = places.get(id(variable))
-        if place is None or (id(owner), variable.name) in constants:
+        there = places.of(owner, variable.name)
+        if not there or (id(owner), variable.name) in constants:
             continue
+        place = there[-1]
         if any(m.variable is variable for m in missing.get(id(owner), ())):
             continue
         wanted = kinds.of((place,))

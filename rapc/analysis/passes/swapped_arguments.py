@@ -12,6 +12,7 @@ forms that hand a variable to `enter` have it from the second place of `at`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations, islice
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, Census
@@ -66,12 +67,10 @@ _MOST_ARGUMENTS = 6
 _PLAIN = ("unknown", "true", "false", "nil", "t")
 """Constants that stand anywhere."""
 
-_Point = Place | str
-"""A place, or a constant as it is written."""
-
-
 _NO_FORM = ("", 0)
 """The key of no form at all."""
+
+_Pair = tuple[Place, Place]
 
 
 class _Links:
@@ -80,46 +79,33 @@ class _Links:
     def __init__(self, places: Places, census: Census) -> None:
         self._places = places
         self._census = census
-        self._rows: dict[tuple[int, str], tuple[Place, ...]] = {}
 
-    def points(
-        self, form: Form, term: nodes.Term, places: Sequence[Place]
-    ) -> list[_Point]:
-        """Return what speaks for a term of a form: its other places, or itself."""
-        if isinstance(term, nodes.Const):
-            word = term.value
-            return [word] if isinstance(word, str) and word not in _PLAIN else []
-        if not isinstance(term, nodes.Var):
-            return []
-        return [one for one in self._row(form, term.name) if one not in places]
+    def row(self, used: NameUse) -> Sequence[Place]:
+        """Return the places of a name that is used."""
+        return self._places.row(SPACES[used.use], used.name, used.count)
 
     def alike(self, one: Place, other: Place) -> bool:
         """Whether one variable stands at both places: what fits one fits the other."""
         return self._census.together_elsewhere(one, other, _NO_FORM) > 0
 
-    def elsewhere(self, form: Form, points: Sequence[_Point], place: Place) -> int:
-        """Return in how many other forms one of the points goes with a place.
+    def elsewhere(
+        self, form: Form, term: nodes.Term, pair: _Pair, place: Place
+    ) -> Iterator[int]:
+        """Yield in how many other forms what speaks for a term goes with a place.
 
-        More than `_OFTEN` are not counted.
+        That is the term itself, if it is a constant; of a variable, each of its places
+        in the form but the pair that is held against each other.
         """
-        most, key = 0, form_key(form)
-        for point in points:
-            if isinstance(point, str):
-                count = self._census.beside_elsewhere(point, place, key)
-            else:
-                count = self._census.together_elsewhere(point, place, key)
-            most = max(most, count)
-            if most >= _OFTEN:
-                break
-        return most
-
-    def _row(self, form: Form, name: str) -> tuple[Place, ...]:
-        """Return the places of a variable, each once."""
-        row = self._rows.get((id(form), name))
-        if row is None:
-            every = dict.fromkeys(self._places.of(form, name))
-            row = self._rows[id(form), name] = tuple(every)[:MOST_PLACES]
-        return row
+        key = form_key(form)
+        if type(term) is nodes.Var:
+            row = dict.fromkeys(self._places.of(form, term.name))
+            for point in islice(row, MOST_PLACES):
+                if point not in pair:
+                    yield self._census.together_elsewhere(point, place, key)
+        elif type(term) is nodes.Const:
+            word = term.value
+            if isinstance(word, str) and word not in _PLAIN:
+                yield self._census.beside_elsewhere(word, place, key)
 
 
 def _run(run: Pass) -> None:
@@ -128,9 +114,9 @@ def _run(run: Pass) -> None:
     best: dict[int, tuple[int, Diagnostic]] = {}
     for used in run.result(INDEX).uses():
         form = used.owner
-        if isinstance(form, nodes.DefineTest) or id(form) in told:
+        if used.count <= 1 or type(form) is nodes.DefineTest or id(form) in told:
             continue
-        for support, found in _swapped(links, used) if used.count > 1 else ():
+        for support, found in _swapped(links, used):
             if support > best.get(id(form), (0, found))[0]:
                 best[id(form)] = (support, found)
     for _, found in best.values():
@@ -148,34 +134,26 @@ ANALYZER = Analyzer(
 
 def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
     """Yield two arguments that were swapped, with how much speaks for that."""
-    terms = used.node.args[:_MOST_ARGUMENTS]
-    space = SPACES[used.use]
-    places = [Place(space, used.name, at) for at in range(len(terms))]
-    for one in range(len(terms)):
-        for other in range(one + 1, len(terms)):
-            pair = (terms[one], terms[other])
-            if pair[0] != pair[1]:
-                support = _support(links, used, pair, (places[one], places[other]))
-                if support:
-                    yield support, _finding(used, pair)
+    terms, row = used.node.args[:_MOST_ARGUMENTS], links.row(used)
+    for one, other in combinations(range(len(terms)), 2):
+        pair = (terms[one], terms[other])
+        support = _support(links, used.owner, pair, (row[one], row[other]))
+        if support:
+            yield support, _finding(used, pair)
 
 
 def _support(
-    links: _Links,
-    used: NameUse,
-    terms: tuple[nodes.Term, nodes.Term],
-    places: tuple[Place, Place],
+    links: _Links, form: Form, terms: tuple[nodes.Term, nodes.Term], places: _Pair
 ) -> int:
     """Return how many other places say that two arguments were swapped."""
-    form = used.owner
-    if links.alike(*places):
-        return 0
-    points = [links.points(form, term, places) for term in terms]
-    if any(map(links.elsewhere, (form, form), points, places)):
+    for term, place in zip(terms, places, strict=True):
+        if any(links.elsewhere(form, term, places, place)):
+            return 0
+    if terms[0] == terms[1] or links.alike(*places):
         return 0
     turned = [
-        [links.elsewhere(form, [point], place) for point in there]
-        for there, place in zip(points, reversed(places), strict=True)
+        list(links.elsewhere(form, term, places, place))
+        for term, place in zip(terms, reversed(places), strict=True)
     ]
     if all(any(there) for there in turned):
         counts = [count for there in turned for count in there if count]
@@ -183,8 +161,7 @@ def _support(
     lone = [at for at, term in enumerate(terms) if _is_open(term)]
     if len(lone) != 1 or not isinstance(terms[1 - lone[0]], nodes.Const):
         return 0
-    often = links.elsewhere(form, points[1 - lone[0]], places[lone[0]])
-    return 1 if often >= _OFTEN else 0
+    return 1 if any(count >= _OFTEN for count in turned[1 - lone[0]]) else 0
 
 
 _OFTEN = 3
