@@ -6,7 +6,7 @@ two values, or if no value passes both of two tests. Only what is certain is tol
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping, Sequence
 
 import msgspec
 
@@ -43,8 +43,12 @@ class Conjunction:
         self.held: list[Literal] = []
         self._relations = relations
         self._given = given
-        self._denials = 0
+        #: What has no solution, each with the literals that then do not all hold.
+        self._denials: list[tuple[Literal, Sequence[Literal]]] = []
         self._names: dict[int, set[str]] = {}
+        #: By name: the first fact that holds, and what says so.
+        self._earliest: dict[str, tuple[nodes.Proposition, Literal]] = {}
+        #: By name and arguments of a property: the first literal that says its value.
         self._values: dict[tuple[object, ...], Literal] = {}
         self._numbers: dict[nodes.Term, list[tuple[nodes.Compare, Literal]]] = {}
 
@@ -54,7 +58,6 @@ class Conjunction:
             return None
         found = self._against(literal)
         self.held.append(literal)
-        self._denials += not literal.holds
         return Clash(found, literal) if found is not None else None
 
     def _against(self, literal: Literal) -> Literal | None:
@@ -76,6 +79,7 @@ class Conjunction:
     def _ruled_out(self, literal: Literal) -> Literal | None:
         """A literal from which a formula that has no solution would follow."""
         wanted = list(literals(literal.formula))
+        self._denials.append((literal, wanted))
         if not all(has_a_chance(goal, self.held) for goal in wanted):
             return None
         used = follows(wanted, self.held, self._own(literal, self.held))
@@ -83,16 +87,13 @@ class Conjunction:
 
     def _denied(self, literal: Literal) -> Literal | None:
         """A formula without a solution that a new literal makes follow."""
-        everything = [*self.held, literal]
-        for other in self.held:
-            if not other.holds:
-                wanted = list(literals(other.formula))
-                if not any(may_be(goal, literal) for goal in wanted):
-                    continue
-                own = self._own(other, everything)
-                used = follows(wanted, everything, own)
-                if used and literal in used:
-                    return other
+        for other, wanted in self._denials:
+            if not any(may_be(goal, literal) for goal in wanted):
+                continue
+            everything = [*self.held, literal]
+            used = follows(wanted, everything, self._own(other, everything))
+            if used and literal in used:
+                return other
         return None
 
     def _own(self, literal: Literal, others: Iterable[Literal]) -> set[str]:
@@ -114,16 +115,26 @@ class Conjunction:
         declared = self._relations.get(fact.name)
         if declared is None or not declared.is_property or declared.most is None:
             return None
+        earliest = self._earliest.setdefault(fact.name, (fact, literal))
+        if earliest[1] is literal:
+            return None  # nothing to hold it against
+        self._first(declared, *earliest)
+        first = self._first(declared, fact, literal)
+        if first is literal or first is None:
+            return None
+        return first if _apart(first, declared.full(fact.args)[-1], declared) else None
+
+    def _first(
+        self, declared: Signature, fact: nodes.Proposition, literal: Literal
+    ) -> Literal | None:
+        """Return the first literal that says the value of what a fact is about.
+
+        None if the fact does not say which thing it is about, or which value.
+        """
         args = declared.full(fact.args)
         if len(args) != declared.most or any(_is_open(term) for term in args):
             return None
-        index = (fact.name, *args[:-1])
-        first = self._values.setdefault(index, literal)
-        return (
-            first
-            if first is not literal and _apart(first, args[-1], declared)
-            else None
-        )
+        return self._values.setdefault((fact.name, *args[:-1]), literal)
 
     def _other_bound(self, test: nodes.Compare, literal: Literal) -> Literal | None:
         turned = _turned(test)

@@ -58,15 +58,17 @@ def may_be(goal: Literal, other: Literal) -> bool:
     if goal.holds is not other.holds:
         return False
     one, two = goal.formula, _fact(goal, other)
-    if type(one) is not type(two):
-        return False
-    return not isinstance(one, nodes.Proposition) or one.name == two.name  # type: ignore[union-attr]  # of one type
+    if type(one) is nodes.Proposition:
+        return type(two) is nodes.Proposition and one.name == two.name
+    if type(one) is nodes.Compare:
+        return type(two) is nodes.Compare and one.op == two.op
+    return type(one) is type(two)
 
 
 def _fact(goal: Literal, other: Literal) -> nodes.Formula:
     """Return what a literal says; what is believed of a fact, where one is wanted."""
     fact = other.formula
-    if isinstance(fact, nodes.Believe) and isinstance(goal.formula, nodes.Proposition):
+    if type(fact) is nodes.Believe and type(goal.formula) is nodes.Proposition:
         return fact.pattern
     return fact
 

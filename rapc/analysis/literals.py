@@ -14,7 +14,7 @@ import msgspec
 from rapc.base.source import Span
 from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.ir.walk import variables
+from rapc.ir.fields import CHILDREN
 
 
 class Literal(msgspec.Struct, frozen=True):
@@ -34,9 +34,9 @@ def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
     stack = [] if formula is None else [formula]
     while stack:
         here = stack.pop()
-        if isinstance(here, nodes.And):
+        if type(here) is nodes.And:
             stack.extend(reversed(here.parts))
-        elif isinstance(here, nodes.Not):
+        elif type(here) is nodes.Not:
             yield Literal(here.part, False)
         else:
             yield Literal(here, True)
@@ -44,7 +44,19 @@ def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
 
 def names(formula: nodes.Formula) -> set[str]:
     """Return the names of the variables of a formula, the bare `?` left out."""
-    return {var.name for var in variables(formula) if not var.anonymous}
+    found: set[str] = set()
+    stack: list[nodes.Node] = [formula]
+    while stack:
+        here = stack.pop()
+        for field in CHILDREN[type(here)]:
+            value = getattr(here, field)
+            for part in value if type(value) is tuple else (value,):
+                if type(part) is nodes.Var:
+                    found.add(part.name)
+                elif part is not None and type(part) is not nodes.Const:
+                    stack.append(part)
+    found.discard("?")
+    return found
 
 
 def apart(formula: nodes.Formula, kept: Container[str], mark: str) -> nodes.Formula:

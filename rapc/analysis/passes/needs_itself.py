@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.effects import circles_first
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_goal
@@ -63,8 +64,9 @@ def _run(run: Pass) -> None:
         if (made := list(_handed_on(rap)))
     }
     told: set[int] = set()
-    for rap in run.library.raps.values():
-        path = _way_back(rap, calls)
+    circling = _circling(calls)
+    for rap in run.library.raps.values() if circling else ():
+        path = _way_back(rap, calls) if rap.name in circling else None
         if path and not any(id(step) in told for step in path):
             told.update(id(step) for step in path)
             run.report(_finding(rap, path))
@@ -77,6 +79,19 @@ ANALYZER = Analyzer(
     rules=(ITSELF,),
     needs_whole="method",
 )
+
+
+def _circling(calls: _Calls) -> set[str]:
+    """Return the RAPs that calls lead back to, whatever these hand on."""
+    names = {
+        name: [call.step.goal.name for call in made] for name, made in calls.items()
+    }
+    return {
+        name
+        for circle in circles_first(names)
+        for name in circle
+        if len(circle) > 1 or name in names[name]
+    }
 
 
 def _handed_on(rap: nodes.DefineRap) -> list[_Call]:

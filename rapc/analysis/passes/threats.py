@@ -112,19 +112,32 @@ def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagn
         return
     places = {step.tag: at for at, step in enumerate(steps)}
     before, after = net.reach()
+    every = (1 << len(steps)) - 1
+    between: list[tuple[int, nodes.For, Literal]] = []
+    for at, note, wanted in protected:
+        other = places[note.tag]
+        may_come = every & ~(before[at] | after[other] | 1 << at | 1 << other)
+        if may_come:
+            between.append((may_come, note, wanted))
+    changes = _changes(run, steps, net) if between else {}
+    changing = {name: _bits(by for by, _ in there) for name, there in changes.items()}
+    for may_come, note, wanted in between:
+        if not changing.get(fact_name(wanted), 0) & may_come:
+            continue
+        for by, effect in changes.get(fact_name(wanted), ()):
+            if may_come >> by & 1 and contradict(run.signatures, wanted, effect):
+                yield _finding(note, wanted, steps[by])
+
+
+def _changes(
+    run: Pass, steps: Sequence[nodes.Step], net: Net
+) -> dict[str, list[tuple[int, Literal]]]:
+    """Return what steps surely bring about, by names, each with the step's position."""
     changes: dict[str, list[tuple[int, Literal]]] = {}
     for at, step in enumerate(steps):
         for effect in done(run.library, step.goal) if at not in net.early else ():
             changes.setdefault(fact_name(effect), []).append((at, effect))
-    changing = {name: _bits(by for by, _ in there) for name, there in changes.items()}
-    for at, note, wanted in protected:
-        other = places[note.tag]
-        apart = before[at] | after[other] | 1 << at | 1 << other
-        if not changing.get(fact_name(wanted), 0) & ~apart:
-            continue
-        for by, effect in changes.get(fact_name(wanted), ()):
-            if not apart >> by & 1 and contradict(run.signatures, wanted, effect):
-                yield _finding(note, wanted, steps[by])
+    return changes
 
 
 def _races(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnostic]:
