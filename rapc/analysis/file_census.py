@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from itertools import islice
 
 import msgspec
 
@@ -85,7 +86,7 @@ def gather(library: Library, index: Index, places: Places) -> Mapping[str, FileC
         for there in names.values():
             group = len(here.owners)
             here.owners.append(start)
-            for place in list(dict.fromkeys(there))[:MOST_PLACES]:
+            for place in islice(there, MOST_PLACES):
                 here.groups.setdefault(place, []).append(group)
     for one in places.constants:
         at, span = one.form.span, one.const.span

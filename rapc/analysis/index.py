@@ -39,6 +39,10 @@ class Occurrence(msgspec.Struct, Generic[N], frozen=True, gc=False):
     owner: Form
 
 
+VariableAt = tuple[nodes.Var, nodes.Node, Form]
+"""A variable where it stands: what holds it, and the top-level form."""
+
+
 class NameUse(msgspec.Struct, frozen=True, gc=False):
     """A place where a name is used that somebody has to declare."""
 
@@ -89,6 +93,7 @@ class Index:
         self._made: dict[type, Sequence[Occurrence[nodes.Node]]] = {}
         self._forms: dict[str, list[Form]] = {}
         self._uses: tuple[NameUse, ...] | None = None
+        self._variables: list[tuple[Form, dict[str, list[VariableAt]]]] | None = None
         self._kinds: tuple[NamedKind, ...] | None = None
         self._by_name: dict[tuple[Use, str], list[NameUse]] | None = None
         for form in (*library.forms, *library.tests):
@@ -130,6 +135,20 @@ class Index:
         if self._uses is None:
             self._uses = tuple(self._gathered())
         return self._uses
+
+    def variables(self) -> Sequence[tuple[Form, Mapping[str, Sequence[VariableAt]]]]:
+        """Return the forms that have variables, with these by name; gathered once."""
+        if self._variables is None:
+            names: dict[str, list[VariableAt]] = {}
+            self._variables = []
+            last: Form | None = None
+            for row in cast(list[VariableAt], self._rows[nodes.Var]):
+                variable, _, owner = row
+                if owner is not last:
+                    names, last = {}, owner
+                    self._variables.append((owner, names))
+                names.setdefault(variable.name, []).append(row)
+        return self._variables
 
     def kinds(self) -> Sequence[NamedKind]:
         """Return each place where a kind is named; gathered once."""

@@ -8,7 +8,8 @@ arguments draw; declarations take part as forms of their own, with their variabl
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Collection, Container, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import NewType
 
 import msgspec
@@ -81,7 +82,8 @@ class Places:
         #: The constants at places in the order of uses, then those that are compared.
         self.constants: list[Constant] = []
         self._rows: dict[tuple[str, str], list[Place]] = {}
-        self._of: dict[int, dict[str, list[Place]]] = {}
+        #: By the id of a form: for each variable its places, each once.
+        self._of: dict[int, dict[str, dict[Place, None]]] = {}
         self._forms: dict[int, Form] = {}
         for used in index.uses():
             if id(used.node) not in wrong:
@@ -108,11 +110,11 @@ class Places:
             found.append(place_of(space, name, len(found)))
         return found
 
-    def of(self, form: Form, name: str) -> Sequence[Place]:
-        """Return the places at which a variable stands in a form."""
-        return self._of.get(id(form), {}).get(name, ())
+    def of(self, form: Form, name: str) -> Collection[Place]:
+        """Return the places at which a variable stands in a form, each once."""
+        return self._of.get(id(form), _NOWHERE).get(name, ())
 
-    def forms(self) -> Iterator[tuple[Form, Mapping[str, Sequence[Place]]]]:
+    def forms(self) -> Iterator[tuple[Form, Mapping[str, Collection[Place]]]]:
         """Yield the forms with their variables, and the places of each."""
         for key, names in self._of.items():
             yield self._forms[key], names
@@ -134,7 +136,7 @@ class Places:
         for place, term in zip(row, terms, strict=False):
             if type(term) is nodes.Var:
                 if not term.anonymous:
-                    own.setdefault(term.name, []).append(place)
+                    own.setdefault(term.name, {})[place] = None
             elif type(term) is nodes.Const:
                 self._constant(term, form, count, (place,))
 
@@ -142,8 +144,7 @@ class Places:
         """Note the constants that are compared with variables."""
         for one, other in ((test.left, test.right), (test.right, test.left)):
             if type(one) is nodes.Const and type(other) is nodes.Var:
-                places = tuple(dict.fromkeys(self.of(form, other.name)))
-                self._constant(one, form, 0, places)
+                self._constant(one, form, 0, tuple(self.of(form, other.name)))
 
     def _constant(
         self, const: nodes.Const, form: Form, count: int, places: tuple[Place, ...]
@@ -151,6 +152,8 @@ class Places:
         written = format_atom(const.value)
         self.constants.append(Constant(const, written, form, count, places))
 
+
+_NOWHERE: Mapping[str, Collection[Place]] = MappingProxyType({})
 
 _DECLARED: Mapping[str, type[nodes.Node]] = {
     "predicate": nodes.DefineQuery,

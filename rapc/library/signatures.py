@@ -119,6 +119,7 @@ class Signatures:
         self.data = data
         self.skills = skills
         self.events = events
+        self._tables = {use: table(self) for use, table in _TABLES.items()}
         self._near: dict[str, Suggestions] = {}
 
     @classmethod
@@ -231,7 +232,7 @@ class Signatures:
 
     def table(self, use: Use) -> Mapping[str, Signature]:
         """Return the signatures among which a name used so is looked up."""
-        return _TABLES[use](self)
+        return self._tables[use]
 
     def unknown(self, use: Use, name: str) -> Fault:
         """Return what to say about a name that is not declared, used so."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, Census, Found, sort_of
 from rapc.analysis.file_census import FormKey, form_key
-from rapc.analysis.index import INDEX, Form, Occurrence
+from rapc.analysis.index import INDEX, Form, VariableAt
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
@@ -71,7 +71,7 @@ def _run(run: Pass) -> None:
         there = places.of(owner, variable.name)
         if not there or (id(owner), variable.name) in constants:
             continue
-        place = there[-1]
+        (place,) = there
         if any(m.variable is variable for m in missing.get(id(owner), ())):
             continue
         wanted = kinds.of((place,))
@@ -110,23 +110,19 @@ def _others(
 
 def _used_once(run: Pass) -> Iterator[tuple[nodes.Var, Form]]:
     """Yield variables that occur once in a form with a body, with the form."""
-    once: dict[tuple[int, str], Occurrence[nodes.Var] | None] = {}
-    for use in run.result(INDEX).of(nodes.Var):
-        if isinstance(use.owner, _BODIES):
-            key = (id(use.owner), use.node.name)
-            once[key] = use if key not in once else None
-    for (_, name), only in once.items():
-        if only is not None and name != "?" and not _is_declared(only):
-            yield only.node, only.owner
+    for owner, names in run.result(INDEX).variables():
+        for name, uses in names.items() if isinstance(owner, _BODIES) else ():
+            if len(uses) == 1 and name != "?" and not _is_declared(uses[0]):
+                yield uses[0][0], owner
 
 
 _BODIES = (nodes.DefineRap, nodes.DefineQuery, nodes.MemoryRule, nodes.EventRule)
 
 
-def _is_declared(use: Occurrence[nodes.Var]) -> bool:
+def _is_declared(use: VariableAt) -> bool:
     """Whether this is where an input, an output or an argument is declared."""
-    own: Form = use.owner
-    return use.parent is own or isinstance(use.parent, nodes.Argument | nodes.Resource)
+    _, parent, own = use
+    return parent is own or isinstance(parent, nodes.Argument | nodes.Resource)
 
 
 def _are_sure(constants: Sequence[Found], owner: FormKey) -> bool:

@@ -6,11 +6,11 @@ tell: a variable used once is a wildcard. Numbered and lettered names are left a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.close_names import Close
-from rapc.analysis.index import INDEX, Form, Occurrence
+from rapc.analysis.index import INDEX, VariableAt
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -54,18 +54,18 @@ _LEAST = 5
 
 def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
-    for owner, names in _by_form(run.result(INDEX).of(nodes.Var)):
+    for owner, named in run.result(INDEX).variables():
         if not isinstance(owner, nodes.DefineRap | nodes.DefineQuery):
             continue
-        names.pop("?", None)
+        names = {name: uses for name, uses in named.items() if name != "?"}
         unbound = {m.variable.name for m in missing.get(id(owner), ())}
         once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
         suspects = _suspects(once, names)
         close = Close(names, _LEAST) if suspects else None
         for name in suspects:
             other = close.to(name) if close else None
-            if other is not None and _is_slip(names[name][0], names[other]):
-                run.report(_finding(run, names[name][0], names[other][0]))
+            if other is not None and _is_slip(names[name][0][0], names[other]):
+                run.report(_finding(run, names[name][0][0], names[other][0][0]))
 
 
 ANALYZER = Analyzer(
@@ -76,26 +76,6 @@ ANALYZER = Analyzer(
     rules=(MISSPELT,),
     needs_whole="form",
 )
-
-
-def _by_form(
-    uses: Iterable[Occurrence[nodes.Var]],
-) -> Iterator[tuple[Form, dict[str, list[nodes.Var]]]]:
-    """Each form that has variables, with these by their names."""
-    owner: Form | None = None
-    names: dict[str, list[nodes.Var]] = {}
-    for use in uses:
-        if use.owner is not owner:
-            if owner is not None:
-                yield owner, names
-            owner, names = use.owner, {}
-        variable = use.node
-        if variable.name in names:
-            names[variable.name].append(variable)
-        else:
-            names[variable.name] = [variable]
-    if owner is not None:
-        yield owner, names
 
 
 def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
@@ -115,9 +95,9 @@ def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
     ]
 
 
-def _is_slip(one: nodes.Var, others: list[nodes.Var]) -> bool:
+def _is_slip(one: nodes.Var, others: Sequence[VariableAt]) -> bool:
     """Of two variables used once each, only the later one is taken for the slip."""
-    return len(others) > 1 or others[0].span.start < one.span.start
+    return len(others) > 1 or others[0][0].span.start < one.span.start
 
 
 def _finding(run: Pass, variable: nodes.Var, close: nodes.Var) -> Diagnostic:

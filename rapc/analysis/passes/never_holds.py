@@ -153,6 +153,8 @@ def _succeeds_first(
 
 def _apart(reports: Reports, rap: nodes.DefineRap, held: Sequence[_Asked]) -> bool:
     """Report clauses that have to hold for any method, and never hold together."""
+    if not held:
+        return False
     made = reports.conjunction(())
     clash = first_clash(made, [one.literal for one in held]) if rap.methods else None
     if clash is None:

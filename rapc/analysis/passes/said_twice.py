@@ -64,6 +64,8 @@ ANALYZER = Analyzer(
 
 
 def _look(run: Pass, parts: tuple[nodes.Formula, ...]) -> None:
+    if len({_head(part) for part in parts}) == len(parts):
+        return
     first: dict[nodes.Formula, nodes.Formula] = {}
     for at, part in enumerate(parts):
         other = first.setdefault(part, part)
@@ -80,3 +82,8 @@ def _look(run: Pass, parts: tuple[nodes.Formula, ...]) -> None:
                 fix=fix,
             )
         )
+
+
+def _head(part: nodes.Formula) -> object:
+    """Return what two parts that say the same have in common, and few others."""
+    return part.name if type(part) is nodes.Proposition else type(part)

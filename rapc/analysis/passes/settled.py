@@ -213,9 +213,9 @@ def _settled(
     rap: nodes.DefineRap, always: Always, given: set[str]
 ) -> Iterator[Diagnostic]:
     succeed, monitor = rap.succeed, rap.monitor_state
-    waits = monitor is not None or rap.monitor_time is not None or _pauses(rap)
     first = FirstValues(rap.resources)
-    yield from _not_at_first(rap, first)
+    if rap.resources:
+        yield from _not_at_first(rap, first)
     parts = succeed.parts if isinstance(succeed, nodes.Or) else (succeed,)
     if any(part is not None and first.holds(part) for part in parts):
         assert succeed is not None
@@ -232,7 +232,7 @@ def _settled(
             span=succeed.span,
             help=_ADVICE if not isinstance(succeed, nodes.Truth) else "",
         )
-    elif succeed is not None and not waits and is_never(succeed):
+    elif succeed is not None and is_never(succeed) and not _waits(rap):
         yield Diagnostic(
             rule=NEVER.name,
             message=f"`{rap.name}` never succeeds, and has no monitor",
@@ -271,8 +271,10 @@ def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnost
 _ADVICE = "a property has a value even if nothing is known: test the value"
 
 
-def _pauses(rap: nodes.DefineRap) -> bool:
-    """Whether a method has a step that waits for a signal or for a time."""
+def _waits(rap: nodes.DefineRap) -> bool:
+    """Whether a RAP has a monitor, or a step that waits for a signal or for a time."""
+    if rap.monitor_state is not None or rap.monitor_time is not None:
+        return True
     return any(
         isinstance(annotation, nodes.WaitFor | nodes.Window)
         for method in rap.methods

@@ -47,7 +47,7 @@ def _run(run: Pass) -> None:
     }
     for use in index.of(nodes.Compare):
         holds = _answer(use.node)
-        if holds is None and _is_age_and_word(use.node, id(use.owner), ages):
+        if holds is None and ages and _is_age_and_word(use.node, id(use.owner), ages):
             holds = {"n=": True, "=": False}.get(use.node.op)
         if holds is not None:
             run.report(
@@ -77,9 +77,9 @@ def _answer(test: nodes.Compare) -> bool | None:
     if isinstance(one, nodes.Const) and isinstance(other, nodes.Const):
         equal = one.value == other.value
         return {"=": equal, "n=": not equal}.get(test.op)
-    if one != other or not (one is None or isinstance(one, nodes.Var)):
+    if type(one) is not type(other) or one != other:
         return None
-    if one is not None and one.anonymous:
+    if one is not None and (not isinstance(one, nodes.Var) or one.anonymous):
         return None
     return holds_between(test.op, first, second)
 

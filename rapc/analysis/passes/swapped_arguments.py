@@ -98,8 +98,7 @@ class _Links:
         """
         key = form_key(form)
         if type(term) is nodes.Var:
-            row = dict.fromkeys(self._places.of(form, term.name))
-            for point in islice(row, MOST_PLACES):
+            for point in islice(self._places.of(form, term.name), MOST_PLACES):
                 if point not in pair:
                     yield self._census.together_elsewhere(point, place, key)
         elif type(term) is nodes.Const:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.index import INDEX
 from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -40,7 +41,8 @@ ask `(know-sensor-name ?thing true)` in its context.""",
 
 
 def _run(run: Pass) -> None:
-    for rap in run.library.raps.values():
+    asked = run.result(INDEX).of(nodes.SensorName)
+    for rap in run.library.raps.values() if asked else ():
         unknown = dict(_unknown(rap))
         if not unknown:
             continue
@@ -55,6 +57,7 @@ ANALYZER = Analyzer(
     name="unnamed-item",
     doc="Finds requests about items whose sensor name the method does not ask for.",
     run=_run,
+    needs=(INDEX,),
     rules=(UNNAMED,),
     needs_whole="form",
 )

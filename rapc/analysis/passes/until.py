@@ -12,6 +12,7 @@ import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.endless import endless, may_end
+from rapc.analysis.index import INDEX
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
@@ -142,6 +143,9 @@ class _Mark(msgspec.Struct, frozen=True):
 
 
 def _run(run: Pass) -> None:
+    index = run.result(INDEX)
+    if not index.of(nodes.UntilStart) and not index.of(nodes.UntilEnd):
+        return
     never_done = endless(run.library.raps)
     for steps, net in sure_nets(run):
         places = {step.tag: at for at, step in enumerate(steps)}
@@ -163,7 +167,7 @@ ANALYZER = Analyzer(
     name="until",
     doc="Finds steps that are to go on until something that never ends one of them.",
     run=_run,
-    needs=(TASK_NETS,),
+    needs=(INDEX, TASK_NETS),
     rules=(ITSELF, BOTH, IDLE, AT_ONCE, NEVER),
     needs_whole="method",
 )

@@ -57,15 +57,13 @@ def _run(run: Pass) -> None:
     nets = run.result(TASK_NETS)
     known: dict[str, _ByName | None] = {}
     for rap in run.library.raps.values() if run.complete else ():
-        asked: set[str] | None = None
         for method in rap.methods:
             net = nets.get(id(method.body))
             if not isinstance(method.body, nodes.TaskNet) or net is None:
                 continue
             if net.broken or net.order is None or not _protects(method.body):
                 continue
-            asked = _asked(rap) if asked is None else asked
-            for found in _of_net(run, method.body.steps, net, asked, known):
+            for found in _of_net(run, rap, method.body.steps, net, known):
                 run.report(found)
 
 
@@ -124,9 +122,9 @@ def _by_name(effects: Effects, name: str) -> _ByName | None:
 
 def _of_net(
     run: Pass,
+    rap: nodes.DefineRap,
     steps: Sequence[nodes.Step],
     net: Net,
-    asked: set[str],
     known: dict[str, _ByName | None],
 ) -> Iterator[Diagnostic]:
     """Yield what steps protect that no step up to there can bring about."""
@@ -140,6 +138,7 @@ def _of_net(
             return
         for fact, effects in done.items():
             changers.setdefault(fact, []).append((at, effects))
+    asked = _asked(rap)
     for at, step in enumerate(steps):
         for note in step.annotations:
             if not isinstance(note, nodes.For):
