@@ -7,9 +7,11 @@ machine disturb little. The collector stays on, as it is in use.
 
 from __future__ import annotations
 
+import os
 import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 
 import msgspec
 
@@ -20,6 +22,14 @@ from rapc.library.loader import Loaded
 
 ROUND = 0.05
 """Seconds that a round takes at least."""
+
+INPUTS = "RAPC_BENCH_INPUTS"
+"""The environment variable that names the checkout whose libraries are read."""
+
+
+def inputs() -> Path:
+    """Return the checkout whose libraries are read: this one if nobody chooses."""
+    return Path(os.environ.get(INPUTS) or Path(__file__).parents[1])
 
 
 class Figure(msgspec.Struct, frozen=True):

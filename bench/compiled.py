@@ -9,13 +9,13 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from bench.common import Figure, seconds
+from bench.common import Figure, inputs, seconds
 from bench.parse import library
 from rapc import host
 from rapc.base.gc_paused import gc_paused
 from rapc.library.saved import encode
 
-TRUCK = Path(__file__).parents[1] / "stdlib" / "truck"
+TRUCK = inputs() / "stdlib" / "truck"
 
 
 def figures(quick: bool = False) -> Iterator[Figure]:

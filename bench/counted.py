@@ -30,6 +30,10 @@ CLASSES = {
 }
 
 
+_OPEN: list[Iterator[object]] = []
+"""What has made a piece of work: the files of that are there until it is closed."""
+
+
 class Peer:
     """What the classes of an adapter are made from."""
 
@@ -79,7 +83,21 @@ def _row(bench: str, number: int, quick: bool) -> Work:
     figures: Iterator[object] = module.figures(quick)
     while len(timed) <= number:
         next(figures)
+    _OPEN.append(figures)
     return timed[number]
+
+
+def _digest(kinds: int) -> Work:
+    """A property seen of items that look alike, or of which each is different."""
+    memory: Any = importlib.import_module("bench.memory")
+    return lambda: memory.digest(100, kinds)
+
+
+def _order() -> Work:
+    """An order of four rocks, from an empty agenda to the end."""
+    order: Any = importlib.import_module("bench.order")
+    library = order.compiled(order.loader.load_text(order.LIBRARY))
+    return lambda: order._fill(library, 0)
 
 
 def _still() -> Work:
@@ -92,6 +110,10 @@ def _still() -> Work:
 def work_of(name: str) -> Work:
     """Return a piece of work, set up: `W3`, `W4 kept`, `agenda 0`, `chapter6`."""
     first, _, rest = name.partition(" ")
+    if first == "memory":
+        return _digest(10 if rest == "alike" else 100)
+    if first == "order":
+        return _order()
     if first == "chapter6":
         return _still()
     if first.startswith("W"):

@@ -21,7 +21,10 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from bench.paired import CHECKOUT, LIMIT, MARK, Side, built, interpreter
+import msgspec
+
+from bench.paired import CHECKOUT, LIMIT, MARK, Side, both
+from bench.paired import COMMANDS as COMMANDS_TIMED
 
 WORKS: Mapping[str, tuple[str, int, int]] = {
     "W1 lists": ("text to lists and atoms", 1, 3),
@@ -46,6 +49,13 @@ WORKS: Mapping[str, tuple[str, int, int]] = {
     "queries 3": ("all answers, crowded place, 100 items", 5, 20),
     "queries 4": ("assert and erase, `color` of a new item", 2, 6),
     "queries 5": ("assert and erase, `location` of a new item", 2, 6),
+    "compiled 1": ("read a compiled library, 100 RAPs", 2, 12),
+    "compiled 2": ("the same, and each RAP", 2, 6),
+    "compiled 4": ("read a compiled library, stdlib/truck", 2, 12),
+    "compiled 5": ("the same, and each RAP", 2, 6),
+    "memory alike": ("recognise among 100 drums", 0, 1),
+    "memory different": ("the same, all different", 0, 1),
+    "order": ("an order of four rocks", 0, 2),
     "chapter6": ("a still run of the truck", 0, 1),
 }
 """What each piece of work is, and the two numbers of repetitions."""
@@ -53,6 +63,8 @@ WORKS: Mapping[str, tuple[str, int, int]] = {
 COMMANDS: Mapping[str, tuple[str, Sequence[str]]] = {
     "help": ("`rapc --help`", ("--help",)),
     "check": ("`rapc check` of one RAP", ("check", "one.rap")),
+    "check stdlib": ("`rapc check stdlib`", ("check", "stdlib")),
+    "run": ("`rapc run`, an order", COMMANDS_TIMED["rapc run, an order"]),
 }
 """Commands that are counted whole, Python's own start among it, in one environment."""
 
@@ -105,7 +117,9 @@ def of_command(side: Side, words: Sequence[str]) -> int:
     """Return how many instructions `rapc` takes when its bytecode is at hand."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "one.rap").write_text(ONE_RAP, encoding="utf-8")
-        here = Side(sys.executable, side.tree, side.bytecode)
+        for name in ("stdlib", "examples"):
+            Path(folder, name).symlink_to(side.inputs / name)
+        here = msgspec.structs.replace(side, python=sys.executable)
         return [_count(here, (*here.command(), *words), Path(folder)) for _ in "ab"][1]
 
 
@@ -138,12 +152,7 @@ def main() -> None:
     if not (args.against / "bench" / "run.py").is_file():
         parser.error("--against takes a checkout of rapc")
     with tempfile.TemporaryDirectory() as scratch:
-        sides = []
-        for name, checkout in (("theirs", args.against.resolve()), ("ours", CHECKOUT)):
-            place = Path(scratch, name)
-            tree = built(checkout, place) if args.compiled else checkout
-            bytecode = Path(scratch, f"{name}.pyc")
-            sides.append(Side(interpreter(checkout), tree, bytecode))
+        sides = both(args.against.resolve(), Path(scratch), compiled=args.compiled)
         print("| work | what | theirs | ours | ratio | |")
         print("|---|---|---:|---:|---:|---|")
         for row in rows(sides, args.work or every):

@@ -2,12 +2,14 @@
 
     python -m bench.paired --against PATH [--rounds N] [--compiled] [NAME]...
 
-Each checkout runs its own benches, with the interpreter of its `.venv` if it has one:
-so the other may be of any age. The two take turns, and who begins changes with each
-round; a ratio is that of times, ours to theirs, the median over the rounds. Above 1.05
-is slower than noise on a quiet machine explains: such rows are marked. With
-`--compiled` both are built with compiled modules first, which takes a C compiler and a
-minute each. Three rounds take some eight minutes.
+Each checkout runs its own benches, so the other may be of any age; both with one
+interpreter, that of the other's `.venv` if it has one: what is installed beside rapc
+costs time at start. Both read the other's `stdlib`, for a library that has grown is no
+slowness; only a run has its own, which fits its world. The two take turns, and who
+begins changes with each round; a ratio is that of times, ours to theirs, the median
+over the rounds. Above 1.05 is slower than noise on a quiet machine explains: such rows
+are marked. With `--compiled` both are built with compiled modules first, which takes a
+C compiler and a minute each. Three rounds take some eight minutes.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from pathlib import Path
 import msgspec
 
 from bench.child import take
-from bench.common import short
+from bench.common import INPUTS, short
 
 CHECKOUT = Path(__file__).parents[1]
 
@@ -77,6 +79,8 @@ class Side(msgspec.Struct, frozen=True):
     python: str
     tree: Path
     bytecode: Path
+    #: The checkout that has the libraries which both sides read.
+    inputs: Path
 
     def command(self) -> tuple[str, ...]:
         """What begins the command `rapc`, as its installed script does."""
@@ -92,11 +96,12 @@ class Side(msgspec.Struct, frozen=True):
             "PYTHONPATH": str(self.tree),
             "PYTHONPYCACHEPREFIX": str(self.bytecode),
             "PYTHONHASHSEED": "0",
+            INPUTS: str(self.inputs),
         }
 
 
 def interpreter(checkout: Path) -> str:
-    """The Python of a checkout's own environment, or the one that runs this."""
+    """Return the Python of a checkout's own environment, or the one that runs this."""
     own = checkout / ".venv" / "bin" / "python"
     return str(own) if own.exists() else sys.executable
 
@@ -118,6 +123,19 @@ def built(checkout: Path, folder: Path) -> Path:
     for name in ("bench", "stdlib", "examples"):
         (tree / name).symlink_to(checkout / name)
     return tree
+
+
+def both(other: Path, scratch: Path, *, compiled: bool) -> list[Side]:
+    """Return another checkout and this one, to be run alike; files go to `scratch`.
+
+    Raises:
+        CalledProcessError: if one is to be `compiled` and cannot be built.
+    """
+    sides = []
+    for name, checkout in (("theirs", other), ("ours", CHECKOUT)):
+        tree = built(checkout, scratch / name) if compiled else checkout
+        sides.append(Side(interpreter(other), tree, scratch / f"{name}.pyc", other))
+    return sides
 
 
 def read_rows(printed: str) -> dict[Key, float]:
@@ -164,7 +182,7 @@ def _commands(sides: Sequence[Side]) -> Iterator[tuple[Side, dict[Key, float]]]:
     for name, words in COMMANDS.items():
         for turn in range(TIMES + 1):
             for side in sides:
-                os.chdir(side.tree)
+                os.chdir(side.inputs)
                 used = take([*side.command(), *words], side.environment())
                 if turn:  # the first time writes the bytecode
                     taken[side, ("start", name, "", "s")].append(used["cpu"])
@@ -256,14 +274,8 @@ def main() -> None:
     if not (args.against / "bench" / "run.py").is_file() or args.rounds < 1:
         parser.error("--against takes a checkout of rapc, --rounds a number from 1")
     with tempfile.TemporaryDirectory() as scratch:
-        sides = []
-        for name, checkout in (("ours", CHECKOUT), ("theirs", args.against.resolve())):
-            place = Path(scratch, name)
-            tree = built(checkout, place) if args.compiled else checkout
-            sides.append(
-                Side(interpreter(checkout), tree, Path(scratch, f"{name}.pyc"))
-            )
-        ours, theirs = measure(sides, args.rounds, args.bench)
+        sides = both(args.against.resolve(), Path(scratch), compiled=args.compiled)
+        theirs, ours = measure(sides, args.rounds, args.bench)
     for line in table(ours, theirs):
         print(line)
 

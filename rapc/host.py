@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -19,6 +19,7 @@ from rapc.analysis.driver import CheckReport, check_library
 from rapc.analysis.selection import errors
 from rapc.base import files
 from rapc.base.gc_paused import gc_paused
+from rapc.base.later import later
 from rapc.base.source import SourceFile, place
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
@@ -27,7 +28,6 @@ from rapc.ir.nodes import DefineRap, Method
 from rapc.ir.printer import format_node
 from rapc.library import loader
 from rapc.library.loader import Loaded
-from rapc.library.saved import SavedLibrary
 from rapc.parser.parse import parse, parse_fact
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
@@ -41,6 +41,11 @@ from rapc.runtime.task_request import (
 )
 from rapc.world import Callables, Time, World
 from rapc.worlds.registry import build_world, check_options, find_world
+
+if TYPE_CHECKING:
+    from rapc.library import saved
+else:
+    saved = later("rapc.library.saved")
 
 PLAN = "<plan>"
 """The file name of what `CheckedLibrary.extend` adds, in findings and faults."""
@@ -199,8 +204,8 @@ def load(*paths: Path | Iterable[Path]) -> CheckedLibrary:
     names = _paths(paths)
     data = files.read_compiled(names[0]) if len(names) == 1 else None
     if data is not None:
-        saved = SavedLibrary(data, names[0])
-        return CheckedLibrary(Program(saved.library, saved.name))
+        compiled = saved.SavedLibrary(data, names[0])
+        return CheckedLibrary(Program(compiled.library, compiled.name))
     return checked(loader.load(names), ", ".join(names))
 
 

@@ -13,7 +13,7 @@ from tests.effort import first
 
 CHECKOUT = Path(__file__).parents[1]
 
-SMALL = [name for name in WORKS if not name.startswith(("agenda", "chapter6"))]
+SMALL = [name for name in WORKS if not name.startswith(("agenda", "order", "chapter6"))]
 
 
 @pytest.mark.parametrize("work", first(1, ["queries 4", *SMALL]))

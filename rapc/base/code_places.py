@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import traceback
+from collections.abc import Iterator
 from pathlib import Path
-from types import CodeType, FunctionType
+from types import CodeType, FrameType, FunctionType
 
 
 def code_of(call: object) -> CodeType | None:
@@ -38,6 +38,14 @@ def said_by(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {said}".split())
 
 
+def frames(error: BaseException) -> Iterator[tuple[FrameType, int]]:
+    """Yield the frames that an error came through, each with the line in it."""
+    at = error.__traceback__
+    while at is not None:
+        yield at.tb_frame, at.tb_lineno
+        at = at.tb_next
+
+
 def place_of_error(error: BaseException) -> str:
     """Return ` (lamps.py:23)`, where other code than rapc's raised `error`, or nothing.
 
@@ -47,7 +55,7 @@ def place_of_error(error: BaseException) -> str:
         return f" ({Path(error.filename).name}:{error.lineno})"
     places = [
         f" ({Path(frame.f_code.co_filename).name}:{row})"
-        for frame, row in traceback.walk_tb(error.__traceback__)
+        for frame, row in frames(error)
         if not frame.f_code.co_filename.startswith("<frozen ")
         and str(frame.f_globals.get("__name__")).partition(".")[0]
         not in ("rapc", "importlib")

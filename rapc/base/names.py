@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import SequenceMatcher
+from typing import TYPE_CHECKING
+
+from rapc.base.later import later
+
+if TYPE_CHECKING:
+    import difflib
+else:
+    difflib = later("difflib")
 
 _CUTOFF = 0.72
 
@@ -20,7 +27,7 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
     order in which names are given.
     """
     best: tuple[float, str] | None = None
-    matcher = SequenceMatcher(b=name, autojunk=False)
+    matcher = difflib.SequenceMatcher(b=name, autojunk=False)
     for candidate in sorted(set(names)):
         if candidate == name:
             continue

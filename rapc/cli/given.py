@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import click
 
+from rapc.base.later import later
 from rapc.base.values import Fact, format_list
 from rapc.cli.options import fail
 from rapc.compiler.program import Program
@@ -27,10 +28,16 @@ from rapc.runtime.task_request import (
     of_agenda,
     read_task_request,
 )
-from rapc.testing.faults import read_fault, told_for_skills
 from rapc.world import World
 from rapc.worlds import registry
-from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
+
+if TYPE_CHECKING:
+    from rapc.testing import faults as fault_texts
+    from rapc.worlds import faults as worlds_faults
+    from rapc.worlds.faults import InjectedFault
+else:
+    fault_texts = later("rapc.testing.faults")
+    worlds_faults = later("rapc.worlds.faults")
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -129,7 +136,9 @@ def prepare(library: Program, world_name: str, given: RunOptions) -> GivenRun:
     tasks = [read_option("--task", read_task_request, text) for text in given.tasks]
     requests = (*first, *tasks)
     facts = tuple([read_option("--fact", parse_fact, text) for text in given.facts])
-    faults = [read_option("--fault", read_fault, text) for text in given.faults]
+    faults = [
+        read_option("--fault", fault_texts.read_fault, text) for text in given.faults
+    ]
     interpreter, options, world = _build(library, world_name, given, faults)
     _refuse(interpreter, requests, facts)
     texts = (*map(as_text, first), *given.tasks)
@@ -159,12 +168,15 @@ def _with_faults(
     world: World, library: Library, faults: Sequence[InjectedFault], seed: int
 ) -> World:
     """A world with faults, if any; ends the command for one that cannot be."""
+    if not faults:
+        return world
     offered = Signatures.offered(world.kit.offer)
+    told = fault_texts.told_for_skills(library)
     for fault in faults:
-        wrong = problem(fault, offered, told_for_skills(library))
+        wrong = worlds_faults.problem(fault, offered, told)
         if wrong is not None:
             fail(f"--fault: {wrong}")
-    return FaultyWorld(world, faults, seed) if faults else world
+    return worlds_faults.FaultyWorld(world, faults, seed)
 
 
 def _build(

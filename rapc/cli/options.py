@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import os
 import sys
-import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypeVar
 
@@ -126,6 +125,8 @@ def fail(message: str, *more: str | None) -> NoReturn:
 def show_traceback(error: Exception) -> None:
     """Show where an error came from, if `RAPC_DEBUG=1` asks for it."""
     if os.environ.get("RAPC_DEBUG") == "1":
+        import traceback  # noqa: PLC0415  # for few
+
         traceback.print_exception(error)
 
 

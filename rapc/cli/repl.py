@@ -22,10 +22,10 @@ from rapc.debug.tape import Tape
 from rapc.debug.texts import TYPED
 from rapc.errors import Error
 from rapc.host import load, loads
+from rapc.library.digest import digest
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
-from rapc.runtime.saving.format import digest
 from rapc.worlds.registry import find_world
 from rapc.worlds.scripted import ScriptedWorld
 

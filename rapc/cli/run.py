@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -208,6 +207,8 @@ def _show(
     stack: ExitStack, interpreter: Interpreter, world: Drawable, every: int
 ) -> None:
     """Draw the run while it goes on."""
+    import shutil  # noqa: PLC0415  # brings zlib and others along
+
     from rapc.console.show.live import LiveView  # noqa: PLC0415  # brings rich along
 
     view = LiveView(

@@ -21,9 +21,10 @@ from rapc.debug.declared import obstacles
 from rapc.debug.setup import Setup
 from rapc.errors import RefusedError
 from rapc.ir import nodes
+from rapc.library.digest import digest
 from rapc.library.library import Library
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.saving.format import decode, digest
+from rapc.runtime.saving.format import decode
 from rapc.runtime.saving.records import Parts, RunRecord, TaskRecord, WaitRecord
 from rapc.runtime.state.states import BLOCKED, ENDED
 from rapc.world import Time

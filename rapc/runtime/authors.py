@@ -8,7 +8,6 @@ else is a fault of rapc. How many arguments the code takes is looked at beforeha
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
 from math import inf
@@ -16,7 +15,7 @@ from pathlib import Path
 from types import FrameType, FunctionType, MethodType
 from typing import NoReturn, TypeGuard
 
-from rapc.base.code_places import code_of, place_of, said_by
+from rapc.base.code_places import code_of, frames, place_of, said_by
 from rapc.errors import PortError
 from rapc.world import Refused, Reply, Signal, Text, World
 
@@ -100,11 +99,7 @@ def blame(error: BaseException, world: World, code: Mapping[str, Named]) -> NoRe
     """
     if isinstance(error, KeyboardInterrupt | PortError):
         raise error
-    frames = [
-        (frame, row)
-        for frame, row in traceback.walk_tb(error.__traceback__)
-        if _package(frame) != "rapc"
-    ]
+    passed = [(frame, row) for frame, row in frames(error) if _package(frame) != "rapc"]
     named = {
         found: f"{what} `{name}`"
         for what, table in code.items()
@@ -112,10 +107,10 @@ def blame(error: BaseException, world: World, code: Mapping[str, Named]) -> NoRe
         if (found := code_of(call)) is not None
     }
     whose = f"the world `{world.name}`"
-    for at, (frame, _) in enumerate(frames):
+    for at, (frame, _) in enumerate(passed):
         if frame.f_code in named or _is_of_world(frame):
             whose = named.get(frame.f_code, whose)
-            own = [f for f in frames[at:] if _package(f[0]) == _package(frame)]
+            own = [f for f in passed[at:] if _package(f[0]) == _package(frame)]
             inner, row = own[-1]
             place = f"{Path(inner.f_code.co_filename).name}:{row}"
             raise PortError(f"{whose} failed at {place}: {said_by(error)}") from error

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rapc.library.digest import digest
 from rapc.runtime import snapshot
 from rapc.runtime.events.events import RunEnded, RunStarted
 from rapc.runtime.machine import Machine
-from rapc.runtime.saving.format import digest
 from rapc.runtime.tasks.remove import remove
 
 FORMAT = 1
@@ -24,7 +24,7 @@ def tell_start(
     facts: Sequence[str],
 ) -> None:
     """Tell the first event of a run: what is run, and with which settings."""
-    if not machine.recorder.on:
+    if not (machine.recorder.on and machine.recorder.wants(RunStarted)):
         return
     settings = machine.settings
     machine.recorder.emit(

@@ -8,7 +8,9 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping
 from functools import partial
+from typing import TYPE_CHECKING
 
+from rapc.base.later import later
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.runtime.admission import misfitting, refusals, refuse_other_world
@@ -16,9 +18,13 @@ from rapc.runtime.authors import Named, blame, is_time, wrong_type
 from rapc.runtime.host_query import HandlerQuestions
 from rapc.runtime.machine import Machine
 from rapc.runtime.settings import Settings
-from rapc.runtime.strict import hold_handlers
 from rapc.runtime.tasks.rename_items import rename
 from rapc.world import Kit, World
+
+if TYPE_CHECKING:
+    from rapc.runtime import strict
+else:
+    strict = later("rapc.runtime.strict")
 
 
 def code_of_authors(
@@ -84,7 +90,7 @@ def put_together(
         machine.recognizer.renamed = partial(rename, machine)
         machine.access.answers = HandlerQuestions(machine).ask
         if settings.strict:
-            hold_handlers(machine)
+            strict.hold_handlers(machine)
         found = refusals(library, world, functions, comparators)
     except BaseException as error:
         blame(error, world, code)

@@ -1,8 +1,10 @@
 """Worlds by name, their option values from text, and worlds made from both.
 
-A package offers a world by an entry point of the group `rapc.worlds`, or it is named
-`module:Class`. Nothing is imported before a world is asked for. What the user got
-wrong is a `WorldError`; how it is shown is for the front ends.
+rapc has worlds of its own. A package offers another by an entry point of the group
+`rapc.worlds`, or it is named `module:Class`. Nothing is imported before a world is
+asked for, and packages are not searched for one of rapc's own: that takes longer than
+to read a library. What the user got wrong is a `WorldError`; how it is shown is for the
+front ends.
 """
 
 from __future__ import annotations
@@ -13,15 +15,28 @@ import re
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rapc.base.code_places import place_of_error, said_by
 from rapc.base.files import path_named, read_text
+from rapc.base.later import later
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
 from rapc.errors import LoadError, WorldError
 from rapc.world import Kit, Option, World
+
+if TYPE_CHECKING:
+    from importlib import metadata
+else:
+    metadata = later("importlib.metadata")
+
+OWN: Mapping[str, str] = {
+    "courier": "rapc.worlds.courier:CourierWorld",
+    "hallway": "rapc.worlds.hallway:HallwayWorld",
+    "truck": "rapc.worlds.truck:TruckWorld",
+}
+"""The worlds that come with rapc, each as `module:Class`."""
 
 GROUP = "rapc.worlds"
 """The entry-point group under which packages offer their worlds."""
@@ -33,7 +48,7 @@ _SYMBOL = re.compile(r"[^\s()\";?]+")
 
 def available() -> tuple[str, ...]:
     """The names of all installed worlds, sorted."""
-    return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
+    return tuple(sorted({*OWN, *metadata.entry_points(group=GROUP).names}))
 
 
 def having(names: Collection[str]) -> tuple[str, ...]:
@@ -83,12 +98,12 @@ def find_world(name: str) -> type[World]:
     if ":" in name:
         if not _MODULE_CLASS.fullmatch(name):
             raise WorldError(f"`{name}` cannot be loaded: it is not `module:Class`")
-        point = EntryPoint(name, name, GROUP)
+        place = name
     else:
-        point = _installed(name)
-    found = _load(point)
+        place = OWN.get(name) or _installed(name)
+    found = _load(name, place)
     if not (isinstance(found, type) and issubclass(found, World)):
-        raise WorldError(f"`{point.value}` is not a subclass of `rapc.World`")
+        raise WorldError(f"`{place}` is not a subclass of `rapc.World`")
     missing = sorted(getattr(found, "__abstractmethods__", ()))
     parts: tuple[tuple[str, type], ...] = (("name", str), ("kit", Kit))
     for part, kind in parts:
@@ -96,40 +111,42 @@ def find_world(name: str) -> type[World]:
             missing.append(part)
     if missing:
         listed = ", ".join(missing)
-        raise WorldError(f"the world `{point.value}` does not define {listed}")
+        raise WorldError(f"the world `{place}` does not define {listed}")
     return found
 
 
-def _installed(name: str) -> EntryPoint:
-    points = {p.value: p for p in entry_points(group=GROUP) if p.name == name}
-    if len(points) == 1:
-        return next(iter(points.values()))
-    if points:
-        listed = ", ".join(f"`{value}`" for value in sorted(points))
+def _installed(name: str) -> str:
+    """Return which `module:Class` a package offers by a name."""
+    places = {p.value for p in metadata.entry_points(group=GROUP, name=name)}
+    if len(places) == 1:
+        return places.pop()
+    if places:
+        listed = ", ".join(f"`{place}`" for place in sorted(places))
         raise WorldError(
             f"several packages offer a world `{name}`", f"name one of {listed}"
         )
     raise WorldError(f"unknown world `{name}`", did_you_mean(name, available()))
 
 
-def _load(point: EntryPoint) -> object:
+def _load(name: str, place: str) -> object:
+    """Return what is found at a place, `module:Class`; `name` is what it is called."""
+    module, _, path = place.partition("[")[0].partition(":")
     try:
         with _working_directory_on_path():
-            found = importlib.import_module(point.module)
-            for part in point.attr.split("."):
+            found = importlib.import_module(module.strip())
+            for part in path.strip().split("."):
                 found = getattr(found, part)
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # whatever code from elsewhere may raise on import
-        place = place_of_error(error)
-        said = f"the world `{point.name}` cannot be loaded{place}: {said_by(error)}"
-        raise WorldError(said, _in_capitals(point)) from error
+        said = f"{place_of_error(error)}: {said_by(error)}"
+        meant = _in_capitals(module.strip(), path.strip())
+        raise WorldError(f"the world `{name}` cannot be loaded{said}", meant) from error
     return found
 
 
-def _in_capitals(point: EntryPoint) -> str:
+def _in_capitals(module: str, wanted: str) -> str:
     """Return what to do if a module was imported and has a name but for capitals."""
-    module, _, wanted = point.value.partition(":")
     for name in vars(sys.modules.get(module, object)):
         if name != wanted and name.lower() == wanted.lower():
             return (

@@ -21,6 +21,8 @@ FOREIGN = ("lark", "networkx", "rich", "prompt_toolkit", "pebble", "matplotlib")
 RUNNING = ("host", "compiler", "experiments", "repl", "runtime", "testing", "worlds")
 CHECKOUT = Path(__file__).parents[2]
 CHECKING = ("analysis", "ir", "loader", "parser", "render")
+FOR_FEW = ("importlib.metadata", "difflib", "shutil")
+SELDOM = ("library.saved", "runtime.saving.save", "runtime.strict", "testing.faults")
 
 
 def test_help_lists_the_commands_with_examples() -> None:
@@ -70,6 +72,15 @@ def test_checking_a_sound_file_imports_nothing_that_runs_or_prints(
     found = _imported("from rapc.cli.main import main; main()", "check", str(file))
     assert "rapc.analysis.driver" in found
     assert found.isdisjoint((*FOREIGN, *_of_rapc((*RUNNING, "render"))))
+
+
+def test_a_run_imports_nothing_that_few_runs_need(tmp_path: Path) -> None:
+    file = tmp_path / "wait.rap"
+    file.write_text('(require "truck") (define-rap (wait) (succeed (= 1 1)))\n')
+    words = ("run", str(file), "--world", "truck", "--task", "(wait)", "--quiet")
+    found = _imported("from rapc.cli.main import main; main()", *words)
+    assert {"rapc.runtime.loop", "rapc.worlds.truck.world"} <= found
+    assert found.isdisjoint((*FOREIGN, *FOR_FEW, *_of_rapc(SELDOM)))
 
 
 def test_importing_rapc_imports_nothing_else_of_it() -> None:

@@ -198,3 +198,8 @@ def test_a_row_of_a_script_switches_one_skill(row: str) -> None:
         "malformed-clause",
         "one skill is wanted here",
     )
+
+
+def test_a_rap_with_kinds_of_inputs_may_be_called_almost_as_a_clause() -> None:
+    text = "(define-rap (succeeds (?thing item)) (succeed (held ?thing)))"
+    assert parsed(text).diagnostics == ()

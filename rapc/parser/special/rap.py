@@ -20,7 +20,7 @@ from rapc.parser.fields import filled, slots
 from rapc.parser.findings import wrong
 from rapc.parser.special.method import method
 from rapc.parser.special.parameters import parameter, parameters
-from rapc.parser.syntax import Datum, List, Symbol
+from rapc.parser.syntax import Datum, List, Symbol, Variable
 from rapc.parser.terms import split_arrow, term
 
 
@@ -55,8 +55,14 @@ def _is_index(datum: Datum) -> bool:
         return isinstance(datum, Symbol | List)
     if name in RAP_CLAUSES or name in METHOD_CLAUSES:
         return False
-    plain = List not in map(type, datum.items)
-    return plain or nearest(name, RAP_CLAUSES) is None
+    if all(type(item) is not List or _has_kind(item) for item in datum.items):
+        return True
+    return nearest(name, RAP_CLAUSES) is None
+
+
+def _has_kind(datum: List) -> bool:
+    """Whether a list in a first operand can only be an input with its kind."""
+    return [type(item) for item in datum.items] == [Variable, Symbol]
 
 
 def _index(ctx: Context, clause: List) -> Datum | None:

@@ -1,8 +1,7 @@
 """A saved run as bytes: one line that says what it is, then the records as JSON.
 
 The line is `rapc-run`, the version of the format and the checksum of what follows.
-JSON keeps whole numbers of any size. The digest of a library tells it from others by
-what its sources say, wherever they lie.
+JSON keeps whole numbers of any size.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from functools import cache
 import msgspec
 
 from rapc.errors import StateError
-from rapc.library.library import Library
 from rapc.runtime.saving.records import RunRecord
 
 FORMAT = 3
@@ -69,14 +67,3 @@ def decode(saved: bytes) -> RunRecord:
 def not_a_run(error: Exception) -> StateError:
     """Return the error for a saved run that says what no run can have left."""
     return StateError(f"the saved run holds what no run leaves: {error}")
-
-
-def digest(library: Library) -> str:
-    """Return what tells a library from others: a digest of its texts, in order."""
-    found = hashlib.sha256()
-    for source in library.files.values():
-        text = source.text.encode("utf-8", "surrogatepass")
-        found.update(b"%d\n" % len(text))
-        found.update(text)
-    found.update(" ".join(library.raps).encode("utf-8", "surrogatepass"))
-    return found.hexdigest()

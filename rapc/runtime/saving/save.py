@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from rapc.base.values import Fact, format_atom
 from rapc.errors import StateError
+from rapc.library.digest import digest
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.saving.capture import capture
-from rapc.runtime.saving.format import decode, digest, encode, not_a_run
+from rapc.runtime.saving.format import decode, encode, not_a_run
 from rapc.runtime.saving.rebuild import Rebuilt, WrongRecordError
 from rapc.runtime.saving.records import RunRecord
 from rapc.runtime.state.task import MethodRun
