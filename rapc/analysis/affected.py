@@ -22,7 +22,7 @@ from rapc.analysis.change import Change
 from rapc.analysis.close_names import is_one_slip
 from rapc.analysis.file_census import FormKey
 from rapc.analysis.kept import AGENDAS, FileState, State, form_at
-from rapc.analysis.places import Place, parts_of, place_of
+from rapc.analysis.places import Place, parts_of
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 
@@ -258,14 +258,11 @@ class Affected:
         space, name, _ = parts_of(place)
         users = self._users.get((space, name))
         if users is None:
-            every = (place_of(space, name, at) for at in range(_MOST_ARGUMENTS))
+            every = self._census.places_of(space, name)
             forms = [form for at in every for form in self._census.forms_with(at)]
             users = self._users[space, name] = frozenset(forms)
         return users
 
-
-_MOST_ARGUMENTS = 64
-"""Arguments further behind are held against nothing."""
 
 _WORD = re.compile(r"[^\s()\";']+")
 

@@ -25,7 +25,7 @@ from rapc.analysis.file_census import (
 )
 from rapc.analysis.index import INDEX, Uses
 from rapc.analysis.named import MISUSES
-from rapc.analysis.places import PLACES, Place, Places
+from rapc.analysis.places import PLACES, Place, Places, parts_of
 from rapc.base.source import Span
 
 ENOUGH = 5
@@ -79,6 +79,7 @@ class Census:
         self._standing: dict[str, tuple[Found, ...]] = {}
         self._by_word: dict[str, list[tuple[str, Standing]]] | None = None
         self._by_place: dict[Place, list[tuple[str, Standing]]] | None = None
+        self._of_name: dict[tuple[str, str], list[Place]] | None = None
         self._changed: frozenset[str] | None = None
         self._requested: frozenset[str] | None = None
 
@@ -167,6 +168,19 @@ class Census:
         """Yield the RAPs that agendas ask for."""
         for one in self.files.values():
             yield from one.given
+
+    def places_of(self, space: str, name: str) -> Sequence[Place]:
+        """Return the places of a name at which variables or constants stand."""
+        if self._of_name is None:
+            places: set[Place] = set()
+            for one in self.files.values():
+                places.update(one.groups)
+                places.update(place for row in one.constants for place in row.places)
+            self._of_name = {}
+            for place in places:
+                found, its, _ = parts_of(place)
+                self._of_name.setdefault((found, its), []).append(place)
+        return self._of_name.get((space, name), ())
 
     def forms_with(self, place: Place) -> Iterator[FormKey]:
         """Yield the forms that have a variable or a constant at a place."""

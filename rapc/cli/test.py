@@ -148,7 +148,7 @@ def _files(case: Case) -> Iterable[str]:
 def _cover(gathered: Coverage, file: str | None) -> None:
     files = gathered.files()
     for line in coverage_table.table(files):
-        click.echo(line)
+        _say("text", line)
     click.echo()
     if file:
         write_output(file, coverage_table.as_json(files))

@@ -178,7 +178,7 @@ RULES: Mapping[str, Shape] = {
     "kind_values": ('list', ('*', 'value')),
     "row": ('or', ('list', ('or', '"veto"', '"ignore"'), 'PREDICATE'), ('list', '"score"', 'PREDICATE', 'NUMBER')),
     "define_memory_rule": ('list', '"define-memory-rule"', 'goal', ('or', '":finish"', '":event"'), 'match_result'),
-    "define_event_rule": ('list', '"define-event-rule"', 'signal', ('*', 'rule')),
+    "define_event_rule": ('list', '"define-event-rule"', 'signal', ('+', 'rule')),
     "match_result": ('list', '"match-result"', ('*', 'case')),
     "case": ('list', ('or', 'RESULT', 'VARIABLE', 'signal', 'bare_signal'), ('*', 'rule')),
     "bare_signal": ('list', 'SYMBOL', ('*', 'term')),

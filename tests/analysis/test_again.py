@@ -211,6 +211,41 @@ def test_a_constant_may_go_from_one_rap_to_another(
     assert parts == [True]
 
 
+MANY = " ".join(["(+ 1 1)"] * 70)
+BOXES = f"""\
+(declare-memory-proposition inside (?thing ?box))
+(declare-primitive open ({" ".join(f"?n{at}" for at in range(70))} ?box) (okay))
+(declare-primitive lift (?thing) (okay))
+(define-rap (unpack ?thing)
+  (method (context (inside ?thing ?box)) (primitive (open {MANY} ?box))))
+(define-rap (take ?thing)
+  (preconditions (inside ?thing ?))
+  (method (primitive (lift ?thing))))
+(define-rap (free ?thing)
+  (method (context (inside ?thing ?box)) (primitive (open {MANY} ?box))))
+"""
+SWAPPED = f"""\
+(define-rap (empty-out ?box)
+  (method one
+    (context (inside ?box ?thing))
+    (task-net (t1 (take ?thing))))
+  (method shake (primitive (open {MANY} ?box))))
+"""
+
+
+def test_an_argument_behind_many_others_is_compared_too(
+    here: Path, parts: list[bool]
+) -> None:
+    """Only the last argument of `open` tells what the second of `inside` is."""
+    _write(here, {"a.rap": BOXES, "b.rap": SWAPPED})
+    before = _kept()
+    assert "swapped-arguments" in str(before)
+    shut = BOXES.replace(f"{MANY} ?box", f"{MANY} 1")
+    _write(here, {"a.rap": shut, "b.rap": SWAPPED})
+    assert _kept() == _plain() != before
+    assert parts == [True]
+
+
 # --- where a part is not enough -------------------------------------------------------
 
 WHOLE = {

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from rapc.cli.main import main
 from rapc.console.testing.coverage_table import (
     Share,
     as_json,
@@ -102,6 +104,26 @@ def test_the_table_fits_80_columns_and_says_what_is_lacking(tmp_path: Path) -> N
     assert lines[1].split()[2:] == ["2/2", "2/2", "2/5", "1/2", "1/3"]
     assert lines[2] == "tasks failed: futile-loop 1"
     assert lines[-1].endswith(":15 unused: never chosen #1; monitor never woken")
+
+
+@pytest.mark.parametrize("width", [40, 80])
+def test_what_is_said_below_the_table_fits_the_terminal(
+    width: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    _more(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    size = os.terminal_size((width, 24))
+    monkeypatch.setattr("shutil.get_terminal_size", lambda: size)
+    with pytest.raises(SystemExit):
+        main(["test", ".", "--coverage", "--color", "never"])
+    said = capsys.readouterr().out
+    told = said.split("queries asked", 1)[1].splitlines()
+    assert "constraints of methods broken" in " ".join("".join(told).split())
+    assert max(map(len, told)) <= width
 
 
 def test_the_json_holds_everything(tmp_path: Path) -> None:

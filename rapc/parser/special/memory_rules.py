@@ -84,6 +84,13 @@ def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
     found = _rules(ctx, operands[1:])
     if awaited is None:
         return None
+    if len(operands) == 1:
+        ctx.report(
+            "malformed-rule",
+            "an event rule has rules, which say what its signal does to memory",
+            form,
+            help="write `(rule (query (mem-add fact)))` behind the signal",
+        )
     return nodes.EventRule(awaited.name, awaited.args, found, ctx.span(form))
 
 
