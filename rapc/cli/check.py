@@ -7,7 +7,7 @@ looks in `rapc.console` (findings, formats); here the options are put together.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,16 +27,13 @@ from rapc.cli.common import (
     FOR_PEOPLE,
     FORMATS,
     STATISTICS,
-    command,
     diff,
-    fail,
     findings_text,
     print_findings,
-    same_file,
-    say,
-    settings,
+    refuse_input,
     write_output,
 )
+from rapc.cli.options import command, fail, say, settings
 from rapc.cli.watch import watch
 from rapc.library.loader import STANDARD_INPUT
 from rapc.library.units import Units
@@ -51,6 +48,9 @@ Examples:
   rapc check --fail-level error - < deliver.rap
 """
 
+
+_OF_LIBRARY = "is a file of the library"
+_SETTLED = "says what is reported"
 
 RULES: dict[str, Any] = {"multiple": True, "metavar": "RULES"}
 FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
@@ -202,8 +202,9 @@ def _tell(
     if chosen.baseline is not None:
         report, known = _without_known(report, chosen.baseline)
     if options.output_file is not None:
+        refuse_input("--output-file", options.output_file, report.files, _OF_LIBRARY)
         settled = (chosen.configured_by, chosen.baseline)
-        _refuse_input(options.output_file, "--output-file", report, settled)
+        refuse_input("--output-file", options.output_file, settled, _SETTLED)
         text = findings_text(report, chosen.format, options.statistics)
         write_output(options.output_file, text.encode())
     else:
@@ -229,28 +230,12 @@ def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
     """Write a baseline; that of before may be replaced."""
     from rapc.analysis import baseline  # noqa: PLC0415  # hashlib, for few
 
-    _refuse_input(file, "--write-baseline", report, [chosen.configured_by])
+    refuse_input("--write-baseline", file, report.files, _OF_LIBRARY)
+    refuse_input("--write-baseline", file, [chosen.configured_by], _SETTLED)
     write_output(file, baseline.baseline_text(report, file).encode())
     if not settings().quiet:
         click.echo(f"wrote {plural(len(report.findings), 'finding')} to {file}")
     return Done(report, grave=False)
-
-
-def _refuse_input(
-    file: str, option: str, report: CheckReport, settled_by: Iterable[Path | None]
-) -> None:
-    """End the command if it is to write a file that it has read.
-
-    Args:
-        file: the file to be written.
-        option: the option that names the file.
-        report: has the files of the library.
-        settled_by: the files that say what is reported, or None.
-    """
-    if any(same_file(file, name) for name in report.files):
-        fail(f"{option}: `{file}` is a file of the library")
-    if any(each is not None and same_file(file, str(each)) for each in settled_by):
-        fail(f"{option}: `{file}` says what is reported")
 
 
 # --- fixes ----------------------------------------------------------------------------

@@ -11,7 +11,8 @@ from rapc.analysis import config
 from rapc.analysis.config import Configured
 from rapc.analysis.selection import PerFile, Selection, by_default, rule_names
 from rapc.base.diagnostics import Severity
-from rapc.cli.common import FORMATS, fail, say
+from rapc.cli.common import FORMATS
+from rapc.cli.options import fail, say
 
 
 class Options(msgspec.Struct, frozen=True, kw_only=True):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rapc.cli.common import USAGE, print_findings, say
+from rapc.cli.common import print_findings
+from rapc.cli.options import USAGE, say
 from rapc.compiler.program import Program
 from rapc.host import CheckError, load
 

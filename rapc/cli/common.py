@@ -12,34 +12,28 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterable
+from pathlib import Path
+from typing import TextIO
 
 import click
 
 from rapc.analysis.driver import CheckReport
 from rapc.base.files import write_whole
-from rapc.cli.options import USAGE, command, fail, say, settings
+from rapc.cli.options import USAGE, fail, say, settings
 from rapc.errors import WriteError
 from rapc.library.loader import Loaded, load
 
-__all__ = (
-    "FORMATS",
-    "FOR_PEOPLE",
-    "STATISTICS",
-    "USAGE",
-    "command",
-    "diff",
-    "fail",
-    "findings_text",
-    "print_findings",
-    "read_paths",
-    "same_file",
-    "say",
-    "settings",
-    "write_output",
-)
-
 PIPED_WIDTH = 120
 """How wide output is that goes to no terminal."""
+
+
+def width_of(stream: TextIO) -> int:
+    """Return how many columns there are for what is written to a stream."""
+    if not stream.isatty():
+        return PIPED_WIDTH
+    import shutil  # noqa: PLC0415  # brings zlib and others along
+
+    return shutil.get_terminal_size().columns
 
 
 def read_paths(paths: Iterable[str]) -> Loaded:
@@ -50,7 +44,7 @@ def read_paths(paths: Iterable[str]) -> Loaded:
     return loaded
 
 
-def same_file(one: str, other: str) -> bool:
+def same_file(one: str | Path, other: str | Path) -> bool:
     """Whether two names are those of one file, or would be once it is written.
 
     A name that leads through a folder that is not there is that without the folder, as
@@ -62,6 +56,29 @@ def same_file(one: str, other: str) -> bool:
         return os.path.samefile(one, other)
     except (OSError, ValueError):
         return False
+
+
+def refuse_input(
+    option: str, file: str, inputs: Iterable[str | Path | None], told: str
+) -> None:
+    """End the command if what an option has written is one of the files that are read.
+
+    Args:
+        option: the option.
+        file: where it writes.
+        inputs: the files that are read; None is none.
+        told: what is said of one: "is a file of the library".
+    """
+    if any(each is not None and same_file(file, each) for each in inputs):
+        fail(f"{option}: `{file}` {told}")
+
+
+def refuse_faulty(*reports: CheckReport) -> None:
+    """Print the findings of reports; any end the command with status 2."""
+    for report in reports:
+        print_findings(report, "full")
+    if any(report.findings for report in reports):
+        raise SystemExit(USAGE)
 
 
 def write_output(file: str, data: bytes) -> None:
@@ -105,14 +122,8 @@ def print_findings(
 
     stream = sys.stderr if err else sys.stdout
     if output_format == "full" and not statistics:
-        width = PIPED_WIDTH
-        if stream.isatty():
-            import shutil  # noqa: PLC0415  # brings zlib and others along
-
-            width = shutil.get_terminal_size().columns
-        render.write_lines(
-            render.full(report, width), stream, color=settings().colored()
-        )
+        lines = render.full(report, width_of(stream))
+        render.write_lines(lines, stream, color=settings().colored())
         return
     click.echo(findings_text(report, output_format, statistics), nl=False, err=err)
 

@@ -11,15 +11,8 @@ from rapc.analysis.driver import CheckReport
 from rapc.base.files import read_compiled
 from rapc.base.gc_paused import gc_paused
 from rapc.cli.checked import load_checked
-from rapc.cli.common import (
-    USAGE,
-    command,
-    fail,
-    print_findings,
-    same_file,
-    say,
-    write_output,
-)
+from rapc.cli.common import refuse_faulty, refuse_input, write_output
+from rapc.cli.options import command, fail, say
 from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program
 from rapc.errors import SavedError
@@ -83,8 +76,7 @@ def _encoded(library: Program, path: str, output: str) -> bytes:
     with gc_paused():
         suites = list(_suites(path))
         for used in (library.library, *[suite.library for suite in suites]):
-            if any(same_file(output, name) for name in used.files):
-                fail(f"-o: `{output}` is a file of the library")
+            refuse_input("-o", output, used.files, "is a file of the library")
         return encode(library.library, library.name, suites)
 
 
@@ -97,10 +89,7 @@ def _suites(path: str) -> Iterator[Suite]:
     for case in found.cases:
         if case.faults:
             reports.append(CheckReport(case.faults, case.library.library.files))
-    for report in reports:
-        print_findings(report, "full")
-    if reports:
-        raise SystemExit(USAGE)
+    refuse_faulty(*reports)
     for _, cases in groupby(found.cases, lambda case: id(case.library)):
         together = list(cases)
         program = together[0].library

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -14,9 +13,8 @@ import click
 from rapc.base.files import reason
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
-from rapc.cli.common import PIPED_WIDTH, command, fail, settings
-from rapc.cli.options import WholeNumber, say
-from rapc.compiler.program import Program
+from rapc.cli.common import width_of
+from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
 from rapc.console.progress import bar
@@ -112,11 +110,7 @@ def experiment(
 def _session(name: str, parts: Sequence[str], seeds: int | None) -> Batch:
     file = reading.experiment_file(name)
     made = reading.read_experiment(file)
-    return Batch(made, file.parent, _library, parts, seeds)
-
-
-def _library(path: Path) -> Program:
-    return load_checked(str(path))
+    return Batch(made, file.parent, lambda at: load_checked(str(at)), parts, seeds)
 
 
 def _folder(name: str) -> Path:
@@ -258,10 +252,7 @@ def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
 
 
 def _print(summary: PartSummary) -> None:
-    width = PIPED_WIDTH
-    if sys.stdout.isatty():
-        width = shutil.get_terminal_size().columns
-    for line in output.as_text(summary, width):
+    for line in output.as_text(summary, width_of(sys.stdout)):
         shown = visible(line.text)
         if line.kind in _STYLES:
             shown = click.style(shown, **_STYLES[line.kind])

@@ -18,14 +18,8 @@ from rapc.base.files import (
 )
 from rapc.base.names import plural
 from rapc.base.source import SourceFile
-from rapc.cli.common import (
-    USAGE,
-    command,
-    diff,
-    print_findings,
-    say,
-    settings,
-)
+from rapc.cli.common import diff, print_findings
+from rapc.cli.options import USAGE, command, say, settings
 from rapc.library.loader import STANDARD_INPUT
 from rapc.parser.formatter import Formatted, formatted
 

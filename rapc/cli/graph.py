@@ -14,15 +14,9 @@ from rapc.analysis.selection import errors
 from rapc.base.names import did_you_mean
 from rapc.base.values import format_atom, number
 from rapc.cli.checked import load_checked
-from rapc.cli.common import (
-    USAGE,
-    command,
-    fail,
-    print_findings,
-    read_paths,
-)
+from rapc.cli.common import print_findings, read_paths
 from rapc.cli.given import RunOptions, prepare, run_options
-from rapc.cli.options import Amount
+from rapc.cli.options import USAGE, Amount, command, fail
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.worlds.skills.drawing import (

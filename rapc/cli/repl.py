@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,8 +11,9 @@ import click
 
 from rapc.base.values import typed
 from rapc.cli.checked import load_checked
-from rapc.cli.common import PIPED_WIDTH, command, fail, settings
+from rapc.cli.common import width_of
 from rapc.cli.given import GivenRun, RunOptions, prepare, run_options
+from rapc.cli.options import command, fail, settings
 from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import Beginnings, beginnings, follow
@@ -95,7 +95,7 @@ def repl(
         Prompt(shell, color=color, history=history_file()).run()
         return
     texts = given or inputs(sys.stdin)
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else PIPED_WIDTH
+    width = width_of(sys.stdout)
     if not run_script(shell, texts, sys.stdout, width, color=color, as_json=as_json):
         raise SystemExit(1)
 

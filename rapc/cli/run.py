@@ -16,9 +16,9 @@ from rapc.base.interrupts import interrupts_held
 from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
-from rapc.cli.common import command, fail, same_file, settings
+from rapc.cli.common import refuse_input
 from rapc.cli.given import RunOptions, prepare, run_options
-from rapc.cli.options import WholeNumber
+from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.library.library import Library
 from rapc.runtime.authors import blame
 from rapc.runtime.events.events import TaskResult
@@ -181,11 +181,9 @@ def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
         files: those of the library.
         world: the world of the run, a module of its own.
     """
-    if any(same_file(trace, name) for name in files):
-        fail(f"--trace: `{trace}` is a file of the library")
+    refuse_input("--trace", trace, files, "is a file of the library")
     module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
-    if module is not None and same_file(trace, module):
-        fail(f"--trace: `{trace}` is the file of the world")
+    refuse_input("--trace", trace, [module], "is the file of the world")
     try:
         return Path(trace).open("w", encoding="utf-8")
     except OSError as error:

@@ -10,20 +10,12 @@ from typing import Any
 import click
 
 from rapc.base.visible import visible
-from rapc.cli.common import (
-    USAGE,
-    command,
-    fail,
-    print_findings,
-    same_file,
-    settings,
-    write_output,
-)
+from rapc.cli.common import refuse_faulty, refuse_input, same_file, write_output
 from rapc.cli.given import read_option
-from rapc.cli.options import Amount, WholeNumber
+from rapc.cli.options import Amount, WholeNumber, command, fail, settings
+from rapc.console.lines import wrapped
 from rapc.console.testing import coverage_table, explain
 from rapc.console.testing.junit import as_junit
-from rapc.console.wrapping import wrapped
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
@@ -120,8 +112,9 @@ def test(
     cases = _find(paths)
     inputs = {*paths, *(file for case in cases for file in _files(case))}
     for option, file in (("--junit", junit), ("--coverage", coverage)):
-        if file and any(same_file(file, each) for each in inputs):
-            fail(f"{option}: `{file}` is a file of the tests or of their library")
+        if file:
+            told = "is a file of the tests or of their library"
+            refuse_input(option, file, inputs, told)
     if junit and coverage and same_file(junit, coverage):
         fail(f"--junit and --coverage are to be written to one file, `{junit}`")
     useless = list(running.useless(cases))
@@ -163,10 +156,7 @@ def _falls_short(gathered: Coverage, least: float) -> bool:
 
 def _find(paths: Sequence[str]) -> tuple[Case, ...]:
     found = discover.find(paths)
-    for report in found.reports:
-        print_findings(report, "full")
-    if found.reports:
-        raise SystemExit(USAGE)
+    refuse_faulty(*found.reports)
     if not found.cases:
         fail("there are no tests in " + ", ".join(f"`{path}`" for path in paths))
     return found.cases

@@ -8,7 +8,7 @@ import click
 
 from rapc.base.visible import visible_lines
 from rapc.cli.checked import load_checked
-from rapc.cli.common import command
+from rapc.cli.options import command
 from rapc.console.world_contract import report
 from rapc.console.worlds import describe_world, first_line, list_worlds
 from rapc.errors import WorldError

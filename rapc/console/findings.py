@@ -21,7 +21,7 @@ from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label, Severity
 from rapc.base.source import SourceFile, Span, place
 from rapc.base.visible import visible
-from rapc.console.wrapping import wrapped
+from rapc.console.lines import wrapped
 
 Files = Mapping[str, SourceFile]
 

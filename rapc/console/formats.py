@@ -70,7 +70,7 @@ def _json(finding: Finding, files: Files) -> dict[str, Any]:
             for label in said.labels
         ],
         "notes": notes,
-        "url": _page(rule),
+        "url": f"rules.md#{rule.name}",
     }
 
 
@@ -100,11 +100,6 @@ def _rows(span: Span, files: Files) -> tuple[tuple[int, int], tuple[int, int]]:
         return (1, 1), (1, 1)
     start, end = source.position(span.start), source.position(span.end)
     return (start.row, start.column), (end.row, end.column)
-
-
-def _page(rule: Rule) -> str:
-    """The page and heading of the manual that tell of a rule."""
-    return f"rules.md#{rule.name}"
 
 
 # --- SARIF 2.1.0 --------------------------------------------------------------------

@@ -1,7 +1,11 @@
-"""Lines of text with their kinds: what is told of tests and of experiments."""
+"""Lines of text: broken at a width, and with kinds, by which they are coloured.
+
+Light, for commands that start without rich.
+"""
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import Literal
 
 import msgspec
@@ -14,3 +18,13 @@ class Line(msgspec.Struct, frozen=True):
 
     kind: Kind
     text: str
+
+
+def wrapped(text: str, width: int, *, indent: str = "") -> list[str]:
+    """Return `text` as lines of at most `width` characters, broken between words.
+
+    A word is cut only where it fills a whole line, never at its hyphens: tags and
+    options are written with them. Lines behind the first begin with `indent`.
+    """
+    room = max(width, len(indent) + 1)
+    return wrap(text, room, break_on_hyphens=False, subsequent_indent=indent)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rapc.console.wrapping import wrapped
+from rapc.console.lines import wrapped
 from rapc.testing.contract.trials import REQUESTS, SEEDS, Trial
 
 

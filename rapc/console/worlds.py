@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Iterable, Mapping, Sequence
 
 from rapc.base.values import typed
-from rapc.console.wrapping import wrapped
+from rapc.console.lines import wrapped
 from rapc.world import Option, World
 
 _NARROW = 24

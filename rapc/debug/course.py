@@ -1,6 +1,7 @@
 """A run with its past: it can be put at any moment of a branch, and goes on from there.
 
-A moment is reached by the state saved before it and silent replay; acts are done again
+Branches are the courses that it has taken under the hands of its user. A moment is
+reached by the state saved before it and silent replay; acts are done again
 where they were done. What a run is made with, its library and settings, may change by
 an act, and goes back with it. Not here: what stops a run, and who may change what
 (`rapc.debug.session`).
@@ -13,7 +14,6 @@ from contextlib import contextmanager
 from typing import Any
 
 from rapc.debug.acts import Act
-from rapc.debug.branch import Branch
 from rapc.debug.forced import ForcedWorld, ForceResult
 from rapc.debug.log import EventLog, ToldEvent, Wanted
 from rapc.debug.saves import EVERY, Moment, Saves
@@ -25,6 +25,26 @@ from rapc.world import Time, World
 
 _RUNNING = 512
 """How many cycles a run goes on for before its state is saved."""
+
+
+class Branch:
+    """One course of a run: what the user did in it, and how far it has been seen."""
+
+    def __init__(self, name: str, saves: Saves, begun: str = "") -> None:
+        self.name = name
+        #: Which branch it comes from, and where, in words; empty for the first.
+        self.begun = begun
+        #: What was done, each with the cycle after which it was done.
+        self.acts: list[tuple[int, Act]] = []
+        self.saves = saves
+        #: The furthest moment that was reached.
+        self.end = Moment(0)
+        #: Where the user was when another branch was taken up.
+        self.left = Moment(0)
+
+    def acts_by(self, cycle: int) -> int:
+        """Return how many acts have been done by the end of a cycle."""
+        return sum(1 for done, _ in self.acts if done <= cycle)
 
 
 class Course(Stepped):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 
@@ -28,7 +28,7 @@ _ITEMS = (
 _CAUSES = (events.PrimitiveEnded, events.DataReceived, events.TaskSelected)
 
 
-class FactChange(msgspec.Struct, frozen=True):
+class FactChange(NamedTuple):
     """A fact that came or went, or what became of an item."""
 
     time: Time
@@ -101,7 +101,7 @@ def _changes(session: Stepped, fact: Any, item: Any) -> list[FactChange]:
             by = _source(told)
             for at in range(open_since, len(found)):
                 if found[at].by == "handler":
-                    found[at] = msgspec.structs.replace(found[at], by=by)
+                    found[at] = found[at]._replace(by=by)
             open_since = len(found)
         elif told.kind in _FACTS:
             if fact(told):

@@ -5,8 +5,8 @@ Nothing changes by looking.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import msgspec
 from msgspec.structs import replace
@@ -45,19 +45,18 @@ class FamilyMember(msgspec.Struct, frozen=True):
 def tree(run: Interpreter) -> list[FamilyMember]:
     """Return all live tasks, each behind its parent, by number."""
     entries = {entry.task: entry for entry in run.agenda()}
-    below: dict[int | None, list[Task]] = {}
-    for task in run.machine.state.live_tasks():
+    tasks = {task.number: task for task in run.machine.state.live_tasks()}
+    below: dict[int | None, list[int]] = {}
+    for task in tasks.values():
         above = None if task.parent is None else task.parent.number
-        below.setdefault(above, []).append(task)
+        below.setdefault(above, []).append(task.number)
     found: list[FamilyMember] = []
-    stack = [(0, task) for task in reversed(below.get(None, []))]
-    while stack:
-        depth, task = stack.pop()
-        entry = entries[task.number]
+    for depth, at in _in_families(below):
+        entry, task = entries[at], tasks[at]
         found.append(
             FamilyMember(
                 depth=depth,
-                task=task.number,
+                task=at,
                 goal=entry.goal,
                 state=entry.state,
                 method="" if task.method is None else task.method.name,
@@ -66,9 +65,18 @@ def tree(run: Interpreter) -> list[FamilyMember]:
                 because=None if task.history is None else task.history.because,
             )
         )
-        lower = below.get(task.number, [])
-        stack.extend((depth + 1, one) for one in reversed(lower))
     return found
+
+
+def _in_families(
+    below: Mapping[int | None, Sequence[int]],
+) -> Iterator[tuple[int, int]]:
+    """Yield tasks with their depths, each behind its parent; None has those on top."""
+    stack = [(0, task) for task in reversed(below.get(None, ()))]
+    while stack:
+        depth, task = stack.pop()
+        yield depth, task
+        stack += [(depth + 1, one) for one in reversed(below.get(task, ()))]
 
 
 def tree_told(told: Iterable[ToldEvent]) -> list[FamilyMember]:
@@ -89,15 +97,8 @@ def tree_told(told: Iterable[ToldEvent]) -> list[FamilyMember]:
             nodes.pop(one.keys["task"], None)
         elif number in nodes:
             nodes[number] = replace(nodes[number], **_changed_by(one))
-    found = []
-    stack = [(0, number) for number in reversed(below.get(None, []))]
-    while stack:
-        depth, number = stack.pop()
-        if number in nodes:
-            found.append(replace(nodes[number], depth=depth))
-            lower = below.get(number, [])
-            stack.extend((depth + 1, one) for one in reversed(lower))
-    return found
+    left = {above: [n for n in under if n in nodes] for above, under in below.items()}
+    return [replace(nodes[n], depth=depth) for depth, n in _in_families(left)]
 
 
 def _changed_by(told: ToldEvent) -> dict[str, Any]:
@@ -171,7 +172,7 @@ def names_with_facts(run: Interpreter) -> list[tuple[str, int]]:
     ]
 
 
-class KnownItem(msgspec.Struct, frozen=True):
+class KnownItem(NamedTuple):
     """An item that memory knows."""
 
     name: str
@@ -193,7 +194,7 @@ def items(run: Interpreter) -> list[KnownItem]:
     return found
 
 
-class Wait(msgspec.Struct, frozen=True):
+class Wait(NamedTuple):
     """A task that listens for a change, or waits for a time."""
 
     task: int
@@ -260,7 +261,7 @@ def claims(run: Interpreter) -> tuple[list[Claim], tuple[str, ...]]:
     return found, waiting_circles(run.machine)
 
 
-class RequestUnderWay(msgspec.Struct, frozen=True):
+class RequestUnderWay(NamedTuple):
     """A request that is under way."""
 
     ticket: int

@@ -12,8 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rapc.debug.acts import Act
-from rapc.debug.branch import Branch
-from rapc.debug.course import Course
+from rapc.debug.course import Branch, Course
 from rapc.debug.log import EventLog
 from rapc.debug.reload import TakeUp, changed
 from rapc.debug.saves import Moment

@@ -58,7 +58,7 @@ def failure(*lines: str) -> ShownAnswer:
 
 def table(
     columns: Sequence[str],
-    rows: Iterable[Sequence[Cell]],
+    rows: Iterable[Iterable[object]],
     *lines: str,
     none: str = "nothing",
     notes: Sequence[str] = (),
@@ -66,15 +66,18 @@ def table(
     """Return an answer with a table, or the words for `none` where it has no rows.
 
     Numbers are rounded to the ninth place: 0.1 + 0.2 is 0.3 to whoever reads a table.
+    What is neither text nor a number is written as text.
     """
-    made = tuple([tuple(map(_rounded, row)) for row in rows])
+    made = tuple([tuple(map(_cell, row)) for row in rows])
     if not made:
         return ShownAnswer((*lines, none), notes=tuple(notes))
     return ShownAnswer(lines, Table(tuple(columns), made), tuple(notes))
 
 
-def _rounded(cell: Cell) -> Cell:
-    return number(round(cell, 9)) if isinstance(cell, float) else cell
+def _cell(value: object) -> Cell:
+    if isinstance(value, float):
+        return number(round(value, 9))
+    return value if value is None or isinstance(value, str | int) else str(value)
 
 
 def shown(cell: Cell) -> str:

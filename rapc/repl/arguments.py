@@ -6,7 +6,9 @@ import re
 
 from rapc.base.values import Fact, number
 from rapc.errors import TextError
-from rapc.parser.parse import parse_fact, parse_signal
+from rapc.ir.nodes import Call
+from rapc.parser.parse import parse_fact, parse_pattern, parse_signal
+from rapc.testing.patterns import flat
 from rapc.world import Time
 
 _PART = re.compile(r'"(?:[^"\\]|\\.)*"?|[()]|;[^\n]*|[^\s()";]+|\s+')
@@ -41,6 +43,18 @@ def is_balanced(text: str) -> bool:
             return False
         depth += (said == "(") - (said == ")")
     return depth <= 0
+
+
+def pattern(text: str) -> Fact:
+    """Return a list with variables as a pattern; variables are names with `?`.
+
+    Raises:
+        TextError: for computed terms, and for whatever is no proposition.
+    """
+    made = parse_pattern(text)
+    if any(isinstance(term, Call) for term in made.args):
+        raise TextError(f"a pattern holds values and variables only: {text}")
+    return flat(made)
 
 
 class Arguments:

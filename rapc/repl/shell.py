@@ -18,8 +18,8 @@ from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.console.findings import concise
 from rapc.debug.acts import SubmitTask
-from rapc.debug.branch import Branch
 from rapc.debug.breakpoints import Breakpoints
+from rapc.debug.course import Branch
 from rapc.debug.log import ToldEvent
 from rapc.debug.reload import changed
 from rapc.debug.session import Session
@@ -29,8 +29,7 @@ from rapc.errors import Error, RefusedError, StateError, TextError
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import ShownAnswer, failure, say, table
-from rapc.repl.arguments import Arguments, is_balanced, split
-from rapc.repl.patterns import pattern
+from rapc.repl.arguments import Arguments, is_balanced, pattern, split
 from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.task_request import read_task_request
@@ -330,10 +329,7 @@ class Shell:
     def more(self) -> ShownAnswer:
         """Show the next solutions of the query that was answered last."""
         names, solutions = self._names, self._left
-        rows = [
-            tuple([_cell(found[name]) if name in found else None for name in names])
-            for found in solutions[:MOST]
-        ]
+        rows = [[found.get(name) for name in names] for found in solutions[:MOST]]
         self._left = solutions[MOST:]
         left = len(self._left)
         notes = [f"and {left} more, with `:more`"] if left else []
@@ -354,7 +350,3 @@ def _refusal(error: Error | ValueError) -> Sequence[str]:
 def _in_words(answer: dict[str, Value]) -> str:
     pairs = " ".join(f"{name} {format_atom(v)}" for name, v in answer.items())
     return pairs or "yes"
-
-
-def _cell(value: Value) -> str | int | float:
-    return value if isinstance(value, int | float) else str(value)

@@ -225,11 +225,8 @@ def _method(node: nodes.MethodChosen, scene: Evidence) -> Happened | None:
     if not chosen:
         return (f"no method of `{node.rap}` was chosen",)
     times = {name: chosen.count(name) for name in chosen}
-    return _some([f"method {name} was chosen {_times(n)}" for name, n in times.items()])
-
-
-def _times(count: int) -> str:
-    return "once" if count == 1 else f"{count} times"
+    said = {name: "once" if n == 1 else f"{n} times" for name, n in times.items()}
+    return _some([f"method {name} was chosen {often}" for name, often in said.items()])
 
 
 def _trace(node: nodes.TraceHas, scene: Evidence) -> Happened | None:
@@ -253,13 +250,10 @@ def _told(event: events.Event) -> str:
     """Return an event written like a pattern, without its cause, which is long."""
     keys = record(event)
     hidden = ("event", "n", "cycle", "time", "because")
-    told = [f":{k} {_shown(v)}" for k, v in keys.items() if k not in hidden]
+    shown = {k: v for k, v in keys.items() if k not in hidden}
+    told = [f":{k} {'null' if v is None else format_atom(v)}" for k, v in shown.items()]
     words = " ".join((keys["event"], *told))
     return f"({words}) at time {format_atom(keys['time'])}"
-
-
-def _shown(value: object) -> str:
-    return "null" if value is None else format_atom(value)
 
 
 _JUDGES: Mapping[type, Callable[[Any, Evidence], Happened | None]] = {

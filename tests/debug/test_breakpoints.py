@@ -11,7 +11,7 @@ from rapc.debug.differences import between
 from rapc.debug.find import Finder, find
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
-from rapc.repl.patterns import pattern
+from rapc.repl.arguments import pattern
 from rapc.runtime.events import events
 from tests.debug.sessions import truck
 from tests.repl.shells import said, truck_shell

@@ -19,8 +19,7 @@ from rapc.console.experiments.tables import (
     tasks,
 )
 from rapc.console.experiments.textplot import plot
-from rapc.console.lines import Kind, Line
-from rapc.console.wrapping import wrapped
+from rapc.console.lines import Kind, Line, wrapped
 from rapc.experiments.session import Batch
 from rapc.experiments.summary import PartSummary
 

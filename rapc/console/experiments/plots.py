@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from rapc.console.experiments.tables import heading, show
-from rapc.console.wrapping import wrapped
+from rapc.console.lines import wrapped
 from rapc.experiments.definition import Reference
 from rapc.experiments.summary import PartSummary
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.console.experiments.tables import show
-from rapc.console.lines import Line
-from rapc.console.wrapping import wrapped
+from rapc.console.lines import Line, wrapped
 from rapc.experiments.summary import PartSummary, Spread
 
 _LEAST = 10

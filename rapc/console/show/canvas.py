@@ -9,7 +9,7 @@ from operator import itemgetter
 from rich.cells import cell_len
 from rich.text import Text
 
-from rapc.console.wrapping import wrapped
+from rapc.console.lines import wrapped
 
 
 class Canvas:

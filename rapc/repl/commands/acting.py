@@ -21,8 +21,7 @@ from rapc.debug.texts import reread
 from rapc.debug.what_if import what_if
 from rapc.errors import TextError
 from rapc.repl.answer import ShownAnswer, say, table
-from rapc.repl.arguments import Arguments, split
-from rapc.repl.patterns import pattern
+from rapc.repl.arguments import Arguments, pattern, split
 from rapc.repl.shell import Shell, command
 
 

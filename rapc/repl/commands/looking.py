@@ -24,7 +24,7 @@ def _agenda(shell: Shell, args: Arguments) -> ShownAnswer:
     rows = [
         (
             one.task,
-            str(one.goal),
+            one.goal,
             one.state,
             one.priority or None,
             one.deadline,
@@ -63,8 +63,7 @@ def _tree(shell: Shell, args: Arguments) -> ShownAnswer:
 def _chain(shell: Shell, args: Arguments) -> ShownAnswer:
     """Show a task and all above it, up to its top-level task."""
     found = look.chain(shell.session.run, shell.task(args))
-    rows = [(number, str(goal), method) for number, goal, method in found]
-    return table(("task", "goal", "method"), rows)
+    return table(("task", "goal", "method"), found)
 
 
 @command("[TASK]", ":task", ":task 12")
@@ -147,23 +146,17 @@ def _beliefs(shell: Shell, pattern: Proposition) -> ShownAnswer:
 @command("", ":items")
 def _items(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the items that memory knows."""
-    rows = [
-        (one.name, one.kind, one.place, one.sensor)
-        for one in look.items(shell.session.run)
-    ]
     columns = ("item", "class", "location", "sensor name")
-    return table(columns, rows, none="memory knows no items")
+    found = look.items(shell.session.run)
+    return table(columns, found, none="memory knows no items")
 
 
 @command("", ":monitors")
 def _monitors(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the tasks with monitors, and what each waits for."""
-    rows = [
-        (one.task, str(one.goal), one.state, one.formula, one.at, one.deadline)
-        for one in look.monitors(shell.session.run)
-    ]
     columns = ("task", "goal", "state", "waits for", "looks at", "deadline")
-    return table(columns, rows, none="no task has a monitor")
+    found = look.monitors(shell.session.run)
+    return table(columns, found, none="no task has a monitor")
 
 
 @command("", ":claims")
@@ -190,10 +183,8 @@ def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("", ":requests")
 def _requests(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the requests that the world has not answered yet."""
-    rows = [
-        (one.ticket, one.task, one.request) for one in look.requests(shell.session.run)
-    ]
-    return table(("ticket", "task", "request"), rows, none="no request is under way")
+    found = look.requests(shell.session.run)
+    return table(("ticket", "task", "request"), found, none="no request is under way")
 
 
 @command("", ":stack")

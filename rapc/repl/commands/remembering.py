@@ -8,10 +8,8 @@ from rapc.base.values import Atom, Fact, format_atom, format_list, number
 from rapc.debug import history, timeline
 from rapc.debug.who import who
 from rapc.repl.answer import ShownAnswer, table
-from rapc.repl.arguments import Arguments
-from rapc.repl.patterns import pattern
+from rapc.repl.arguments import Arguments, pattern
 from rapc.repl.shell import Shell, command
-from rapc.world import Time
 
 
 @command(
@@ -28,9 +26,8 @@ def _history(shell: Shell, args: Arguments) -> ShownAnswer:
     else:
         predicate = args.word("a predicate").lower() if args else ""
         found = history.of_item(shell.subject, said.lower(), predicate)
-    rows = [(one.time, one.cycle, one.what, one.said, one.by) for one in found]
     columns = ("time", "cycle", "", "what", "by")
-    return table(columns, rows, none=f"nothing has become of {said}")
+    return table(columns, found, none=f"nothing has become of {said}")
 
 
 @command("FACT", ":who (truck-location depot)", ":who (location ?item external)")
@@ -41,7 +38,8 @@ def _who(shell: Shell, args: Arguments) -> ShownAnswer:
         (
             "believed" if one.by != "notation" else "noted",
             format_list(one.fact),
-            f"since {_at(one.time)}" + (f", by {one.by}" if one.by else ""),
+            f"since {'the beginning' if one.time is None else format_atom(one.time)}"
+            + (f", by {one.by}" if one.by else ""),
         )
         for one in found.believed
     ]
@@ -52,10 +50,6 @@ def _who(shell: Shell, args: Arguments) -> ShownAnswer:
     ]
     rows += [(one.use, one.form, one.place) for one in found.places]
     return table(("how", "who", "where"), rows, none="nobody has to do with it")
-
-
-def _at(time: Time | None) -> str:
-    return "the beginning" if time is None else format_atom(time)
 
 
 @command("", ":retries")

@@ -87,7 +87,9 @@ class Rebuilt:
             self._check_numbers()
             self._held = [
                 (run, [(_ask(one), one.said) for one in saved.held])
-                for run, saved in sorted(self._runs, key=_number)
+                for run, saved in sorted(
+                    self._runs, key=lambda pair: pair[0].task.number
+                )
             ]
             self._thing_waits = self._waits_for_things()
         except (LookupError, TypeError, ValueError, OverflowError) as error:
@@ -325,10 +327,6 @@ def _resource(record: object) -> Counter | SetResource:
     if isinstance(record, CounterRecord):
         return Counter(record.value)
     return SetResource(dict.fromkeys(record.members))  # type: ignore[attr-defined]
-
-
-def _number(pair: tuple[MethodRun, MethodRecord]) -> int:
-    return pair[0].task.number
 
 
 def _ask(record: AskRecord) -> Ask:

@@ -254,7 +254,8 @@ class SkillRuntime:
         members: dict[str, Member] = {}
         for activation in activations:
             for request in activation.skills:
-                names = [p.name for p in self._parameters(request.skill)]
+                entry = self.catalogue.entries[request.skill]
+                names = [parameter.name for parameter in entry.parameters]
                 given = dict(zip(names, request.arguments, strict=True))
                 for part in self.catalogue.parts(request.skill):
                     self._make(part, given, activation.events, old, members)
@@ -277,9 +278,6 @@ class SkillRuntime:
             told = f"{event.name} of {key}"
             if event.name in events and told not in members:
                 members[told] = old.get(told) or Member(told, event(arguments), key)
-
-    def _parameters(self, name: str) -> Sequence[Any]:
-        return self.catalogue.entries[name].parameters
 
     def _arbitrate(self, work: Arbitration, values: dict[str, Any]) -> None:
         given = [values[slot] for slot in work.slots if slot in values]

@@ -46,7 +46,7 @@ def pass_time(scene: Scene, to: Number) -> None:
     """Move the clock on; demons whose times come act at them, in turn."""
     state = scene.state
     while True:
-        demon = min(state.demons, key=_time, default=None)
+        demon = min(state.demons, key=lambda each: each.time, default=None)
         if demon is None or demon.time > to:
             break
         state.now = max(state.now, demon.time)
@@ -56,10 +56,6 @@ def pass_time(scene: Scene, to: Number) -> None:
         else:
             demon.time = number(round(demon.time + rest, 2))
     state.now = max(state.now, to)
-
-
-def _time(demon: Demon) -> Number:
-    return demon.time
 
 
 def _pause(scene: Scene, job: str) -> Number:
