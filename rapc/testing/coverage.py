@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from os.path import normpath
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import msgspec
 
@@ -24,46 +24,46 @@ from rapc.testing.patterns import flat
 from rapc.world import OKAY
 
 
-class WaitCoverage(msgspec.Struct, frozen=True):
+class WaitCoverage(msgspec.Struct):
     """A signal that a method, or a step of it, waits for, and how often it came."""
 
     signal: str
     row: int
-    heard: int
+    heard: int = 0
 
 
-class RuleCoverage(msgspec.Struct, frozen=True):
+class RuleCoverage(msgspec.Struct):
     """A query of a rule over memory, and how often it has acted."""
 
     #: What the rule is for: a RAP, or a signal.
     name: str
     row: int
-    ran: int
+    ran: int = 0
 
 
-class MethodCoverage(msgspec.Struct, frozen=True):
+class MethodCoverage(msgspec.Struct):
     """What became of one method of a RAP."""
 
     name: str
     row: int
-    chosen: int
-    ended_badly: int
+    chosen: int = 0
+    ended_badly: int = 0
     #: How often its context held, and did not; None without a context.
-    context_true: int | None
-    context_false: int | None
+    context_true: int | None = None
+    context_false: int | None = None
     #: How often its constraints ended it; None without constraints.
-    constraints_broken: int | None
+    constraints_broken: int | None = None
     waits: tuple[WaitCoverage, ...] = ()
 
 
-class MonitorCoverage(msgspec.Struct, frozen=True):
+class MonitorCoverage(msgspec.Struct):
     """How often a RAP's monitor blocked a task, and woke one."""
 
-    blocked: int
-    woken: int
+    blocked: int = 0
+    woken: int = 0
 
 
-class RapCoverage(msgspec.Struct, frozen=True):
+class RapCoverage(msgspec.Struct):
     """One RAP: its methods, its monitor if it has one, how its tasks ended.
 
     `failed` counts its failures by reason.
@@ -73,27 +73,27 @@ class RapCoverage(msgspec.Struct, frozen=True):
     row: int
     methods: tuple[MethodCoverage, ...]
     monitor: MonitorCoverage | None
-    succeeded: int
-    failed: Mapping[str, int]
+    succeeded: int = 0
+    failed: dict[str, int] = {}
 
 
-class QueryCoverage(msgspec.Struct, frozen=True):
+class QueryCoverage(msgspec.Struct):
     """A named query, and how often a clause was asked that names it."""
 
     name: str
     row: int
-    asked: int
+    asked: int = 0
 
 
-class GivenCoverage(msgspec.Struct, frozen=True):
+class GivenCoverage(msgspec.Struct):
     """A task of an agenda, and how often it was given."""
 
     goal: str
     row: int
-    given: int
+    given: int = 0
 
 
-class AgendaCoverage(msgspec.Struct, frozen=True):
+class AgendaCoverage(msgspec.Struct):
     """An agenda and its tasks, in the order of the text."""
 
     name: str
@@ -101,7 +101,7 @@ class AgendaCoverage(msgspec.Struct, frozen=True):
     tasks: tuple[GivenCoverage, ...]
 
 
-class FileCoverage(msgspec.Struct, frozen=True):
+class FileCoverage(msgspec.Struct):
     """One file of the library, with what it defines in the order of the text."""
 
     file: str
@@ -119,16 +119,17 @@ class Coverage:
     """
 
     def __init__(self) -> None:
-        self._counts: Counter[tuple[str, ...]] = Counter()
-        self._tasks: dict[int, str] = {}
+        # what stands in the files of all libraries, by file with name or row
+        self._raps: dict[tuple[str, str], RapCoverage] = {}
+        self._queries: dict[tuple[str, str], QueryCoverage] = {}
+        self._agendas: dict[tuple[str, str], AgendaCoverage] = {}
+        self._rules: dict[tuple[str, int], RuleCoverage] = {}
         #: How often each top-level task was given.
         self._given: Counter[str] = Counter()
+        # the run under way
         self._library: Library | None = None
-        self._raps: dict[tuple[str, str], tuple[nodes.DefineRap, Library]] = {}
-        self._queries: dict[tuple[str, str], tuple[nodes.DefineQuery, Library]] = {}
-        self._agendas: dict[tuple[str, str], tuple[nodes.DefineAgenda, Library]] = {}
+        self._tasks: dict[int, str] = {}
         self._asked_with: Mapping[Asker, frozenset[str]] = {}
-        self._rules: dict[tuple[str, int], str] = {}
         self._heard: HeardSignals | None = None
 
     def begin(self, library: Library) -> None:
@@ -139,13 +140,18 @@ class Coverage:
             return
         self._library = library
         self._asked_with = asked_with(library)
-        _gather(self._raps, library.raps, library)
-        _gather(self._queries, library.queries, library)
-        _gather(self._agendas, library.agendas, library)
+        for rap in _outside_tests(library.raps.values()):
+            self._raps.setdefault(_key(rap), _rap(library, rap))
+        for query in _outside_tests(library.queries.values()):
+            found = QueryCoverage(query.name, _row(library, query))
+            self._queries.setdefault(_key(query), found)
+        for agenda in _outside_tests(library.agendas.values()):
+            self._agendas.setdefault(_key(agenda), _agenda(library, agenda))
         for name, alternative in _alternatives(library):
             if not alternative.span.file.endswith(TEST_SUFFIX):
-                place = normpath(alternative.span.file), _row(library, alternative)
-                self._rules.setdefault(place, name)
+                rule = RuleCoverage(name, _row(library, alternative))
+                place = normpath(alternative.span.file), rule.row
+                self._rules.setdefault(place, rule)
 
     def __call__(self, event: events.Event) -> None:
         """Take one event into account."""
@@ -158,20 +164,23 @@ class Coverage:
             case events.TaskSelected():
                 self._ask((self._tasks[event.task], "", ""))
             case events.MethodChosen():
-                self._count("chosen", event.rap, event.method)
+                _count(self._method(event.rap, event.method), "chosen")
                 self._ask((event.rap, event.method, ""))
             case events.MethodEnded() if event.result != OKAY:
-                self._count("badly", self._tasks[event.task], event.method)
+                method = self._method(self._tasks[event.task], event.method)
+                _count(method, "ended_badly")
                 if event.because is not None and "constraints" in event.because.clause:
-                    self._count("broken", self._tasks[event.task], event.method)
+                    _count(method, "constraints_broken")
             case events.TaskBlocked() if _is_monitor(event):
-                self._count("blocked", self._tasks[event.task])
+                _count(self._monitor(event.task), "blocked")
             case events.TaskWoken() if _is_monitor(event):
-                self._count("woken", self._tasks[event.task])
+                _count(self._monitor(event.task), "woken")
             case events.TaskSucceeded():
-                self._count("succeeded", self._tasks[event.task])
+                _count(self._rap(self._tasks[event.task]), "succeeded")
             case events.TaskFailed():
-                self._count("failed", self._tasks[event.task], event.reason)
+                rap = self._rap(self._tasks[event.task])
+                if rap is not None:
+                    rap.failed[event.reason] = rap.failed.get(event.reason, 0) + 1
             case _:
                 pass
 
@@ -179,125 +188,105 @@ class Coverage:
         """Count what a signal has decided, and what a rule has done."""
         heard = None if self._heard is None else self._heard.heard(event)
         if heard is not None:
-            self._count("heard", *heard)
+            rap, name, signal = heard
+            method = self._method(rap, name)
+            for wait in method.waits if method is not None else ():
+                if wait.signal == signal:
+                    _count(wait, "heard")
         if isinstance(event, events.RuleRun):
             file, _, row = event.at.rpartition(":")
-            self._counts["rule", normpath(file), row] += 1
+            _count(self._rules.get((normpath(file), int(row))), "ran")
 
     def context(self, rap: str, method: str, holds: bool) -> None:
         """A method's context was asked."""
-        self._count("true" if holds else "false", rap, method)
+        asked = "context_true" if holds else "context_false"
+        _count(self._method(rap, method), asked)
         self._ask((rap, method, "context"))
 
     def _ask(self, asker: Asker) -> None:
         """A clause was asked, and the queries that it names."""
         for name in self._asked_with.get(asker, ()):
             assert self._library is not None
-            self._counts["asked", _file(self._library.queries[name]), name] += 1
+            _count(self._queries.get(_key(self._library.queries[name])), "asked")
 
-    def _count(self, what: str, name: str, *more: str) -> None:
-        rap = self._library.raps.get(name) if self._library is not None else None
-        if rap is not None:
-            self._counts[what, _file(rap), name, *more] += 1
+    def _rap(self, name: str) -> RapCoverage | None:
+        """Return what is known of a RAP of the library that runs."""
+        form = self._library.raps.get(name) if self._library is not None else None
+        return None if form is None else self._raps.get(_key(form))
 
-    # --- what it comes to ------------------------------------------------------------
+    def _method(self, rap: str, name: str) -> MethodCoverage | None:
+        found = self._rap(rap)
+        named = (m for m in found.methods if m.name == name) if found else iter(())
+        return next(named, None)
+
+    def _monitor(self, task: int) -> MonitorCoverage | None:
+        found = self._rap(self._tasks[task])
+        return None if found is None else found.monitor
 
     def files(self) -> tuple[FileCoverage, ...]:
-        """All files of all libraries, by name."""
+        """Return what was counted of all files of all libraries, by name."""
+        for agenda in self._agendas.values():
+            for task in agenda.tasks:
+                task.given = self._given[task.goal]
+        for rap in self._raps.values():
+            rap.failed = dict(sorted(rap.failed.items()))
         tables = (self._raps, self._queries, self._agendas, self._rules)
         names = sorted({file for table in tables for file, _ in table})
-        return tuple([self._of_file(name) for name in names])
-
-    def _of_file(self, file: str) -> FileCoverage:
-        raps = [
-            self._rap(library, file, rap)
-            for (where, _), (rap, library) in self._raps.items()
-            if where == file
-        ]
-        queries = [
-            QueryCoverage(name, _row(library, form), self._counts["asked", file, name])
-            for (where, name), (form, library) in self._queries.items()
-            if where == file
-        ]
-        agendas = [
-            AgendaCoverage(
-                name,
-                _row(library, form),
-                tuple([self._task(library, task) for task in form.tasks]),
-            )
-            for (where, name), (form, library) in self._agendas.items()
-            if where == file
-        ]
-        rules = [
-            RuleCoverage(name, row, self._counts["rule", file, str(row)])
-            for (where, row), name in self._rules.items()
-            if where == file
-        ]
-        return FileCoverage(
-            file,
-            _in_order(raps),
-            _in_order(queries),
-            _in_order(agendas),
-            _in_order(rules),
-        )
-
-    def _task(self, library: Library, task: nodes.GivenTask) -> GivenCoverage:
-        goal = format_list(flat(task.goal))
-        return GivenCoverage(goal, _row(library, task), self._given[goal])
-
-    def _rap(self, library: Library, file: str, rap: nodes.DefineRap) -> RapCoverage:
-        count = self._counts
-        monitor = None
-        if rap.monitor_state is not None or rap.monitor_time is not None:
-            blocked, woken = (count[what, file, rap.name] for what in _MONITOR)
-            monitor = MonitorCoverage(blocked, woken)
-        failed = {
-            key[3]: number
-            for key, number in sorted(count.items())
-            if key[:3] == ("failed", file, rap.name)
-        }
-        return RapCoverage(
-            name=rap.name,
-            row=_row(library, rap),
-            methods=tuple([self._method(library, file, rap, m) for m in rap.methods]),
-            monitor=monitor,
-            succeeded=count["succeeded", file, rap.name],
-            failed=failed,
-        )
-
-    def _method(
-        self, library: Library, file: str, rap: nodes.DefineRap, method: nodes.Method
-    ) -> MethodCoverage:
-        name = name_of(method)
-        at = (file, rap.name, name)
-        asked = method.context is not None
-        return MethodCoverage(
-            name=name,
-            row=_row(library, method),
-            chosen=self._counts["chosen", *at],
-            ended_badly=self._counts["badly", *at],
-            context_true=self._counts["true", *at] if asked else None,
-            context_false=self._counts["false", *at] if asked else None,
-            constraints_broken=(
-                None if method.constraints is None else self._counts["broken", *at]
-            ),
-            waits=self._waits(library, at, method),
-        )
-
-    def _waits(
-        self, library: Library, at: tuple[str, str, str], method: nodes.Method
-    ) -> tuple[WaitCoverage, ...]:
-        first: dict[str, nodes.WaitFor] = {}
-        for wait in waits_of(method):
-            first.setdefault(wait.signal, wait)
         return tuple(
             [
-                WaitCoverage(
-                    name, _row(library, wait), self._counts["heard", *at, name]
+                FileCoverage(
+                    name,
+                    _of_file(name, self._raps),
+                    _of_file(name, self._queries),
+                    _of_file(name, self._agendas),
+                    _of_file(name, self._rules),
                 )
-                for name, wait in first.items()
+                for name in names
             ]
         )
+
+
+def _count(record: msgspec.Struct | None, what: str) -> None:
+    """Add one to a count of a record; nothing where there is none to be counted."""
+    number = getattr(record, what, None)
+    if number is not None:
+        setattr(record, what, number + 1)
+
+
+# --- what stands in the files ---------------------------------------------------------
+
+
+def _rap(library: Library, rap: nodes.DefineRap) -> RapCoverage:
+    monitored = rap.monitor_state is not None or rap.monitor_time is not None
+    return RapCoverage(
+        rap.name,
+        _row(library, rap),
+        tuple([_method(library, method) for method in rap.methods]),
+        MonitorCoverage() if monitored else None,
+    )
+
+
+def _method(library: Library, method: nodes.Method) -> MethodCoverage:
+    waits: dict[str, WaitCoverage] = {}
+    for wait in waits_of(method):
+        waits.setdefault(wait.signal, WaitCoverage(wait.signal, _row(library, wait)))
+    asked = None if method.context is None else 0
+    return MethodCoverage(
+        name_of(method),
+        _row(library, method),
+        context_true=asked,
+        context_false=asked,
+        constraints_broken=None if method.constraints is None else 0,
+        waits=tuple(waits.values()),
+    )
+
+
+def _agenda(library: Library, agenda: nodes.DefineAgenda) -> AgendaCoverage:
+    tasks = [
+        GivenCoverage(format_list(flat(task.goal)), _row(library, task))
+        for task in agenda.tasks
+    ]
+    return AgendaCoverage(agenda.name, _row(library, agenda), tuple(tasks))
 
 
 def _alternatives(library: Library) -> Iterator[tuple[str, nodes.Alternative]]:
@@ -319,32 +308,28 @@ def _is_monitor(event: events.TaskBlocked | events.TaskWoken) -> bool:
     return event.holder is None and not event.on.startswith("(:")
 
 
-_MONITOR = ("blocked", "woken")
-
-
 _Form = TypeVar("_Form", nodes.DefineRap, nodes.DefineQuery, nodes.DefineAgenda)
-_Known = dict[tuple[str, str], tuple[_Form, Library]]
-"""Forms with their libraries, by file and name."""
 
 
-def _gather(known: _Known[_Form], forms: Mapping[str, _Form], of: Library) -> None:
-    """Note the forms of a library that stand in no file of tests."""
-    for form in forms.values():
-        if not form.span.file.endswith(TEST_SUFFIX):
-            known.setdefault((_file(form), form.name), (form, of))
+def _outside_tests(forms: Iterable[_Form]) -> Iterator[_Form]:
+    """Yield the forms that stand in no file of tests."""
+    return (form for form in forms if not form.span.file.endswith(TEST_SUFFIX))
+
+
+def _key(
+    form: nodes.DefineRap | nodes.DefineQuery | nodes.DefineAgenda,
+) -> tuple[str, str]:
+    """Return the file of a form, by one name however it was reached, and its name."""
+    return normpath(form.span.file), form.name
 
 
 _Rowed = TypeVar("_Rowed", RapCoverage, QueryCoverage, AgendaCoverage, RuleCoverage)
 
 
-def _in_order(found: Iterable[_Rowed]) -> tuple[_Rowed, ...]:
+def _of_file(file: str, table: Mapping[tuple[str, Any], _Rowed]) -> tuple[_Rowed, ...]:
     """Return what stands in a file in the order of its rows."""
+    found = [one for (where, _), one in table.items() if where == file]
     return tuple(sorted(found, key=lambda one: one.row))
-
-
-def _file(form: nodes.DefineRap | nodes.DefineQuery | nodes.DefineAgenda) -> str:
-    """A file by one name, however it was reached."""
-    return normpath(form.span.file)
 
 
 _Placed = (
