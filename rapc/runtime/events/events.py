@@ -27,7 +27,7 @@ def _kebab(name: str) -> str:
 class Goal:
     """What a task is to do; immutable. `str` gives RAP text: `(find box => ?place)`."""
 
-    __slots__ = ("_text", "inputs", "name", "outputs")
+    __slots__ = ("inputs", "name", "outputs", "text")
 
     def __init__(
         self, name: str, inputs: tuple[Any, ...] = (), outputs: tuple[Any, ...] = ()
@@ -38,7 +38,8 @@ class Goal:
         self.inputs = inputs
         #: A value, or the name of the variable, for each output of the RAP.
         self.outputs = outputs
-        self._text: str | None = None
+        #: It as RAP text, once somebody has asked: many events tell of one goal.
+        self.text: str | None = None
 
     @property
     def parts(self) -> tuple[Any, ...]:
@@ -54,9 +55,9 @@ class Goal:
         return hash(self.parts)
 
     def __str__(self) -> str:
-        if self._text is None:  # made once: many events tell of one goal
-            self._text = format_list(self.parts)
-        return self._text
+        if self.text is None:
+            self.text = format_list(self.parts)
+        return self.text
 
     def __repr__(self) -> str:
         return f"Goal{self.parts!r}"

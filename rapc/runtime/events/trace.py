@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
-from typing import Any, Protocol, TextIO
+from typing import Any, NamedTuple, Protocol, TextIO
 
 import msgspec
 
@@ -21,41 +21,82 @@ from rapc.world import Time
 
 def record(event: events.Event) -> dict[str, Any]:
     """Return an event as the object that a trace holds, its values as RAP text."""
-    found: dict[str, Any] = msgspec.to_builtins(_in_words(event), enc_hook=str)
+    kind, shape = type(event), _shape(type(event))
+    told = {name: getattr(event, name) for name in _COMMON}
+    own = _in_words(_completed(kind, _keys(event)), shape.words, [None, None, None])
+    keys = {"event": shape.tag, **told, **own}
+    found: dict[str, Any] = msgspec.to_builtins(keys, enc_hook=_text)
     return found
 
 
-def _in_words(event: events.Event) -> msgspec.Struct:
-    """An event as it is written: with text where it has values."""
-    written, words = _written(type(event))
-    values = msgspec.structs.asdict(event)
-    for name, write in words:
-        values[name] = write(values[name])
-    return written(**values)
+_COMMON = events.Event.__struct_fields__
+"""The keys that all events have; those of a kind follow."""
+
+_Words = list[tuple[str, Callable[[Any], Any]]]
+
+
+def _keys(event: events.Event) -> dict[str, Any]:
+    names = type(event).__struct_fields__[len(_COMMON) :]
+    return {name: getattr(event, name) for name in names}
+
+
+class _Shape(NamedTuple):
+    """How a kind of event is written."""
+
+    tag: str
+    #: The keys that are written in words, by their names in a trace.
+    words: _Words
+    #: How many keys an event has that can be written as they are; -1 if none can.
+    size: int
+    #: Its own fields, each with its name in a trace and its default.
+    fields: tuple[tuple[str, str, object], ...]
+    #: Whether what has its default is left out.
+    omits: bool
 
 
 @cache
-def _written(
-    kind: type[events.Event],
-) -> tuple[type[msgspec.Struct], list[tuple[str, Callable[[Any], Any]]]]:
-    """The struct in which a kind of event is written, and the fields that need words.
-
-    It has the same keys in the same order.
-    """
-    names = kind.__struct_fields__
-    keys = dict(zip(names, kind.__struct_encode_fields__, strict=True))
-    defaults = {field.name: field.default for field in msgspec.structs.fields(kind)}
-    written = msgspec.defstruct(
-        kind.__name__,
-        [(name, object, msgspec.field(default=defaults[name])) for name in names],
-        tag_field=kind.__struct_config__.tag_field,
-        tag=kind.__struct_config__.tag,
-        rename=keys,
-        omit_defaults=kind.__struct_config__.omit_defaults,
-        kw_only=True,
-    )
+def _shape(kind: type[events.Event]) -> _Shape:
+    config = kind.__struct_config__
+    own = msgspec.structs.fields(kind)[len(_COMMON) :]
+    fields = tuple([(one.name, one.encode_name, one.default) for one in own])
+    size = sum(one.required or not config.omit_defaults for one in own)
+    if any(name != key for name, key, _ in fields):
+        size = -1
     words = dict(_WORDS.get(kind, ()))
-    return written, [(n, words[key]) for n, key in keys.items() if key in words]
+    in_words = [(key, words[key]) for _, key, _ in fields if key in words]
+    return _Shape(str(config.tag), in_words, size, fields, config.omit_defaults)
+
+
+def _completed(kind: type[events.Event], keys: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys of an event by their names in a trace, with those left out."""
+    shape = _shape(kind)
+    return {
+        key: value
+        for name, key, default in shape.fields
+        if (value := keys.get(name, default)) is not default or not shape.omits
+    }
+
+
+def _in_words(keys: dict[str, Any], words: _Words, last: list[Any]) -> dict[str, Any]:
+    """Return keys with text for values.
+
+    `last` holds what was put into words last, by what, and these words: a request is
+    told of three times, one after the other.
+    """
+    keys = keys.copy()
+    for name, write in words:
+        value = keys[name]
+        if value or value == 0:  # what is empty is written as it is
+            if value is not last[0] or write is not last[1]:
+                last[:] = value, write, write(value)
+            keys[name] = last[2]
+    return keys
+
+
+def _text(value: object) -> str:
+    """Return what the encoder does not know as text: goals, mostly."""
+    # by its attribute, as Python takes long to find the `__str__` of a class
+    return (type(value) is events.Goal and value.text) or str(value)
 
 
 def _facts(data: Iterable[Fact]) -> tuple[str, ...]:
@@ -101,14 +142,18 @@ class JsonTrace:
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
-        self._encode = msgspec.json.Encoder(enc_hook=str).encode
-        #: What was put into words last, by what, and these words: a request is told of
-        #: three times, one after the other.
-        self._last: tuple[object, object, object] = None, None, None
+        self._encode = msgspec.json.Encoder(enc_hook=_text).encode
+        #: How lines of each kind of event begin, how many keys can be written as they
+        #: are, and which in words.
+        self._shapes: dict[type[events.Event], tuple[str, int, _Words]] = {}
+        self._last: list[Any] = [None, None, None]
+        #: The time of the event before, and how it is written.
+        self._time: Time | None = None
+        self._stamp = ""
 
     def __call__(self, event: events.Event) -> None:
         """Write one event."""
-        self._stream.write(self._encode(_in_words(event)).decode() + "\n")
+        self.raw(type(event), event.n, event.cycle, event.time, _keys(event))
 
     def raw(
         self,
@@ -118,24 +163,27 @@ class JsonTrace:
         time: Time,
         keys: dict[str, Any],
     ) -> None:
-        """Write one event that has not been made: see `Recorder.listen`."""
-        written, words = _written(kind)
-        if words:
-            keys = keys.copy()
-            for name, write in words:
-                value = keys[name]
-                if value or value == 0:  # what is empty is written as it is
-                    keys[name] = self._in_words(value, write)
-        line = self._encode(written(n=serial, cycle=cycle, time=time, **keys))
-        self._stream.write(line.decode() + "\n")
+        """Write one event that has not been made: see `Recorder.listen`.
 
-    def _in_words(self, value: object, write: Callable[[Any], Any]) -> object:
-        last, by, words = self._last
-        if value is last and write is by:
-            return words
-        words = write(value)
-        self._last = value, write, words
-        return words
+        The keys are in the order of its fields; what is left out has its default.
+        """
+        head, size, words = self._shapes.get(kind) or self._learn(kind)
+        if len(keys) != size:
+            keys = _completed(kind, keys)
+        if words:
+            keys = _in_words(keys, words, self._last)
+        if time is not self._time:
+            self._time, self._stamp = time, self._encode(time).decode()
+        told = self._encode(keys).decode()
+        self._stream.write(
+            f'{head}{serial},"cycle":{cycle},"time":{self._stamp},{told[1:]}\n'
+        )
+
+    def _learn(self, kind: type[events.Event]) -> tuple[str, int, _Words]:
+        shape = _shape(kind)
+        found = f'{{"event":"{shape.tag}","n":', shape.size, shape.words
+        self._shapes[kind] = found
+        return found
 
 
 class Writable(Protocol):

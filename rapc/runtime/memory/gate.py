@@ -292,6 +292,6 @@ class Gate(MemoryView):
                 kind,
                 item=item.name,
                 sensor=item.sensor if item.accessible else None,
-                location=place,
                 kind=item.kind,
+                location=place,
             )
