@@ -29,6 +29,7 @@ from rapc.ir.printer import format_node
 from rapc.library import loader
 from rapc.library.loader import Loaded
 from rapc.parser.parse import parse, parse_fact
+from rapc.runtime.arguments import kind, need_time
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
@@ -262,9 +263,9 @@ def run(
     """
     if not isinstance(library, CheckedLibrary):
         wanted = "`rapc.load(path)` or `rapc.loads(text)` returns one"
-        raise ArgumentError(f"`library` is {_kind(library)}, no library", wanted)
-    if not (until is None or isinstance(until, int | float)):
-        raise ArgumentError(f"`until` is {_kind(until)}, no time")
+        raise ArgumentError(f"`library` is {kind(library)}, no library", wanted)
+    if until is not None:
+        need_time(until, "`until`")
     going = library.start(world, agenda=agenda, tasks=tasks, **more)
     reason = going.run(until=until, cycles=cycles)
     return RunResult(reason, going.now, going.results(), going)
@@ -325,10 +326,10 @@ def _paths(paths: Sequence[Path | Iterable[Path]]) -> list[str]:
     for path in paths:
         inner = [path] if isinstance(path, str | os.PathLike) else path
         if isinstance(inner, bytes) or not isinstance(inner, Iterable):
-            raise ArgumentError(f"a path is {_kind(path)}, no text")
+            raise ArgumentError(f"a path is {kind(path)}, no text")
         for one in inner:
             if not isinstance(one, str | os.PathLike):
-                raise ArgumentError(f"a path is {_kind(one)}, no text")
+                raise ArgumentError(f"a path is {kind(one)}, no text")
             found.append(os.fspath(one))
     if not found:
         raise ArgumentError("no path is given")
@@ -337,7 +338,7 @@ def _paths(paths: Sequence[Path | Iterable[Path]]) -> list[str]:
 
 def _text(text: object) -> str:
     if not isinstance(text, str):
-        raise ArgumentError(f"the text is {_kind(text)}", "a file is read by `load`")
+        raise ArgumentError(f"the text is {kind(text)}", "a file is read by `load`")
     return text
 
 
@@ -346,7 +347,7 @@ def _listed(given: Any, what: str) -> list[Any]:
     if isinstance(given, str | TaskRequest):
         return [given]
     if isinstance(given, bytes | Mapping) or not isinstance(given, Sequence | Iterable):
-        raise ArgumentError(f"`{what}` is {_kind(given)}, no list")
+        raise ArgumentError(f"`{what}` is {kind(given)}, no list")
     return list(given)
 
 
@@ -354,7 +355,7 @@ def _request(task: object) -> TaskRequest:
     if isinstance(task, TaskRequest):
         return task
     if not isinstance(task, str):
-        raise ArgumentError(f"a task is {_kind(task)}", 'as text: "(rap args)"')
+        raise ArgumentError(f"a task is {kind(task)}", 'as text: "(rap args)"')
     return read_task_request(task)
 
 
@@ -362,7 +363,7 @@ def _fact(fact: object) -> Fact:
     if isinstance(fact, tuple):
         return fact
     if not isinstance(fact, str):
-        raise ArgumentError(f"a fact is {_kind(fact)}", 'as text: "(name args)"')
+        raise ArgumentError(f"a fact is {kind(fact)}", 'as text: "(name args)"')
     return parse_fact(fact)
 
 
@@ -378,15 +379,6 @@ def _world(
         world = find_world(world)
     if not (isinstance(world, type) and issubclass(world, World)):
         listed = "`rapc worlds` lists those installed"
-        raise ArgumentError(f"`world` is {_kind(world)}, no world", listed)
+        raise ArgumentError(f"`world` is {kind(world)}, no world", listed)
     given = check_options(world, options or {})
     return build_world(world, seed, given), given
-
-
-def _kind(value: object) -> str:
-    """Return in a few words what was given instead."""
-    words: dict[type, str] = {type(None): "None", str: "a text", list: "a list"}
-    kind = type(value)
-    return words.get(
-        kind, f"of type {kind.__module__}.{kind.__qualname__}".replace("builtins.", "")
-    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,10 @@ def test_a_saved_library_is_loaded_like_its_sources(
     assert rapc.load(file).raps == lamps.raps
 
 
+ANY: Any = 3
+NEXT: Any = "soon"
+
+
 @pytest.mark.parametrize(
     ("call", "error", "said"),
     [
@@ -117,6 +122,64 @@ def test_a_saved_library_is_loaded_like_its_sources(
         (lambda lib: DOOR.methods("(metod)"), rapc.TextError, "metod"),
         (lambda lib: DOOR.methods(""), rapc.TextError, "methods are wanted"),
         (lambda lib: lib.extend(3), rapc.ArgumentError, "the text is of type int"),
+        (lambda lib: rapc.open_world(ANY), rapc.ArgumentError, "name of a world is"),
+        (
+            lambda lib: DOOR.run(lib, WORLD, until=math.nan),
+            rapc.ArgumentError,
+            "`until` is nan, no time",
+        ),
+        (
+            lambda lib: lib.start(WORLD, settings=rapc.Settings(query_steps=-1)),
+            rapc.SettingError,
+            "value that it does not take",
+        ),
+        (
+            lambda lib: lib.start(WORLD, settings=ANY),
+            rapc.ArgumentError,
+            "`settings` is of type int",
+        ),
+        (lambda lib: lib.start(WORLD).submit(ANY), rapc.ArgumentError, "a task is"),
+        (lambda lib: lib.start(WORLD).listen(ANY), rapc.ArgumentError, "a listener"),
+        (
+            lambda lib: lib.start(WORLD).watch_contexts(ANY),
+            rapc.ArgumentError,
+            "a listener is",
+        ),
+        (
+            lambda lib: lib.start(WORLD).call_at(ANY, ANY),
+            rapc.ArgumentError,
+            "`action` is",
+        ),
+        (
+            lambda lib: lib.start(WORLD).call_at(NEXT, print),
+            rapc.ArgumentError,
+            "`time` is a text, no time",
+        ),
+        (
+            lambda lib: lib.start(WORLD).call_at_end(ANY),
+            rapc.ArgumentError,
+            "`action` is",
+        ),
+        (
+            lambda lib: lib.start(WORLD).call_when_waiting(ANY),
+            rapc.ArgumentError,
+            "`action` is",
+        ),
+        (
+            lambda lib: lib.start(WORLD).question(ANY),
+            rapc.ArgumentError,
+            "a question is of type int",
+        ),
+        (
+            lambda lib: lib.start(WORLD).question("(lmap ?x)"),
+            rapc.TextError,
+            "`lmap` is not declared",
+        ),
+        (
+            lambda lib: lib.start(WORLD).question("(= ?x 3)", "?y"),
+            rapc.TextError,
+            "`?y` is not in the question",
+        ),
     ],
 )
 def test_what_a_caller_gets_wrong_is_told_in_a_line(

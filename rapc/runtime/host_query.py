@@ -15,6 +15,7 @@ from rapc.base.values import Atom
 from rapc.compiler.query.builtin import FUNCTIONS
 from rapc.compiler.query.code import ResultMode
 from rapc.compiler.query.query import Query
+from rapc.errors import TextError
 from rapc.ir import nodes
 from rapc.ir.nodes import Formula
 from rapc.ir.walk import subformulas, subterms, terms
@@ -42,7 +43,7 @@ class HostQuery:
         context: what the query asks of the run; without one it leaves no mark there.
 
     Raises:
-        ValueError: for a name that the library does not declare, or not with so many
+        TextError: for a name that the library does not declare, or not with so many
             arguments; for a variable that the formula does not have, or is given twice.
     """
 
@@ -131,7 +132,7 @@ class HandlerQuestions:
         """Return all answers to `formula`: see `rapc.world.HandlerMemory.ask`.
 
         Raises:
-            ValueError: as `HostQuery`, and for a text that is no formula.
+            TextError: as `HostQuery`, and for a text that is no formula.
         """
         given = {} if given is None else given
         key = formula, tuple(given)
@@ -154,11 +155,11 @@ def _check_names(formula: Formula, signatures: Signatures) -> None:
 
 def _refuse(fault: Fault | None) -> None:
     if fault is not None:
-        raise ValueError(str(fault))
+        raise TextError(str(fault))
 
 
 def _check(name: str, known: Sequence[str], given: Sequence[str]) -> None:
     if name not in known:
-        raise ValueError(f"`{name}` is not in the question{hint(name, known)}")
+        raise TextError(f"`{name}` is not in the question{hint(name, known)}")
     if given.count(name) > 1:
-        raise ValueError(f"`{name}` is given twice")
+        raise TextError(f"`{name}` is given twice")

@@ -13,11 +13,12 @@ from typing import Any, NoReturn
 
 from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
-from rapc.errors import PortError
-from rapc.ir.nodes import Formula
+from rapc.errors import ArgumentError, PortError
+from rapc.ir.nodes import Formula, Node
 from rapc.parser.parse import parse_formula
 from rapc.runtime import snapshot
 from rapc.runtime.admission import refuse_extension, refuse_tasks
+from rapc.runtime.arguments import kind, need_call, need_settings, need_time
 from rapc.runtime.authors import blame
 from rapc.runtime.begin_and_end import end_run, tell_start
 from rapc.runtime.events.events import Event, Goal, TaskResult
@@ -73,9 +74,10 @@ class Interpreter:
         self._registered = (functions, solvers, comparators)
         self._world = world
         self._code = code_of_authors(world.kit, functions, solvers, comparators)
-        self._machine = put_together(
-            library, world, seed, settings or Settings(), self._code, fast
-        )
+        if settings is None:
+            settings = Settings()
+        need_settings(settings)
+        self._machine = put_together(library, world, seed, settings, self._code, fast)
         self._loop = Loop(self._machine)
 
     # --- before and while it runs -------------------------------------------------
@@ -112,6 +114,7 @@ class Interpreter:
 
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
         """Call `listener` with every event from now on, or with those of `kinds`."""
+        need_call(listener, "a listener")
         self._machine.recorder.listen(listener, *kinds)
 
     def record(self) -> Recording:
@@ -120,6 +123,7 @@ class Interpreter:
 
     def watch_contexts(self, listener: ContextListener) -> None:
         """Tell `listener` whenever the context of a method is asked, and the answer."""
+        need_call(listener, "a listener")
         self._machine.context_asked = listener
         self._machine.may_choose_sole = False
 
@@ -172,7 +176,12 @@ class Interpreter:
 
         In the course of an atomic primitive it is done when that ends, before its
         result. The run goes on until it is done, or is ended for another reason.
+
+        Raises:
+            ArgumentError: if `time` is no time, or `action` cannot be called.
         """
+        need_time(time, "`time`")
+        need_call(action, "`action`")
         self._machine.state.requests += 1
         heapq.heappush(
             self._machine.host_timers, (time, self._machine.state.requests, action)
@@ -180,6 +189,7 @@ class Interpreter:
 
     def call_at_end(self, action: Callable[[], None]) -> None:
         """Do something when the run is over, before live tasks are removed."""
+        need_call(action, "`action`")
         self._machine.at_end.append(action)
 
     def call_when_waiting(self, action: Callable[[], None]) -> None:
@@ -188,17 +198,20 @@ class Interpreter:
         All that has come by then is dealt with. It is for those who look on: what they
         do changes nothing.
         """
+        need_call(action, "`action`")
         self._machine.when_waiting.append(action)
 
     def submit(self, task: TaskRequest | str) -> None:
         """Give the robot a task, as text or as an object, now or for a later time.
 
         Raises:
-            RefusedError: for an unknown RAP, a wrong number of inputs, or a task that
-                can reach something this version cannot run.
+            RefusedError: for an unknown RAP, or a wrong number of inputs.
+            TextError: for a text that is no task.
         """
         if isinstance(task, str):
             task = read_task_request(task)
+        if not isinstance(task, TaskRequest):
+            raise ArgumentError(f"a task is {kind(task)}", 'as text: "(rap args)"')
         self.check([task])
         self.start()
         if task.at is not None and task.at > self.now:
@@ -241,7 +254,13 @@ class Interpreter:
 
         At most `cycles` further cycles are run. Returns the reason why the run is
         over; it is over for good.
+
+        Raises:
+            ArgumentError: if `until` is no time.
+            PortError: if the world breaks.
         """
+        if until is not None:
+            need_time(until, "`until`")
         self._machine.state.until = until
         self.start()
         if self._machine.state.reason is None:
@@ -436,11 +455,13 @@ class Interpreter:
         `given` are the variables whose values come with each asking, in that order.
 
         Raises:
-            ValueError: for a text that is no formula (`TextError`), a name that the
-                library does not declare, a variable that the formula does not have.
+            TextError: for a text that is no formula, a name that the library does not
+                declare, a variable that the formula does not have.
         """
         if isinstance(formula, str):
             formula = parse_formula(formula)
+        if not isinstance(formula, Node):
+            raise ArgumentError(f"a question is {kind(formula)}, no formula")
         return HostQuery(self._machine, formula, given)
 
     def waiting(self) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ from rapc.base.files import path_named, read_text
 from rapc.base.later import later
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
-from rapc.errors import LoadError, WorldError
+from rapc.errors import ArgumentError, LoadError, WorldError
 from rapc.world import Kit, Option, World
 
 if TYPE_CHECKING:
@@ -95,6 +95,8 @@ def find_world(name: str) -> type[World]:
     Raises:
         WorldError: if there is none, or it is no world.
     """
+    if not isinstance(name, str):
+        raise ArgumentError("the name of a world is a text")
     if ":" in name:
         if not _MODULE_CLASS.fullmatch(name):
             raise WorldError(f"`{name}` cannot be loaded: it is not `module:Class`")

@@ -30,6 +30,12 @@ def test_every_public_name_is_there_told_of_and_on_the_page(name: str) -> None:
         assert isinstance(found, ModuleType | type) or inspect.signature(found)
 
 
+@pytest.mark.parametrize("name", rapc.world.__all__)
+def test_every_name_for_authors_of_worlds_is_on_the_page(name: str) -> None:
+    assert hasattr(rapc.world, name)
+    assert f"`{name}`" in PAGE.split("## All names")[1]
+
+
 def test_errors_have_one_base() -> None:
     errors = [getattr(rapc, name) for name in rapc.__all__ if name.endswith("Error")]
     assert len(errors) > 8
