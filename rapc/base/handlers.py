@@ -71,7 +71,7 @@ class HandlerMemory(AskedMemory, Protocol):
         """
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
-        """An item is seen: returns its memory name; it is accessible from now.
+        """Make an item that is seen accessible, and return its memory name.
 
         Asserts `(class item kind true)` and `(location item place)`. Seen again
         while accessible it is the same item; another place is a move. The name may
@@ -79,13 +79,13 @@ class HandlerMemory(AskedMemory, Protocol):
         """
 
     def move(self, item: str, place: Atom) -> None:
-        """An accessible item now is at `place`; it stays accessible."""
+        """Put an accessible item at `place`; it stays accessible."""
 
     def lose(self, item: str) -> None:
-        """An item is not where it was: its place is `unknown`, it is out of reach."""
+        """Set the place of an item that is gone to `unknown`; it is out of reach."""
 
     def fix_cardinality(self, place: Atom) -> None:
-        """All items accessible at `place` have been introduced: no others are there.
+        """Tell memory that no items are at `place` but those that were introduced.
 
         This takes effect when the batch ends, so a result's handler may say it before
         the data are handled. Items believed there and not accessible get place
@@ -93,10 +93,10 @@ class HandlerMemory(AskedMemory, Protocol):
         """
 
     def expire(self) -> None:
-        """All sensor names go: the robot has moved."""
+        """Forget all sensor names, since the robot has moved."""
 
     def arrive(self, place: Atom) -> None:
-        """The robot now is at `place`, of which `external` speaks from now on."""
+        """Set the place of the robot, of which `external` speaks from now on."""
 
 
 ResultHandler = Callable[[HandlerMemory, Fact, str], str | None]

@@ -100,7 +100,7 @@ PARTS: Mapping[type, tuple[str, ...]] = {
 
 
 def _history_test(formula: nodes.HistoryTest) -> Operands:
-    """A method is named; a result may be asked for."""
+    """Return the method of a question about history, and the result asked for."""
     if formula.query == "method-tried":
         return Operands(used=formula.args)
     return Operands(used=formula.args[:-1], matched=formula.args[-1:])

@@ -72,19 +72,19 @@ class NotingMemory:
         self.taken += [_Change(fact, place) for fact in there]
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
-        """An item is seen; its class and place are noted."""
+        """Introduce an item, and note its class and place."""
         name = self._gate.introduce(sensor_name, kind, place)
         self._note(("class", name, kind, "true"))
         self._note_place(name)
         return name
 
     def move(self, item: str, place: Atom) -> None:
-        """An item now is elsewhere; its place is noted."""
+        """Move an item, and note its place."""
         self._gate.move(item, place)
         self._note_place(item)
 
     def lose(self, item: str) -> None:
-        """An item is not where it was; its place is noted."""
+        """Lose an item, and note its place."""
         self._gate.lose(item)
         self._note_place(item)
 

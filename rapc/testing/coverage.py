@@ -133,7 +133,7 @@ class Coverage:
         self._heard: HeardSignals | None = None
 
     def begin(self, library: Library) -> None:
-        """A run of this library comes next."""
+        """Begin to count for a run of a library."""
         self._tasks.clear()
         self._heard = HeardSignals(library)
         if library is self._library:
@@ -198,13 +198,13 @@ class Coverage:
             _count(self._rules.get((normpath(file), int(row))), "ran")
 
     def context(self, rap: str, method: str, holds: bool) -> None:
-        """A method's context was asked."""
+        """Count that the context of a method was asked."""
         asked = "context_true" if holds else "context_false"
         _count(self._method(rap, method), asked)
         self._ask((rap, method, "context"))
 
     def _ask(self, asker: Asker) -> None:
-        """A clause was asked, and the queries that it names."""
+        """Count that a clause was asked, and the queries that it names."""
         for name in self._asked_with.get(asker, ()):
             assert self._library is not None
             _count(self._queries.get(_key(self._library.queries[name])), "asked")

@@ -270,7 +270,7 @@ class _Run:
                 self.interpreter.move(str(atom(item)), None)
 
     def _leaving(self) -> None:
-        """The clock is about to move on: judge what this time was to have brought."""
+        """Judge what a time was to have brought, before the clock moves on."""
         pending, self._pending = self._pending, []
         for expect in pending:
             self._judge(expect.expectations)

@@ -193,7 +193,7 @@ class ScriptedWorld(World):
                 self._send(row.signals, (ticket,))
 
     def _tell(self, due: Due) -> None:
-        """A skill tells the signal that is due, and will tell the next one."""
+        """Send the signal of a skill that is due, and plan the next one."""
         row, on = due.row, self._found(due.skill or ())
         if row is None or on is None:
             return

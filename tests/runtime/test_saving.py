@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import msgspec
 import pytest
@@ -252,16 +253,26 @@ def test_records_that_no_run_leaves_are_refused(old: str, new: str) -> None:
     _refused(play, saved, "what no run leaves")
 
 
+def _look_at_clock() -> None:
+    """Do nothing."""
+
+
 def test_a_run_whose_host_is_to_be_called_is_not_saved() -> None:
+    """What is to be called is named, with file and line."""
+    row = _look_at_clock.__code__.co_firstlineno
+    named = rf"`_look_at_clock` \(test_saving\.py:{row}\)"
     play = _sorting()
-    play.interpreter.call_at(12, lambda: None)
-    with pytest.raises(StateError, match=r"to be called at 12 \(`call_at`\)"):
+    play.interpreter.call_at(12, _look_at_clock)
+    play.interpreter.call_at(9, partial(print, "nine"))
+    said = rf"\(`call_at`\): `partial` at 9, {named} at 12$"
+    with pytest.raises(StateError, match=said):
         play.interpreter.save()
-    play = _sorting()
-    saved = play.interpreter.save()
-    play.interpreter.call_at_end(lambda: None)
-    with pytest.raises(StateError, match=r"replaced: .* its end \(`call_at_end`\)"):
-        play.interpreter.restore(saved)
+    for ask in ("call_at_end", "call_when_waiting"):
+        play = _sorting()
+        saved = play.interpreter.save()
+        getattr(play.interpreter, ask)(_look_at_clock)
+        with pytest.raises(StateError, match=rf"replaced: .*\(`{ask}`\): {named}$"):
+            play.interpreter.restore(saved)
 
 
 def test_a_run_is_not_saved_in_the_middle_of_a_cycle() -> None:

@@ -368,7 +368,7 @@ def _rules(walk: _Walk, rules: Iterable[nodes.Rule], bound: Bound) -> None:
 
 
 def _test(walk: _Walk, test: nodes.DefineTest) -> None:
-    """The request of a row binds for what the row does; a formula binds for itself."""
+    """Bind a row's request for what the row does, a formula for itself."""
     for row in test.script:
         bound = Bound(None, _names(row.request.args))
         for effect in (*row.asserts, *row.erases, *row.data, *row.signals):

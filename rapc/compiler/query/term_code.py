@@ -87,7 +87,7 @@ def registered(
 
 
 def attempt(fn: FunctionWriter, expression: str) -> str:
-    """A new local for what an expression comes to; a fault in it gives up."""
+    """Return a new local for the value of an expression; a fault in it gives up."""
     result = fn.code.fresh("t")
     fn.line("try:")
     fn.line(f"    {result} = {expression}")

@@ -62,7 +62,7 @@ def fit(text: str, width: int) -> str:
 
 
 def folded(text: str, width: int, lines: int) -> list[str]:
-    """A text in at most so many lines, with a mark where it was cut."""
+    """Return a text in at most so many lines, with a mark where it was cut."""
     parts = wrapped(text, width) if width > 0 else []
     if len(parts) <= lines:
         return parts

@@ -41,7 +41,7 @@ class _Side:
         return found
 
     def pattern(self, bound: dict[str, Atom]) -> tuple[Atom | None, ...]:
-        """The facts of this side that go with what the other side has bound."""
+        """Return the facts of this side that go with what the other side has bound."""
         args = [
             arg.value if isinstance(arg, nodes.Const) else bound.get(arg)
             for arg in self.args

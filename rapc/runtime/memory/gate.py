@@ -102,7 +102,7 @@ class Gate(MemoryView):
         return self._batch
 
     def end_batch(self) -> None:
-        """The outermost batch has ended."""
+        """End the outermost batch: recognise items, and lose those that nobody saw."""
         while self.closing:
             self.closing.pop(0)()
         self.recognise()
@@ -205,7 +205,7 @@ class Gate(MemoryView):
                 )
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
-        """An item is seen: see `HandlerMemory.introduce`."""
+        """Tell memory of an item that is seen: see `HandlerMemory.introduce`."""
         memory = self._memory
         place = self._stored(place)
         if self._recognizer.recognises(kind):
@@ -222,7 +222,7 @@ class Gate(MemoryView):
         return item.name
 
     def move(self, item: str, place: Atom) -> None:
-        """An accessible item now is at `place`; it stays accessible.
+        """Put an accessible item at `place`; it stays accessible.
 
         Raises:
             FactError: for a name that no handler introduced.
@@ -236,7 +236,7 @@ class Gate(MemoryView):
         self._tell(ItemMoved, known, place)
 
     def lose(self, item: str) -> None:
-        """An item is not where it was. Raises FactError as `move`."""
+        """Set the place of an item to `unknown`. Raises FactError as `move`."""
         known = self._introduced(item)
         if isinstance(known, Description):
             self._recognizer.lose(known)
@@ -262,14 +262,14 @@ class Gate(MemoryView):
             self.lose(item.name)
 
     def expire(self) -> None:
-        """All sensor names go: the robot has moved."""
+        """Forget all sensor names, since the robot has moved."""
         reached = bool(self._memory.items.accessible())
         self._recognizer.expire()
         if reached:
             self._memory.tell("know-sensor-name")
 
     def arrive(self, place: Atom) -> None:
-        """The robot now is at `place`, of which `external` speaks from now on."""
+        """Set the place of the robot, of which `external` speaks from now on."""
         self._memory.arrive(self._memory.items.canonical(place))
 
     def _introduced(self, item: str) -> Item:

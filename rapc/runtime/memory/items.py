@@ -79,14 +79,14 @@ class Items:
         return item, news
 
     def enter(self, item: Item) -> None:
-        """A new item is known, and within reach if it is accessible."""
+        """Add a new item, within reach if it is accessible."""
         self.known[item.name] = item
         if item.accessible:
             self.by_sensor[item.sensor] = item
             self._reach[item.name] = item
 
     def put_out_of_reach(self, item: Item, keep_sensor: bool = True) -> None:
-        """An item cannot be sensed any more; its sensor name may go for good."""
+        """Take an item out of reach; its sensor name may go for good."""
         item.accessible = False
         self._reach.pop(item.name, None)
         if not keep_sensor:
@@ -121,7 +121,7 @@ class Items:
             }
 
     def forget(self, item: Item) -> None:
-        """An item is no longer known; what it was called means nothing from now."""
+        """Remove an item with the names that it was called."""
         self.put_out_of_reach(item, keep_sensor=False)
         del self.known[item.name]
         self.gone.add(item.name)

@@ -105,7 +105,7 @@ class Monitors:
         wait.keys = tuple(keys)
 
     def forget(self, task: Task) -> None:
-        """A task has ended: it listens to nothing any more, and waits for no time."""
+        """Unregister a task that has ended from all it listens to or waits for."""
         wait = task.wait
         if wait is not None:
             wait.timer = None
@@ -120,7 +120,7 @@ class Monitors:
         wait.keys = None
 
     def rebind(self, task: Task) -> None:
-        """A task's bindings have got other names: listen to those, and test again."""
+        """Register a task anew whose bindings have other names, to be tested."""
         wait = task.wait
         if wait is None or wait.keys is None:
             return
@@ -184,7 +184,7 @@ class Monitors:
     # --- testing ----------------------------------------------------------------
 
     def first_test(self, task: Task) -> None:
-        """A monitored task may run as far as order and time go: test it first."""
+        """Mark a task to be tested that may run as far as order and time go."""
         task.state = UNTESTED
         self.to_test[task.number] = task
 

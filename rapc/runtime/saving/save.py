@@ -8,6 +8,9 @@ a run is neither saved nor replaced.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+from rapc.base.code_places import place_of
 from rapc.base.values import Fact, format_atom
 from rapc.errors import StateError
 from rapc.library.digest import digest
@@ -101,19 +104,26 @@ def _savable(world: World) -> Savable:
 
 def _look_for_callbacks(machine: Machine, done: str) -> None:
     """Refuse a run that would lose what its host is to do."""
-    if machine.host_timers:
-        times = sorted({format_atom(entry[0]) for entry in machine.host_timers})
-        raise StateError(
-            f"the run cannot be {done}: the host is to be called at "
-            f"{', '.join(times)} (`call_at`)"
-        )
-    if machine.at_end:
-        raise StateError(
-            f"the run cannot be {done}: the host is to be called at its end "
-            "(`call_at_end`)"
-        )
-    if machine.when_waiting:
-        raise StateError(
-            f"the run cannot be {done}: the host is to be called whenever it waits "
-            "(`call_when_waiting`)"
-        )
+    timers = sorted((time, number) for time, number, _ in machine.host_timers)
+    actions = {number: action for _, number, action in machine.host_timers}
+    waiting = {
+        "call_at": [
+            f"{_named(actions[number])} at {format_atom(time)}"
+            for time, number in timers
+        ],
+        "call_at_end": [_named(action) for action in machine.at_end],
+        "call_when_waiting": [_named(action) for action in machine.when_waiting],
+    }
+    for asked, named in waiting.items():
+        if named:
+            listed = ", ".join(dict.fromkeys(named))
+            raise StateError(
+                f"the run cannot be {done}: the host is to be called (`{asked}`): "
+                f"{listed}"
+            )
+
+
+def _named(action: Callable[[], None]) -> str:
+    """Return what a callable of the host is called, with its file and line."""
+    name = getattr(action, "__qualname__", type(action).__qualname__)
+    return f"`{name}`{place_of(action)}"

@@ -68,11 +68,11 @@ class Activations:
         self.off: dict[int, Activation] = {}
 
     def begin(self, activation: Activation) -> None:
-        """An activation has come on."""
+        """Add an activation that has come on."""
         self.on[activation.ticket] = activation
 
     def end(self, ticket: int) -> Activation:
-        """An activation is off from now; return it."""
+        """Remove an activation, and return it."""
         activation = self.on.pop(ticket)
         activation.run = None
         self.off[ticket] = activation
@@ -83,6 +83,6 @@ class Activations:
         return self.on.get(ticket) or self.off.get(ticket)
 
     def forget(self, tickets: tuple[int, ...]) -> None:
-        """All that these had told before they went off has been heard."""
+        """Drop activations that are off, all of whose signals have been heard."""
         for ticket in tickets:
             self.off.pop(ticket, None)

@@ -62,7 +62,7 @@ class Agenda:
         return task is self._only or task.number in self._tasks
 
     def add(self, task: Task) -> None:
-        """A task has become eligible."""
+        """Add a task that has become eligible."""
         only = self._only
         if only is not None:
             self._only = None
@@ -104,7 +104,7 @@ class Agenda:
             self._place(task, (-task.priority, latest, failed))
 
     def discard(self, task: Task) -> None:
-        """A task that was eligible no longer is; others are left alone."""
+        """Remove a task that was eligible; others are left alone."""
         if task is self._only:
             self._only = None
         elif task.number in self._tasks:
@@ -165,5 +165,5 @@ class SortingAgenda(Agenda):
     """An agenda that sorts in a task that is alone, too."""
 
     def add(self, task: Task) -> None:
-        """A task has become eligible."""
+        """Add a task that has become eligible."""
         self._insert(task)

@@ -156,7 +156,7 @@ class Task:
     # --- history ---------------------------------------------------------------
 
     def begin_method(self, method: MethodPlan) -> None:
-        """A method is tried that is not the one tried last."""
+        """Note that a method is tried which is not the one tried last."""
         if self.method is not None:
             history = self.remember()
             history.results.setdefault(method.node.name)
@@ -164,7 +164,7 @@ class Task:
         self.method = method
 
     def note_result(self, method: MethodPlan, result: str) -> None:
-        """A method has come to a result, which is to be remembered."""
+        """Remember the result that a method has come to."""
         history = self.remember()
         history.results[method.node.name] = result
         if result != OKAY:
@@ -219,7 +219,7 @@ class Task:
         return 1 if self.choice is not None and self.choice[0] == method.index else 0
 
     def note_choice(self, key: tuple[object, ...]) -> None:
-        """A choice is made; only from the second on they need a table."""
+        """Count a choice; a table is made for the second one."""
         if self.choice is None:
             self.choice = key
             return

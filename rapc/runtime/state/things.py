@@ -235,7 +235,7 @@ class Things:
                 self._waiters.setdefault(ask.thing, {})[task.number] = task
 
     def stop_waiting(self, task: Task) -> None:
-        """A task waits for things no longer; it need not have done so."""
+        """Unregister a task from the things it waits for, if there are any."""
         wait = self.waits.pop(task.number, None)
         if wait is None:
             return

@@ -76,7 +76,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
 
 
 def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
-    """A task that is no step, or has outputs or effects, succeeds or fails."""
+    """Let a task that is no step, or has outputs or effects, succeed or fail."""
     step, run = task.step, task.within
     bound: Env | None = {}
     changes: list[Change] | None = []
@@ -148,7 +148,7 @@ def receive(
 def finish_step(
     machine: Machine, run: MethodRun, step: StepPlan, bound: Iterable[str] = ()
 ) -> None:
-    """A step has ended by itself: `until`s, then its followers or the method's end.
+    """Finish a step: carry out `until`s, release followers or end the method.
 
     `bound` are the variables of its method that its outputs have bound.
     """
@@ -284,7 +284,7 @@ def recheck_bound_steps(
 def fail(
     machine: Machine, task: Task, reason: str, because: Cause | None = None
 ) -> None:
-    """A task fails: its method goes with it, its parent comes up again."""
+    """Fail a task: end its method, and let its parent come up again."""
     world_failure = task.world_failure
     result = world_failure or reason
     if task.step is None:
@@ -317,7 +317,7 @@ def end_method(
     because: Cause | None = None,
     cause: str = "sibling-failed",
 ) -> None:
-    """A method ends; steps still live leave, and its task comes up again.
+    """End a method: remove its live steps, and let its task come up again.
 
     `because` says why it ends badly, `cause` why its steps leave.
     """
@@ -373,7 +373,7 @@ def _switch_off(machine: Machine, run: MethodRun) -> None:
 
 
 def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
-    """A signal ends a step, waiting or running; what it spawned leaves."""
+    """End a step, waiting or running, because of a signal; remove what it spawned."""
     run = stop(machine, task)
     if run is not None:
         for step in run.steps:

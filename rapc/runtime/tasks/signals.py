@@ -43,7 +43,7 @@ class _Source(NamedTuple):
 
 
 def signal(machine: Machine, content: Fact, tickets: Sequence[int] = ()) -> None:
-    """A signal has come: let all hear it whom it concerns.
+    """Let all hear a signal whom it concerns.
 
     Args:
         machine: the run's.

@@ -22,7 +22,7 @@ from rapc.runtime.task_request import TaskRequest
 
 
 def create_top(machine: Machine, submission: TaskRequest) -> None:
-    """A top-level task joins the run; its goal was looked at when it was given."""
+    """Add a top-level task to the run; its goal was looked at when it was given."""
     name, *args = machine.memory.canonical(submission.goal)
     plan = machine.library.rap(str(name))
     assert plan is not None
@@ -44,7 +44,7 @@ def create_top(machine: Machine, submission: TaskRequest) -> None:
 
 
 def create(machine: Machine, task: Task) -> None:
-    """A task joins the run, told of with its inputs as they are now."""
+    """Add a task to the run, and tell of it with its inputs as they are now."""
     if task.step is not None and task.step.computes:
         read_inputs(machine, task)
     machine.state.numbers += 1
@@ -176,7 +176,7 @@ def _listen(machine: Machine, task: Task, wait: WaitState, step: StepPlan) -> No
 
 
 def release_at_start_time(machine: Machine, task: Task) -> None:
-    """A task may run as soon as its start times have come."""
+    """Let a task run as soon as its start times have come."""
     wait = task.wait
     if wait is not None and wait.earliest_start > machine.recorder.time:
         machine.monitors.at(wait.earliest_start, task)

@@ -198,7 +198,7 @@ def _switch_on(
 
 
 def _release_steps(machine: Machine, run: MethodRun) -> None:
-    """The steps' tasks join the run; those that wait for none may go on."""
+    """Add the tasks of steps to the run; release those that follow no other step."""
     steps, plan = run.steps, run.plan
     if plan.ordered_alone and machine.fast:
         if machine.recorder.on or plan.computes:

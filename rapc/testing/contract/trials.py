@@ -174,7 +174,7 @@ def _offer(tried: _Tried) -> Iterator[str]:
 
 
 def _code(tried: _Tried) -> Iterator[str]:
-    """All code takes the arguments that it is called with; the library fits."""
+    """Hold code to the arguments it is called with, the world to the library."""
     world = tried.make(0)
     kit = world.kit
     library = tried.library or tried.offered
@@ -184,7 +184,7 @@ def _code(tried: _Tried) -> Iterator[str]:
 
 
 def _start(tried: _Tried) -> Iterator[str]:
-    """The clock begins at 0, nothing has happened, and what is known are facts."""
+    """Hold a new world to a clock at 0, to silence, and to facts that are facts."""
     world = tried.make(0)
     if _now(world) != 0:
         yield f"its clock begins at {format_atom(_now(world))}, not at 0"
@@ -263,7 +263,7 @@ def _now(world: World) -> Time:
 
 
 def _saving(tried: _Tried) -> Iterator[str]:
-    """A saved state is taken up as if nothing had been."""
+    """Hold a world to going on from a saved state as if nothing had been."""
     for seed in SEEDS:
         driver, copy = tried.driver(seed), tried.make(seed)
         world = driver.world

@@ -214,7 +214,7 @@ class Hospital:
             yield state.metered + -(-STEP // CHARGE), self._tell_level
 
     def _run_down(self) -> None:
-        """The battery is empty, on the way."""
+        """Stop on the way with an empty battery."""
         self._end_drive("battery-empty")
         self.state.ended = "the battery is empty"
 
@@ -236,7 +236,7 @@ class Hospital:
         self._answer(work.ticket, work.result)
 
     def _come(self, nurse: Nurse) -> None:
-        """A nurse comes to the door, and sees whether the robot is there."""
+        """Let a nurse come to the door, and see whether the robot is there."""
         state = self.state
         state.nurses.remove(nurse)
         if state.room == nurse.ward:
@@ -275,7 +275,7 @@ class Hospital:
         self.state.metered = self.state.now
 
     def _stop(self) -> DriveUnderWay | None:
-        """The robot stops in the corridor, beside where it has got to."""
+        """Stop the robot in the corridor, beside where it has got to."""
         self._meter()
         state = self.state
         drive, state.drive = state.drive, None

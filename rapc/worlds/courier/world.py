@@ -146,7 +146,7 @@ class CourierWorld(World):
         return [_message(one) for one in sent]
 
     def ended(self) -> str | None:
-        """An empty battery ends the run."""
+        """Return why the run is over: the battery is empty; None while it is not."""
         return self._hospital.state.ended
 
     def picture(self) -> Picture:

@@ -55,7 +55,7 @@ def pause(scene: Scene) -> Number:
 
 
 def appear(scene: Scene, demon: Demon) -> Number:
-    """A band comes to where enemies may be, if there are none yet.
+    """Put a band where enemies may be, if there are none yet.
 
     None comes to the road that the truck is on: it has passed them, or they it.
     """
@@ -74,7 +74,7 @@ def appear(scene: Scene, demon: Demon) -> Number:
 
 
 def move_band_on(scene: Scene, demon: Demon) -> None:
-    """The band at a place moves on, unless the truck is there."""
+    """Let the band at a place move on, unless the truck is there."""
     if scene.state.truck.place != demon.place:
         _remove(scene, demon.place)
 
@@ -97,7 +97,7 @@ def meet(scene: Scene) -> None:
 
 
 def take_truck(scene: Scene, demon: Demon) -> None:
-    """The enemies have the truck, and the run is over."""
+    """Let the enemies have the truck, which ends the run."""
     _over(scene, "captured")
     scene.end(f"captured at {demon.place}")
 
@@ -142,7 +142,7 @@ def _over(scene: Scene, how: str) -> None:
 
 
 def _remove(scene: Scene, place: str) -> None:
-    """All enemies leave a place, and what they were about comes to nothing."""
+    """Remove all enemies from a place, and drop what they were about to do."""
     for item in _units(scene, place):
         scene.remove(item)
     scene.state.demons = [

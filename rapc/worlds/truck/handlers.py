@@ -52,7 +52,7 @@ def _nest(memory: HandlerMemory, arm: Atom) -> tuple[Atom, ...]:
 
 
 def _not_there(memory: HandlerMemory, item: Atom, *places: Atom) -> None:
-    """An item is lost if it was believed where it was not found."""
+    """Lose an item if it was believed where it was not found."""
     believed = memory.value("location", item)
     if believed in [_true_place(memory, place) for place in places]:
         for arm in _ARMS:
@@ -262,7 +262,7 @@ def _property(memory: HandlerMemory, datum: Fact) -> None:
 
 
 def _gauge(name: str) -> DatumHandler:
-    """A gauge's reading is what the truck knows of itself under another name."""
+    """Assert what a gauge reads as what the truck knows of itself."""
 
     def read(memory: HandlerMemory, datum: Fact) -> None:
         memory.assert_fact(name, datum[1])

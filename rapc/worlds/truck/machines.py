@@ -38,7 +38,7 @@ def switch(scene: Scene, item: TruckItem, machine: TruckMachine) -> None:
 
 
 def work(scene: Scene, demon: Demon) -> Number | None:
-    """One round of a machine's work; it switches itself off when it cannot go on."""
+    """Do one round of a machine's work; switch it off if it cannot go on."""
     item = scene.state.items.get(demon.place)
     machine = scene.kind(item).machine if item is not None else None
     if item is None or machine is None:

@@ -38,7 +38,7 @@ def read_orders(text: str, ground: Map) -> Iterator[Order]:
 
 
 def deliver(scene: Scene, item: TruckItem) -> None:
-    """A rock put down at a factory is logged, and counts once for one order.
+    """Log a rock put down at a factory; it counts once for one order.
 
     With a `factory-interval` of 0 it is consumed as it arrives (T 6.4.1): then the time
     at which an order is filled is that of T's reports (T 6.3.1).

@@ -78,7 +78,7 @@ class Scene:
         self.state.gone += 1
 
     def put(self, item: TruckItem, place: str) -> None:
-        """An item now is somewhere else; no arm is at it, or in it, any more."""
+        """Put an item elsewhere; no arm is at it, or in it, any more."""
         for arm in self.state.truck.arms.values():
             if arm.at is not None and self.reaches(arm, item):
                 arm.at = None

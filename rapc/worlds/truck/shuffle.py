@@ -41,7 +41,7 @@ def shuffle(scene: Scene, demon: Demon) -> Number | None:
 
 
 def _count(spare: dict[str, int], room: list[str], place: str, more: int) -> None:
-    """A place has room for one more or less; `room` has those with room for any."""
+    """Count items at a place; `room` lists the places that have room for any."""
     before = spare[place] > 0
     spare[place] += more
     if spare[place] > 0 and not before:

@@ -17,7 +17,7 @@ from rapc.worlds.truck.state import Demon, TruckItem
 
 
 def change_weather(scene: Scene, demon: Demon) -> Number:
-    """The weather of a sector turns to rain or to sun, and stays so for a while."""
+    """Turn the weather of a sector to rain or to sun, for a while."""
     settings, rng = scene.settings, scene.chance["weather"]
     rained = [name for name in scene.state.raining if name != demon.place]
     rains = rng.uniform(0, 100) < settings.rain

@@ -16,7 +16,7 @@ from rapc.world import Time
 
 
 def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> None:
-    """All facts about `lost` become facts about `kept`.
+    """Turn all facts about `lost` into facts about `kept`.
 
     Of two values the newer stays, at one time that of the name `first`; but of those
     that the name `own` has, whatever the stamps, none is lost ("" for no name).
@@ -122,7 +122,7 @@ def _fact(member: Description, index: Fact, value: Atom) -> Fact:
 
 
 def forget_facts(memory: Memory, name: str) -> None:
-    """All facts that mention a name go."""
+    """Erase all facts that mention a name."""
     assert memory.mentions is not None
     for fact in memory.mentions.of(name):
         memory.remove(fact, "memory")

@@ -178,7 +178,7 @@ class Recognizer:
     # --- what handlers say ------------------------------------------------------
 
     def introduce(self, sensor: str, kind: str, place: Atom) -> Description:
-        """An item of an indistinct class is seen under a sensor name."""
+        """Add an item of an indistinct class that is seen under a sensor name."""
         items = self._memory.items
         item = items.known.get(items.name_of(sensor))
         if isinstance(item, Description) and item.accessible:
@@ -200,7 +200,7 @@ class Recognizer:
         return item
 
     def move(self, item: Description, place: Atom) -> Description:
-        """An item now is at a place; returns it as it then is known."""
+        """Put an item at a place, and return it as it then is known."""
         home = item.home
         if place == self._place(item):
             self._assert("location", item.name, place)
@@ -223,7 +223,7 @@ class Recognizer:
         return UNKNOWN if item.home is None else item.home.place
 
     def _arrive(self, target: ExpectationSet, item: Description) -> None:
-        """An item stands as itself in the local model and in every layer."""
+        """Add an item as itself to the local model and to every layer."""
         if not item.accessible and not target.layers:
             layer = self._new_layer(target)
             for member in target.local.members:
@@ -235,7 +235,7 @@ class Recognizer:
         self._touch(target)
 
     def lose(self, item: Description) -> None:
-        """An item is not where it was: its place is unknown, it is out of reach."""
+        """Set the place of an item that is gone to `unknown`; it is out of reach."""
         gone: departure.Collection | None = None
         before = item.name
         if item.home is not None:
@@ -251,7 +251,7 @@ class Recognizer:
         self.lost[item] = None
 
     def expire(self) -> None:
-        """The robot has moved: local models become layers, sensor names go."""
+        """Make layers of local models, and forget sensor names: the robot has moved."""
         for item in list(self.lost):
             self._forget(item)
         for home in list(self.sets.values()):
@@ -314,7 +314,7 @@ class Recognizer:
                     self._item_events.moved(ItemLost, item, UNKNOWN, item.name, gone)
 
     def _forget(self, item: Description) -> None:
-        """An item, and what memory has in it, means nothing from now on."""
+        """Remove an item, and what memory has in it."""
         stack = [item]
         while stack:
             gone = stack.pop()
@@ -352,7 +352,7 @@ class Recognizer:
         return older
 
     def _merge_places(self, kept: str, lost: str) -> None:
-        """The sets at one place now are at another: containers turned out to be one."""
+        """Join the sets at two places, of containers that turned out to be one."""
         if self._memory.place == lost:
             self._memory.place = kept
         for home in [s for (_, at), s in self.sets.items() if at == lost]:

@@ -43,7 +43,7 @@ class Description(Item):
         return not self.name
 
     def learn(self, index: Fact, value: Atom | None) -> None:
-        """A property has a value from now on, or none."""
+        """Set the value of a property, or take it away."""
         if value is None:
             self.values.pop(index, None)
         else:
@@ -150,14 +150,14 @@ class ExpectationSet:
         return layer
 
     def add(self, view: View, member: Description) -> None:
-        """A description stands in a view from now on."""
+        """Add a description to a view."""
         view.members[member] = None
         member.mask |= view.bit
         member.home = self
         self.changed(member.mask)
 
     def discard(self, view: View, member: Description) -> None:
-        """A description no longer stands in a view."""
+        """Remove a description from a view."""
         if member not in view.members:
             return
         del view.members[member]
@@ -167,7 +167,7 @@ class ExpectationSet:
             member.home = None
 
     def replace(self, old: Description, new: Description) -> None:
-        """A description takes another's place in all views where that one stands."""
+        """Put a description in another's place in all views where that one stands."""
         for view in self.views():
             if old.mask & view.bit:
                 view.members = {
