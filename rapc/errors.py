@@ -82,3 +82,8 @@ class PortError(Error):
 
 class StateError(Error):
     """A run that cannot be saved, or a saved run that cannot be taken up."""
+
+
+def reason(error: OSError) -> str:
+    """Return why the system could not do something, in lower case."""
+    return (error.strerror or str(error)).lower()

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from rapc.errors import LoadError, WriteError
+from rapc.errors import LoadError, WriteError, reason
 
 SUFFIX = ".rap"
 TEST_SUFFIX = ".test.rap"
@@ -222,11 +222,6 @@ def _measure(name: str, size: int) -> None:
 
 def _unreadable(path: Path, error: OSError) -> str:
     return f"cannot read `{path}`: {reason(error)}"
-
-
-def reason(error: OSError) -> str:
-    """Return why the system could not do something, in lower case."""
-    return (error.strerror or str(error)).lower()
 
 
 def _decode(name: str, data: bytes) -> str:

@@ -10,7 +10,6 @@ from typing import Any
 
 import click
 
-from rapc.base.files import reason
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
 from rapc.cli.common import width_of
@@ -18,6 +17,7 @@ from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
 from rapc.console.progress import bar
+from rapc.errors import reason
 from rapc.experiments import definition, reading
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.local import LocalWorkers, cores

@@ -16,12 +16,11 @@ from typing import TextIO
 
 import click
 
-from rapc.base.files import reason
 from rapc.base.gc_paused import gc_spared
 from rapc.base.names import hint
 from rapc.base.visible import visible
 from rapc.cli.options import HELP, USAGE, show_traceback, with_common_options
-from rapc.errors import Error, RefusedError
+from rapc.errors import Error, RefusedError, reason
 
 COMMANDS = {
     "check": "Check RAP libraries.",

@@ -11,7 +11,6 @@ from typing import Any, TextIO
 import click
 
 from rapc.analysis.endless import endless, reached
-from rapc.base.files import reason
 from rapc.base.interrupts import interrupts_held
 from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
@@ -19,6 +18,7 @@ from rapc.cli.checked import load_checked
 from rapc.cli.common import refuse_input
 from rapc.cli.given import RunOptions, prepare, run_options
 from rapc.cli.options import WholeNumber, command, fail, settings
+from rapc.errors import reason
 from rapc.library.library import Library
 from rapc.runtime.authors import blame
 from rapc.runtime.events.events import TaskResult
