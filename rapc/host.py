@@ -34,12 +34,7 @@ from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
-from rapc.runtime.task_request import (
-    TaskRequest,
-    as_text,
-    of_agenda,
-    read_task_request,
-)
+from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
 from rapc.world import Callables, Time, World
 from rapc.worlds.registry import build_world, check_options, find_world
 

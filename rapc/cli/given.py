@@ -11,23 +11,13 @@ from rapc.base.later import later
 from rapc.base.values import Fact, format_list
 from rapc.cli.options import fail
 from rapc.compiler.program import Program
-from rapc.errors import (
-    FactError,
-    RefusedError,
-    SettingError,
-    TextError,
-)
+from rapc.errors import FactError, RefusedError, SettingError, TextError
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
-from rapc.runtime.task_request import (
-    TaskRequest,
-    as_text,
-    of_agenda,
-    read_task_request,
-)
+from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
 from rapc.world import World
 from rapc.worlds import registry
 

@@ -19,13 +19,7 @@ from rapc.cli.given import RunOptions, prepare, run_options
 from rapc.cli.options import USAGE, Amount, command, fail
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.worlds.skills.drawing import (
-    Drawing,
-    Networked,
-    to_dot,
-    to_json,
-    to_mermaid,
-)
+from rapc.worlds.skills.drawing import Drawing, Networked, to_dot, to_json, to_mermaid
 
 EXAMPLES = """\b
 Examples:

@@ -13,11 +13,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rapc.debug.acts import Act
+from rapc.debug.acts import Act, Setup
 from rapc.debug.forced import ForcedWorld, ForceResult
 from rapc.debug.log import EventLog, ToldEvent, Wanted
 from rapc.debug.saves import EVERY, Moment, Saves
-from rapc.debug.setup import Setup
 from rapc.debug.stepped import Stepped
 from rapc.errors import StateError
 from rapc.runtime.interpreter import Interpreter

@@ -13,8 +13,7 @@ from msgspec.structs import replace
 
 from rapc.base.names import hint
 from rapc.base.values import Atom, typed
-from rapc.debug.acts import Act
-from rapc.debug.setup import Setup
+from rapc.debug.acts import Act, Setup
 from rapc.errors import ArgumentError
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.format import decode

@@ -16,9 +16,8 @@ from msgspec.structs import replace
 
 from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.debug.acts import Act
+from rapc.debug.acts import Act, Setup
 from rapc.debug.declared import obstacles
-from rapc.debug.setup import Setup
 from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.digest import digest

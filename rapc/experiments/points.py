@@ -27,23 +27,12 @@ from rapc.experiments.config import (
     world_options,
 )
 from rapc.experiments.definition import Experiment, ExperimentError, Series
-from rapc.experiments.draws import (
-    Value,
-    drawn,
-    extremes,
-    fill_in,
-    names_in,
-)
+from rapc.experiments.draws import Value, drawn, extremes, fill_in, names_in
 from rapc.experiments.measures import LABELS, figures_of
 from rapc.experiments.run import counted_tasks
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
-from rapc.runtime.task_request import (
-    TaskRequest,
-    as_text,
-    of_agenda,
-    read_task_request,
-)
+from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
 from rapc.world import World
 from rapc.worlds import registry
 

@@ -14,12 +14,7 @@ import msgspec
 
 from rapc.experiments.definition import Reference, Series
 from rapc.experiments.draws import Value
-from rapc.experiments.measures import (
-    Measures,
-    TaskTold,
-    numbers_of,
-    with_time_each,
-)
+from rapc.experiments.measures import Measures, TaskTold, numbers_of, with_time_each
 from rapc.experiments.points import Point
 
 

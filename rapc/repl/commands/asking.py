@@ -210,8 +210,4 @@ def _commitment(one: commitments.Commitment) -> Iterator[str]:
     yield f"  it would choose now: {told or 'nothing'}"
 
 
-ASKING = (
-    _why,
-    _why_not,
-    _when,
-)
+ASKING = (_why, _why_not, _when)

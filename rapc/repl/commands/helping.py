@@ -51,7 +51,4 @@ def _quit(shell: Shell, args: Arguments) -> ShownAnswer:
     return ShownAnswer()
 
 
-HELPING = (
-    _help,
-    _quit,
-)
+HELPING = (_help, _quit)

@@ -194,20 +194,6 @@ def _trace(shell: Shell, args: Arguments) -> ShownAnswer:
     return ShownAnswer(tuple(shell.trace(told)))
 
 
-MOVING = (
-    _step,
-    _out,
-    _parent,
-    _primitive,
-    _to,
-    _run,
-    _show,
-    _trace,
-)
+MOVING = (_step, _out, _parent, _primitive, _to, _run, _show, _trace)
 
-TIME = (
-    _back,
-    _goto,
-    _branch,
-    _branches,
-)
+TIME = (_back, _goto, _branch, _branches)

@@ -136,10 +136,4 @@ def _heard(signals: Sequence[Fact]) -> str:
     )
 
 
-REMEMBERING = (
-    _history,
-    _who,
-    _retries,
-    _deadlines,
-    _timeline,
-)
+REMEMBERING = (_history, _who, _retries, _deadlines, _timeline)

@@ -222,15 +222,6 @@ def _diff(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(("", "of", "what"), rows, head, none="no difference")
 
 
-STOPPING = (
-    _break,
-    _unbreak,
-    _watch,
-    _unwatch,
-)
+STOPPING = (_break, _unbreak, _watch, _unwatch)
 
-SEARCHING = (
-    _find,
-    _diff,
-    _record,
-)
+SEARCHING = (_find, _diff, _record)

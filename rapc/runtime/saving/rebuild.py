@@ -40,11 +40,7 @@ from rapc.runtime.state.states import (
     UNTESTED,
     WAITING,
 )
-from rapc.runtime.state.task import (
-    Env,
-    MethodRun,
-    Task,
-)
+from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import Ask, ThingWait
 from rapc.runtime.state.top_level import TopLevelTask
 from rapc.runtime.state.wait_state import WaitState

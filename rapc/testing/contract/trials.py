@@ -18,16 +18,7 @@ from rapc.runtime.authors import blame, breach, is_time, wrong_type
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver, first_facts
 from rapc.testing.contract.skills import try_skills
-from rapc.world import (
-    NOT_KNOWN,
-    Drawable,
-    Kit,
-    Savable,
-    Text,
-    Time,
-    Timed,
-    World,
-)
+from rapc.world import NOT_KNOWN, Drawable, Kit, Savable, Text, Time, Timed, World
 
 REQUESTS = 150
 """How many requests a world is tried with under one seed."""

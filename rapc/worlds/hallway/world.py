@@ -9,12 +9,7 @@ from random import Random
 import msgspec
 
 from rapc.base.values import Atom, Fact, Number, Text, number
-from rapc.world import (
-    Callables,
-    Kit,
-    Option,
-    Picture,
-)
+from rapc.world import Callables, Kit, Option, Picture
 from rapc.worlds.hallway import facts, planner
 from rapc.worlds.hallway.geometry import (
     far_from,

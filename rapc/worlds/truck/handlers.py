@@ -10,13 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rapc.base.values import Atom, Fact
-from rapc.world import (
-    OKAY,
-    DatumHandler,
-    HandlerMemory,
-    Handlers,
-    ResultHandler,
-)
+from rapc.world import OKAY, DatumHandler, HandlerMemory, Handlers, ResultHandler
 
 _ARMS = ("arm1", "arm2")
 _ON_BOARD = ("bay1", "bay2", "weapon-bay", "fuel-bay", "folded", *_ARMS)

@@ -14,15 +14,7 @@ from msgspec.structs import replace
 
 from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.base.values import Atom, Fact, Number, number
-from rapc.world import (
-    Datum,
-    Kit,
-    Message,
-    Picture,
-    Reply,
-    Time,
-    World,
-)
+from rapc.world import Datum, Kit, Message, Picture, Reply, Time, World
 from rapc.worlds.truck import eye
 from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.demons import pass_time, summon

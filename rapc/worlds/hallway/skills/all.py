@@ -18,11 +18,7 @@ from rapc.worlds.hallway.skills.landmarks import (
     TrackLandmark,
     WatchForLandmark,
 )
-from rapc.worlds.hallway.skills.moving import (
-    BackOff,
-    FaceDirection,
-    SteerInDirection,
-)
+from rapc.worlds.hallway.skills.moving import BackOff, FaceDirection, SteerInDirection
 from rapc.worlds.hallway.skills.passages import DetectDoorway
 from rapc.worlds.hallway.skills.reporting import ReportPosition, WatchBattery
 from rapc.worlds.hallway.skills.services import CallLift, Charge, Speak

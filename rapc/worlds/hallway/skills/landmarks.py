@@ -42,13 +42,7 @@ from rapc.worlds.hallway.channels import (
     Travel,
 )
 from rapc.worlds.hallway.skills.moving import FACING, SPEED, MovementComplete
-from rapc.worlds.hallway.skills.sonar import (
-    QUARTER,
-    Votes,
-    bearing_of,
-    square_to,
-    vote,
-)
+from rapc.worlds.hallway.skills.sonar import QUARTER, Votes, bearing_of, square_to, vote
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 LOST = 6.0

@@ -23,14 +23,7 @@ from collections.abc import Iterator, Sequence
 import msgspec
 
 from rapc.base.values import Atom
-from rapc.worlds.hallway.channels import (
-    DIRECTIONS,
-    PASSED,
-    POSE,
-    SONAR,
-    SONARS,
-    Pose,
-)
+from rapc.worlds.hallway.channels import DIRECTIONS, PASSED, POSE, SONAR, SONARS, Pose
 from rapc.worlds.hallway.skills.sonar import Point, Votes, vote
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
