@@ -51,17 +51,18 @@ from rapc.language.shapes import Shape
 
 
 @cache
-def parser() -> Lark:
+def parser(*, positions: bool = True) -> Lark:
     """The LALR parser of whole programs (`start`) and of bare data (`data`).
 
     Comments of the `#| |#` kind are known to `data` alone; blank them for `start`.
+    What its trees do not tell of `positions` it need not gather, a third of its work.
     """
     return Lark(
         SOURCE.read_text(encoding="utf-8"),
         parser="lalr",
         start=list(STARTS),
         edit_terminals=whole_word,
-        propagate_positions=True,
+        propagate_positions=positions,
     )
 
 
@@ -77,7 +78,7 @@ def whole_word(terminal: TerminalDef) -> None:
 @cache
 def words() -> Mapping[str, str]:
     """The quoted words of the grammar by the names that lark gives them."""
-    grammar = parser().grammar
+    grammar = parser(positions=False).grammar
     compiled, _, _ = grammar.compile(list(STARTS), "*")
     return {
         one.name: one.pattern.value

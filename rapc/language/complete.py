@@ -96,7 +96,7 @@ def _word_start(code: str) -> int:
 def _accepted(code: str, start: str) -> frozenset[str]:
     """The terminals that may stand behind some code; none if it is wrong already."""
     try:
-        state: Any = parser().parse_interactive(code, start=start)
+        state: Any = parser(positions=False).parse_interactive(code, start=start)
         state.exhaust_lexer()
     except UnexpectedInput:
         return NOTHING

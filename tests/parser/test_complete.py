@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+from types import FrameType
+from typing import Any
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -106,3 +110,34 @@ def test_what_stands_there_is_among_what_fits(data: st.DataObject) -> None:
         assert found.opens
     if following == ")":
         assert found.closes
+
+
+def test_an_answer_takes_few_calls_for_each_part_of_the_form() -> None:
+    """The last form alone is read, and nothing kept of it but what may follow."""
+    part = "(have cup) "
+    long, short = (
+        f"(define-rap (go) (succeed (or {part * count}("
+        for count in (200, 100)
+    )
+    fits(long)
+    assert _calls(long) - _calls(short) < 100 * 4 * PER_TOKEN
+
+
+def _calls(text: str) -> int:
+    """The functions of Python called until it is known what fits behind a text."""
+    count = 0
+
+    def called(frame: FrameType, event: str, arg: Any) -> None:
+        nonlocal count
+        count += event == "call"
+
+    sys.setprofile(called)
+    try:
+        fits(text)
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+PER_TOKEN = 20
+"""Calls for each symbol and parenthesis; 28 if its place in the text were gathered."""
