@@ -7,7 +7,7 @@ order, are the fields of their names.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import msgspec
@@ -59,6 +59,15 @@ _RULES: Mapping[type, str | Callable[[Any], str]] = {
     nodes.TraceHas: "trace",
 }
 """The rules of nodes that are called otherwise, or for which their fields decide."""
+
+
+def declarations() -> Iterator[tuple[str, type[nodes.Node]]]:
+    """The rules of declarations that are a name and parts in any order, with kinds."""
+    named = {rule: kind for kind, rule in _RULES.items() if isinstance(rule, str)}
+    for rule in filter(is_rule, leaves(RULES["_form"])):
+        if rule.startswith("declare_") and rule != "declare_class_comparator":
+            like = "".join(map(str.capitalize, rule.split("_")))
+            yield rule, named.get(rule) or getattr(nodes, like)
 
 
 def parts(rule: str, kind: type[nodes.Node]) -> tuple[Part, ...]:

@@ -16,17 +16,29 @@ class Misfit(msgspec.Struct, frozen=True):
     #: The message; `{kind}` stands for what was found, with its article.
     message: str
     help: str = ""
+    #: Whether it is said of an operand of another kind, too.
+    whole: bool = False
 
 
 def _clause(message: str, help: str = "") -> Misfit:
     return Misfit("malformed-clause", message, help)
 
 
-_SKILL = "write `({} (:skill argument...))`"
+def _switch(word: str) -> Misfit:
+    help = f"write `({word} (:skill argument...))`"
+    return Misfit("malformed-clause", "one skill is wanted here", help, whole=True)
+
+
+def _step(message: str, help: str = "") -> Misfit:
+    return Misfit("malformed-step", message, help)
 
 
 def _form(message: str, help: str = "") -> Misfit:
     return Misfit("malformed-form", message, help)
+
+
+def _rule(message: str, help: str = "") -> Misfit:
+    return Misfit("malformed-rule", message, help)
 
 
 _DEFAULTS = "it is `unknown`, `true`, `false` or the name of a function"
@@ -62,6 +74,33 @@ MISFITS: Mapping[str, Misfit] = {
         "`define-query` begins with a name and its arguments in parentheses",
         "write `(define-query (name ?argument...) formula)`",
     ),
+    # RAPs
+    "resource": _clause(
+        "a resource is a set or a counter", "write `(set ?name)` or `(counter ?name 0)`"
+    ),
+    "step": _step(
+        "a step begins with its tag, a symbol",
+        "write `(tag (rap args...) annotation...)`",
+    ),
+    "_priority": _step("a priority is an integer"),
+    "annotation": Misfit(
+        "malformed-annotation", "{kind} stands where an annotation is wanted"
+    ),
+    # rules over memory
+    "define_memory_rule": _rule(
+        "a memory rule says when it runs, `:finish` or `:event`"
+    ),
+    "match_result": _rule(
+        "behind its time a memory rule has one `match-result`",
+        "write `(match-result (succeed (rule (query action...))))`",
+    ),
+    "case": _rule("a case is a result and the rules for it"),
+    "rule": _rule("a `(rule ...)` is wanted here"),
+    "alternative": _rule(
+        "a query and its actions stand in parentheses together",
+        "write `(rule (query (mem-add p) (mem-del p))...)`",
+    ),
+    "action": _rule("an action is `(mem-add fact)` or `(mem-del prefix)`"),
     # tests
     "answer": _clause(
         "an answer is a question to a function, and a value",
@@ -73,8 +112,8 @@ MISFITS: Mapping[str, Misfit] = {
     "script_row": _clause(
         "a row of the script is wanted here, not {kind}", "write `((request) result)`"
     ),
-    "enabled": _clause("one skill is wanted here", _SKILL.format("enable")),
-    "disabled": _clause("one skill is wanted here", _SKILL.format("disable")),
+    "enabled": _switch("enable"),
+    "disabled": _switch("disable"),
     **dict.fromkeys(
         ("moved", "placed"),
         _clause(
@@ -86,7 +125,7 @@ MISFITS: Mapping[str, Misfit] = {
         "write `(task-failed :reason no-method)`",
     ),
 }
-"""What is said by the rule that was wanted."""
+"""What is said by the rule that was wanted, or, behind `_`, a part of one."""
 
 
 class MissingOperand(msgspec.Struct, frozen=True):

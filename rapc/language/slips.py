@@ -21,3 +21,11 @@ SLIPS: Mapping[str, str] = {
 
 GROUPS = ("sequence", "parallel")
 """Words that group steps in other languages."""
+
+ELSEWHERE: Mapping[str, str] = {
+    "priority": "a priority is a number behind the tag: `(t1 2 (rap args...))`",
+    "after": "the step that comes before says so: `(for t1)`",
+    "timeout": "a time to end at is a second step, `(window now 30 30)`, and "
+    "`until-end`",
+}
+"""What is said by other words than those that some expect here."""

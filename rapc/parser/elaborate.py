@@ -46,6 +46,10 @@ Maker = Callable[[Any, Sequence[Any], Span], Any]
 """Makes the node of a list: of its head, its operands and its place."""
 
 
+Mend = Callable[[Context, List], List | None]
+"""Returns a list as it was meant, and reports the slip; None if it cannot be read."""
+
+
 class GrammarReaders(dict[str, Read]):
     """Readers by the name of their rule; most are made of the grammar when needed.
 
@@ -54,29 +58,41 @@ class GrammarReaders(dict[str, Read]):
         makers: what makes a node of the operands of a rule; without one it is the node
             of the same name, its fields filled with the operands in order, or, if there
             is no such node, the first operand.
+        mends: what is looked at first in the lists of a rule that print has had
+            otherwise.
     """
 
-    def __init__(self, special: Mapping[str, Read], makers: Mapping[str, Maker]):
+    def __init__(
+        self,
+        special: Mapping[str, Read],
+        makers: Mapping[str, Maker],
+        mends: Mapping[str, Mend],
+    ):
         super().__init__(special)
         self.makers = makers
+        self.mends = mends
         self._groups: dict[str, dict[str, Read]] = {}
 
     def __missing__(self, rule: str) -> Read:
         """Make the reader of a rule, or of a terminal alone."""
-        shape = RULES.get(rule, rule)
-        made: Read
-        if is_terminal(shape):
-            made = _wanted(rule, shape, terminal(rule))
-        elif is_word(shape):
-            made = _alone(self.makers.get(rule) or _named_like(rule))
-        elif shape[0] == "seq":
-            made = self._option(rule, shape)
-        elif is_list(shape):
-            made = self._named(shape) or self._list(rule, shape)
-        else:
-            made = self._choice(rule)
+        made = self._plain(rule)
+        if rule in self.mends:
+            made = _mended(self.mends[rule], made)
         self[rule] = made
         return made
+
+    def _plain(self, rule: str) -> Read:
+        """Return what reads a rule as the grammar has it, without any hand."""
+        shape = RULES.get(rule, rule)
+        if is_terminal(shape):
+            return _wanted(rule, shape, terminal(rule))
+        if is_word(shape):
+            return _alone(self.makers.get(rule) or _named_like(rule))
+        if shape[0] == "seq":
+            return self._option(rule, shape)
+        if is_list(shape):
+            return self._named(shape) or self._list(rule, shape)
+        return self._choice(rule)
 
     @cached_property
     def formulas(self) -> dict[str, Read]:
@@ -251,7 +267,7 @@ def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
     """The reader of a list with a fixed number of operands."""
     count = len(parts) + 1
     reads = [part.read for part in parts]
-    told = rule in MISFITS
+    told = rule in MISFITS and MISFITS[rule].whole
     strict = [(at, p.fits) for at, p in enumerate(parts, 1) if p.strict or told]
     own = _own_word(rule)
 
@@ -271,6 +287,16 @@ def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
         return make(head, values, Span(ctx.file, datum.start, datum.end))
 
     return read
+
+
+def _mended(mend: Mend, read: Read) -> Read:
+    """The reader of a list that is mended before it is read."""
+
+    def mended(ctx: Context, datum: List) -> Any:
+        meant = mend(ctx, datum)
+        return None if meant is None else read(ctx, meant)
+
+    return mended
 
 
 def _headless(rule: str, operands: Sequence[Operand], make: Maker) -> Read:

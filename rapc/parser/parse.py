@@ -30,10 +30,9 @@ from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.reader import read
 from rapc.parser.special.formulas import formula
 from rapc.parser.special.table import readers
-from rapc.parser.special.tests import with_defaults
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import goal, proposition, signal
-from rapc.parser.unit import Partial, SourceUnit
+from rapc.parser.unit import Partial, SourceUnit, with_defaults
 
 __all__ = (
     "Comment",

@@ -38,3 +38,20 @@ class SourceUnit(msgspec.Struct, frozen=True):
     #: `*` (`rapc.parser.context.ANY_CLAUSE`) is among them for any clause, `()`
     #: (`PARENTHESES` there) where parentheses had to be guessed at.
     partial: Partial = NO_PARTIAL
+
+
+def with_defaults(test: DefineTest, given: DefineTest) -> DefineTest:
+    """Return a test with what its file says of all tests.
+
+    What may stand once is the test's own if it says it; all else comes before.
+    """
+    merged = {
+        name: getattr(given, name) + getattr(test, name)
+        if isinstance(getattr(test, name), tuple)
+        else getattr(given, name)
+        if getattr(test, name) is None
+        else getattr(test, name)
+        for name in test.__struct_fields__
+        if name not in ("name", "doc", "name_span", "span")
+    }
+    return msgspec.structs.replace(test, **merged)

@@ -116,8 +116,7 @@ def test_an_answer_takes_few_calls_for_each_part_of_the_form() -> None:
     """The last form alone is read, and nothing kept of it but what may follow."""
     part = "(have cup) "
     long, short = (
-        f"(define-rap (go) (succeed (or {part * count}("
-        for count in (200, 100)
+        f"(define-rap (go) (succeed (or {part * count}(" for count in (200, 100)
     )
     fits(long)
     assert _calls(long) - _calls(short) < 100 * 4 * PER_TOKEN

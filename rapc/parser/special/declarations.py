@@ -10,8 +10,8 @@ from rapc.ir import nodes
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.declared import explained, name_of
 from rapc.parser.findings import wrong
+from rapc.parser.parameters import parameters, symbol
 from rapc.parser.special.formulas import formula
-from rapc.parser.special.parameters import parameters, symbol
 from rapc.parser.syntax import Datum, List, Numeral, String, Symbol
 from rapc.parser.terms import constant, proposition
 

@@ -9,10 +9,9 @@ from __future__ import annotations
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.language.heads import ALONE, CALLS, METHOD_CLAUSES, RAP_CLAUSES, TRUTHS
-from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.findings import wrong
+from rapc.parser.context import Context, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, List, Symbol
-from rapc.parser.terms import proposition, term, terms
+from rapc.parser.terms import constant, terms
 
 MAX_LEAVES = 200
 """How many propositions and tests a formula may have: queries become nested code."""
@@ -98,18 +97,19 @@ def _parts(ctx: Context, datum: Datum) -> tuple[nodes.Formula, ...]:
     return tuple(filter(None, [_formula(ctx, part) for part in datum.items[1:]]))
 
 
-def conjunction(ctx: Context, datum: Datum) -> nodes.Formula:
-    """`(and formula...)`; what could not be read is left out."""
-    return nodes.And(_parts(ctx, datum), ctx.span(datum))
+def joined(kind: type[nodes.And | nodes.Or]) -> Read:
+    """Return what reads `and` or `or`.
 
+    What could not be read is left out of an `and`; of an `or` nothing is made then.
+    """
 
-def disjunction(ctx: Context, datum: Datum) -> nodes.Formula | None:
-    """`(or formula...)`; nothing if a branch could not be read."""
-    assert type(datum) is List
-    parts = _parts(ctx, datum)
-    if len(parts) < len(datum.items) - 1:
-        return None
-    return nodes.Or(parts, ctx.span(datum))
+    def read(ctx: Context, datum: List) -> nodes.Formula | None:
+        parts = _parts(ctx, datum)
+        if kind is nodes.Or and len(parts) < len(datum.items) - 1:
+            return None
+        return kind(parts, ctx.span(datum))
+
+    return read
 
 
 def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
@@ -134,47 +134,29 @@ def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
     return nodes.Not(parts[0], ctx.span(datum))
 
 
-def believe(ctx: Context, datum: Datum) -> nodes.Formula | None:
-    """`(believe proposition age)`."""
-    assert type(datum) is List
-    args = datum.items[1:]
-    if len(args) == 1 and isinstance(args[0], List):
-        ctx.report(
-            "believe-without-time",
-            "`believe` does not say how fresh the belief has to be",
-            datum,
-            help="write an age in time units, as in `(believe p 30)`, "
-            "or a variable that becomes the age",
-            fix=ctx.insert(args[0].end, " ?age", sure=False),
-        )
-        return None
-    if len(args) != 2:
-        wrong(ctx, "believe", datum)
-        return None
-    inner = proposition(ctx, args[0])
-    age = term(ctx, args[1])
-    if inner is None or age is None:
-        return None
-    return nodes.Believe(inner, age, ctx.span(datum))
+def dated(ctx: Context, datum: List) -> List | None:
+    """Return a `believe` that says how fresh the belief has to be."""
+    if len(datum.items) != 2 or not isinstance(datum.items[1], List):
+        return datum
+    ctx.report(
+        "believe-without-time",
+        "`believe` does not say how fresh the belief has to be",
+        datum,
+        help="write an age in time units, as in `(believe p 30)`, "
+        "or a variable that becomes the age",
+        fix=ctx.insert(datum.items[1].end, " ?age", sure=False),
+    )
+    return None
 
 
-def sensor_name(ctx: Context, datum: Datum) -> nodes.Formula | None:
-    """`(know-sensor-name item [true|false])`."""
-    assert type(datum) is List
-    operands = datum.items[1:]
-    if not 1 <= len(operands) <= 2:
-        wrong(ctx, "sensor_name", datum)
-        return None
-    args = terms(ctx, operands)
-    if len(args) < len(operands):
-        return None
-    span = ctx.span(datum)
-    value = args[1] if len(args) == 2 else nodes.Const("true", span)
-    if isinstance(value, nodes.Const) and value.value not in ("true", "false"):
-        message = "`know-sensor-name` is `true` or `false` of an item"
-        ctx.report("malformed-formula", message, operands[1])
-        return None
-    return nodes.SensorName(args[0], value, span)
+def in_sight(ctx: Context, datum: List) -> List | None:
+    """Return a `know-sensor-name` that is `true` or `false` of its item."""
+    said = constant(datum.items[2]) if len(datum.items) == 3 else None
+    if said is None or said in ("true", "false"):
+        return datum
+    message = "`know-sensor-name` is `true` or `false` of an item"
+    ctx.report("malformed-formula", message, datum.items[2])
+    return None
 
 
 def lone_formula(ctx: Context, datum: Datum) -> nodes.Formula | None:

@@ -8,9 +8,11 @@ from typing import Literal, cast
 from rapc.ir import nodes
 from rapc.language.heads import ALONE
 from rapc.parser.context import Context, head_of, kind_of
+from rapc.parser.elaborate import made
+from rapc.parser.findings import wrong
 from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
-from rapc.parser.terms import goal, proposition, signal, terms
+from rapc.parser.terms import goal, signal, terms
 
 _ACTIONS = ("mem-add", "mem-del")
 
@@ -22,33 +24,22 @@ def memory_rule(ctx: Context, form: List) -> nodes.MemoryRule | None:
     when = operands[1] if len(operands) > 1 else None
     body = operands[2] if len(operands) == 3 else None
     if not isinstance(when, Keyword) or when.name not in (":finish", ":event"):
-        ctx.report(
-            "malformed-rule",
-            "a memory rule says when it runs, `:finish` or `:event`",
-            when or form,
-        )
+        wrong(ctx, "define_memory_rule", when or form)
         return None
     if not isinstance(body, List) or head_of(body) != "match-result":
-        ctx.report(
-            "malformed-rule",
-            "behind its time a memory rule has one `match-result`",
-            body or form,
-            help="write `(match-result (succeed (rule (query action...))))`",
-        )
+        wrong(ctx, "match_result", body or form)
         return None
     if index is None:
         return None
-    cases = [_case(ctx, one) for one in body.items[1:]]
+    cases = made(_case(ctx, one) for one in body.items[1:])
     moment = cast(Literal["finish", "event"], when.name[1:])
-    kept = tuple([case for case in cases if case])
-    return nodes.MemoryRule(index, moment, kept, ctx.span(form))
+    return nodes.MemoryRule(index, moment, cases, ctx.span(form))
 
 
 def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
     """`(pattern (rule ...)...)`."""
     if not isinstance(datum, List) or not datum.items:
-        message = "a case is a result and the rules for it"
-        ctx.report("malformed-rule", message, datum)
+        wrong(ctx, "case", datum)
         return None
     first = datum.items[0]
     result: nodes.Const | nodes.Var | nodes.Signal | None = None
@@ -95,60 +86,49 @@ def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
 
 
 def _rules(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Rule, ...]:
-    made = [_rule(ctx, one) for one in data]
-    return tuple([rule for rule in made if rule])
+    return made(_rule(ctx, one) for one in data)
 
 
 def _rule(ctx: Context, datum: Datum) -> nodes.Rule | None:
-    """`(rule (query action...)...)`."""
-    if not isinstance(datum, List) or head_of(datum) != "rule":
-        ctx.report("malformed-rule", "a `(rule ...)` is wanted here", datum)
-        return None
+    if head_of(datum) == "rule":
+        rule: nodes.Rule | None = ctx.readers["rule"](ctx, datum)
+        return rule
+    wrong(ctx, "rule", datum)
+    return None
+
+
+def whole_rule(ctx: Context, datum: List) -> List:
+    """Return `(rule (query action...)...)` with its parentheses."""
     operands = datum.items[1:]
-    if any(head_of(one) in _ACTIONS for one in operands):
-        ctx.report_fixable(
-            "bare-rule",
-            "the query and the actions of a rule stand in parentheses together",
-            datum.items[0],
-            fix=ctx.wrap(operands[0], operands[-1], "("),
-        )
-        whole = List(operands, operands[0].start, operands[-1].end)
-        operands = (whole,)
-    made = [_alternative(ctx, one) for one in operands]
-    return nodes.Rule(tuple([one for one in made if one]), ctx.span(datum))
+    if not any(head_of(one) in _ACTIONS for one in operands):
+        return datum
+    ctx.report_fixable(
+        "bare-rule",
+        "the query and the actions of a rule stand in parentheses together",
+        datum.items[0],
+        fix=ctx.wrap(operands[0], operands[-1], "("),
+    )
+    inner = List(operands, operands[0].start, operands[-1].end)
+    return List((datum.items[0], inner), datum.start, datum.end)
 
 
-def _alternative(ctx: Context, datum: Datum) -> nodes.Alternative | None:
+def alternative(ctx: Context, datum: Datum) -> nodes.Alternative | None:
     """`(query action...)`, or actions alone, which run always."""
     named = head_of(datum) not in (None, *ALONE)
     if not isinstance(datum, List) or not datum.items or named:
-        ctx.report(
-            "malformed-rule",
-            "a query and its actions stand in parentheses together",
-            datum,
-            help="write `(rule (query (mem-add p) (mem-del p))...)`",
-        )
+        wrong(ctx, "alternative", datum)
         return None
     query: nodes.Formula | None = nodes.Truth(True, ctx.span(datum))
     actions = datum.items
     if head_of(datum.items[0]) not in _ACTIONS:
         query, actions = formula(ctx, datum.items[0]), datum.items[1:]
-    made = tuple([one for one in (_action(ctx, d) for d in actions) if one])
-    return nodes.Alternative(query, made, ctx.span(datum)) if query else None
+    read = made(_action(ctx, one) for one in actions)
+    return nodes.Alternative(query, read, ctx.span(datum)) if query else None
 
 
 def _action(ctx: Context, datum: Datum) -> nodes.RuleAction | None:
-    """`(mem-add fact)` or `(mem-del prefix)`."""
-    name = head_of(datum)
-    if name not in _ACTIONS or not isinstance(datum, List) or len(datum.items) != 2:
-        ctx.report(
-            "malformed-rule",
-            "an action is `(mem-add fact)` or `(mem-del prefix)`",
-            datum,
-        )
-        return None
-    fact = proposition(ctx, datum.items[1])
-    if fact is None:
-        return None
-    op = cast(Literal["mem-add", "mem-del"], name)
-    return nodes.RuleAction(op, fact, ctx.span(datum))
+    if head_of(datum) in _ACTIONS:
+        action: nodes.RuleAction | None = ctx.readers["action"](ctx, datum)
+        return action
+    wrong(ctx, "action", datum)
+    return None

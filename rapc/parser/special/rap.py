@@ -11,15 +11,14 @@ from typing import Literal, cast
 from rapc.base.diagnostics import Fix
 from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.language.grammar import RULES
-from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, often, words_of_shape
+from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, often
 from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import ANY_CLAUSE, Context, head_of
 from rapc.parser.elaborate import made
 from rapc.parser.fields import filled, slots
 from rapc.parser.findings import wrong
+from rapc.parser.parameters import parameter, parameters
 from rapc.parser.special.method import method
-from rapc.parser.special.parameters import parameter, parameters
 from rapc.parser.syntax import Datum, List, Symbol, Variable
 from rapc.parser.terms import split_arrow, term
 
@@ -160,31 +159,18 @@ _SLOTS = slots("define_rap", nodes.DefineRap)
 _OFTEN = often("define_rap")
 
 
-def monitor_time(ctx: Context, clause: Datum) -> nodes.MonitorTime | None:
-    """`(monitor-time now|absolute start stop)` [T 4.7.1]."""
-    assert isinstance(clause, List)
-    operands = clause.items[1:]
-    if len(operands) == 1 and isinstance(operands[0], List):
-        inner = operands[0]
-        ctx.report_fixable(
-            "parenthesised-times",
-            "the times of `monitor-time` stand without parentheses of their own",
-            inner,
-            fix=ctx.replace(inner, ctx.text(inner)[1:-1].strip()),
-        )
-        operands = inner.items
-    first = operands[0] if operands else None
-    if len(operands) != 3 or not isinstance(first, Symbol) or first.name not in _CLOCKS:
-        wrong(ctx, "monitor_time", clause)
-        return None
-    start, stop = term(ctx, operands[1]), term(ctx, operands[2])
-    if start is None or stop is None:
-        return None
-    reference = cast(Literal["now", "absolute"], first.name)
-    return nodes.MonitorTime(reference, start, stop, ctx.span(clause))
-
-
-_CLOCKS = words_of_shape(RULES["monitor_time"])[1:]
+def bare_times(ctx: Context, clause: List) -> List:
+    """Return a `monitor-time` without parentheses around its times [T 4.7.1]."""
+    inner = clause.items[1] if len(clause.items) == 2 else None
+    if not isinstance(inner, List):
+        return clause
+    ctx.report_fixable(
+        "parenthesised-times",
+        "the times of `monitor-time` stand without parentheses of their own",
+        inner,
+        fix=ctx.replace(inner, ctx.text(inner)[1:-1].strip()),
+    )
+    return List((clause.items[0], *inner.items), clause.start, clause.end)
 
 
 def resources(ctx: Context, clause: Datum) -> tuple[nodes.Resource, ...]:
@@ -200,12 +186,7 @@ def _resource(
     """`(set ?name [set])` or `(counter ?name [number-or-counter])` (T 4.8.1)."""
     kind = head_of(datum)
     if kind not in ("set", "counter") or not isinstance(datum, List):
-        ctx.report(
-            "malformed-clause",
-            "a resource is a set or a counter",
-            datum,
-            help="write `(set ?name)` or `(counter ?name 0)`",
-        )
+        wrong(ctx, "resource", datum)
         return None
     operands = datum.items[1:]
     if not 1 <= len(operands) <= 2:

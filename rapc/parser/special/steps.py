@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Literal, cast
 
 from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.heads import ANNOTATIONS, CALLS, METHOD_CLAUSES
-from rapc.language.slips import GROUPS, SLIPS
-from rapc.parser.context import Context, head_of, kind_of
+from rapc.language.slips import ELSEWHERE, GROUPS, SLIPS
+from rapc.parser.context import Context, head_of
+from rapc.parser.findings import wrong
 from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol, Variable
 from rapc.parser.terms import goal, signal
-
-_ELSEWHERE: Mapping[str, str] = {
-    "priority": "a priority is a number behind the tag: `(t1 2 (rap args...))`",
-    "after": "the step that comes before says so: `(for t1)`",
-    "timeout": "a time to end at is a second step, `(window now 30 30)`, and "
-    "`until-end`",
-}
-"""What is said by other words than those that some expect here."""
 
 _MODES = ("proceed", "succeed", "fail")
 
@@ -58,12 +51,7 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
     """`(tag [priority] goal annotation...)`."""
     tag = head_of(datum)
     if tag is None or type(datum) is not List:
-        ctx.report(
-            "malformed-step",
-            "a step begins with its tag, a symbol",
-            datum,
-            help="write `(tag (rap args...) annotation...)`",
-        )
+        wrong(ctx, "step", datum)
         return None
     items = datum.items[1:]
     if tag in GROUPS and _holds_steps(items):
@@ -71,7 +59,11 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
         return None
     priority = 0
     if items and type(items[0]) is Numeral:
-        priority, items = _priority(ctx, items[0]), items[1:]
+        if isinstance(items[0].value, int):
+            priority = items[0].value
+        else:
+            wrong(ctx, "_priority", items[0])
+        items = items[1:]
     if not items:
         ctx.report("malformed-step", f"the step `{tag}` asks for nothing", datum)
         return None
@@ -88,13 +80,6 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
     if asked is None:
         return None
     return nodes.Step(tag, priority, asked, annotations, ctx.span(datum))
-
-
-def _priority(ctx: Context, datum: Numeral) -> int:
-    if isinstance(datum.value, int):
-        return datum.value
-    ctx.report("malformed-step", "a priority is an integer", datum)
-    return 0
 
 
 def _annotations(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Annotation, ...]:
@@ -139,8 +124,7 @@ def _is_for(datum: Datum) -> bool:
 
 def _annotation(ctx: Context, datum: Datum) -> nodes.Annotation | None:
     if type(datum) is not List or not datum.items:
-        message = f"{kind_of(datum)} stands where an annotation is wanted"
-        ctx.report("malformed-annotation", message, datum)
+        wrong(ctx, "annotation", datum)
         return None
     read = ctx.readers.group("annotation").get(head_of(datum) or "")
     if read is not None:
@@ -188,8 +172,8 @@ def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
         meant = ctx.unknown("unknown-annotation", "annotation", first, ANNOTATIONS)
         known = ctx.readers.group("annotation")
         return known[meant](ctx, datum) if meant else None
-    if first.name in _ELSEWHERE:
-        help = _ELSEWHERE[first.name]
+    if first.name in ELSEWHERE:
+        help = ELSEWHERE[first.name]
     elif first.name in METHOD_CLAUSES or isinstance(datum.items[-1], List):
         help = "each step stands in parentheses of its own; is one missing?"
     ctx.report(

@@ -5,43 +5,30 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from rapc.ir import nodes
-from rapc.parser import terms
+from rapc.ir import nodes, productions
+from rapc.parser import parameters, terms
 from rapc.parser.context import Read
 from rapc.parser.declared import declaration
-from rapc.parser.elaborate import GrammarReaders, Maker
+from rapc.parser.elaborate import GrammarReaders, Maker, Mend
 from rapc.parser.special import (
     declarations,
     expectations,
     formulas,
     memory_rules,
     method,
-    parameters,
     rap,
     steps,
     tests,
 )
 
-_DECLARED: Mapping[str, type[nodes.Node]] = {
-    "declare_memory_proposition": nodes.DeclareProposition,
-    "declare_memory_property": nodes.DeclareProperty,
-    "declare_memory_function": nodes.DeclareFunction,
-    "declare_indistinct_class": nodes.DeclareIndistinctClass,
-    "declare_primitive": nodes.DeclarePrimitive,
-    "declare_sensor_datum": nodes.DeclareDatum,
-    "declare_skill": nodes.DeclareSkill,
-    "declare_event": nodes.DeclareEvent,
-    "declare_kind": nodes.DeclareKind,
-}
-"""The nodes of declarations that are read as the grammar has them."""
-
 SPECIAL: Mapping[str, Read] = {
     # forms
     "define_rap": rap.define_rap,
-    **{rule: declaration(rule, kind) for rule, kind in _DECLARED.items()},
+    **{rule: declaration(rule, kind) for rule, kind in productions.declarations()},
     "declare_class_comparator": declarations.comparator,
     "define_memory_rule": memory_rules.memory_rule,
     "define_event_rule": memory_rules.event_rule,
+    "alternative": memory_rules.alternative,
     "define_query": declarations.query,
     "define_agenda": tests.define_agenda,
     "define_test": tests.define_test,
@@ -62,7 +49,6 @@ SPECIAL: Mapping[str, Read] = {
         ),
         formulas.lone_formula,
     ),
-    "monitor_time": rap.monitor_time,
     "resources": rap.resources,
     "effects": declarations.rap_effects,
     "task_net": steps.task_net,
@@ -70,11 +56,9 @@ SPECIAL: Mapping[str, Read] = {
     "wait_for": steps.wait_for,
     # formulas, terms and lists with arguments
     "formula": formulas.formula,
-    "and": formulas.conjunction,
-    "or": formulas.disjunction,
+    "and": formulas.joined(nodes.And),
+    "or": formulas.joined(nodes.Or),
     "not": formulas.negation,
-    "believe": formulas.believe,
-    "sensor_name": formulas.sensor_name,
     "truth": formulas.truth,
     "term": terms.term,
     "goal": terms.goal,
@@ -112,6 +96,10 @@ MAKERS: Mapping[str, Maker] = {
         ("method_tried", "last_result", "result_with_method"),
         lambda head, values, span: nodes.HistoryTest(head, tuple(values), span),
     ),
+    "action": lambda head, values, span: nodes.RuleAction(head, values[0], span),
+    "sensor_name": lambda head, values, span: nodes.SensorName(
+        values[0], values[1] or nodes.Const("true", span), span
+    ),
     "cycles": lambda head, values, span: nodes.Until(None, values[0], span),
     "until": lambda head, values, span: (
         values[0]
@@ -126,7 +114,16 @@ MAKERS: Mapping[str, Maker] = {
 """What makes the nodes of rules whose nodes are called otherwise, or are none."""
 
 
+MENDS: Mapping[str, Mend] = {
+    "monitor_time": rap.bare_times,
+    "rule": memory_rules.whole_rule,
+    "believe": formulas.dated,
+    "sensor_name": formulas.in_sight,
+}
+"""What is looked at first in lists that print has had otherwise."""
+
+
 @cache
 def readers() -> GrammarReaders:
     """Return the readers of all rules."""
-    return GrammarReaders(SPECIAL, MAKERS)
+    return GrammarReaders(SPECIAL, MAKERS, MENDS)

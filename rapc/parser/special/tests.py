@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import cast
 
-import msgspec
-
 from rapc.base.values import Number
 from rapc.ir import nodes
 from rapc.language.heads import TEST_CLAUSES, heads, often
@@ -49,23 +47,6 @@ def _name(ctx: Context, form: List, word: str) -> Symbol | None:
 def define_test_defaults(ctx: Context, form: List) -> nodes.DefineTest:
     """`(define-test-defaults clause...)`: what is said of all tests, as one of them."""
     return _test(ctx, form, None, "", form.items[1:])
-
-
-def with_defaults(test: nodes.DefineTest, given: nodes.DefineTest) -> nodes.DefineTest:
-    """Return a test with what its file says of all tests.
-
-    What may stand once is the test's own if it says it; all else comes before.
-    """
-    merged = {
-        name: getattr(given, name) + getattr(test, name)
-        if isinstance(getattr(test, name), tuple)
-        else getattr(given, name)
-        if getattr(test, name) is None
-        else getattr(test, name)
-        for name in test.__struct_fields__
-        if name not in ("name", "doc", "name_span", "span")
-    }
-    return msgspec.structs.replace(test, **merged)
 
 
 def _test(
