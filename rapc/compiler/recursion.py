@@ -41,12 +41,13 @@ class Recursion:
         `order` numbers the RAPs as they are met; `low` is the smallest number that a
         RAP can get back to; `open_` holds the RAPs whose component is not finished;
         `path` those that lead from `root` to where the search is, with the calls that
-        are still to be followed.
+        are still to be followed; `selves` are the RAPs that call themselves.
         """
         order: dict[str, int] = {}
         low: dict[str, int] = {}
         open_: list[str] = []
         path: list[tuple[str, Iterator[str]]] = []
+        selves: set[str] = set()
 
         def enter(name: str) -> None:
             order[name] = low[name] = len(order)
@@ -63,18 +64,23 @@ class Recursion:
                     caller = path[-1][0]
                     low[caller] = min(low[caller], low[name])
                 if low[name] == order[name]:
-                    self._finish(open_, name)
+                    self._finish(open_, name, name in selves)
             elif called not in order:
                 enter(called)
+            elif called == name:
+                selves.add(name)
             else:
                 low[name] = min(low[name], order[called])
 
-    def _finish(self, open_: list[str], first: str) -> None:
-        """Take the component that began with `first` off `open_`, and note it."""
+    def _finish(self, open_: list[str], first: str, itself: bool) -> None:
+        """Take the component that began with `first` off `open_`, and note it.
+
+        `itself` tells whether `first` calls itself.
+        """
         members = [open_.pop()]
         while members[-1] != first:
             members.append(open_.pop())
-        circle = len(members) > 1 or first in self._calls(first)
+        circle = itself or len(members) > 1
         self._known.update(dict.fromkeys(members, circle))
 
     def _calls(self, name: str) -> dict[str, None]:

@@ -130,16 +130,22 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
     taken: dict[tuple[str, ...], nodes.TopForm] = {}
     found: list[Diagnostic] = []
     for form in forms:
-        key = _key(form)
-        first = form if key is None else taken.setdefault(key, form)
+        kind = _KINDS.get(type(form))
+        if kind is None:
+            key = _key(form)
+            first = form if key is None else taken.setdefault(key, form)
+            if first is form and (field := _SEQUENCES.get(type(form))) is not None:
+                sequences[field].append(form)
+        else:
+            table, space, _ = kind
+            name = _name(form)
+            first = taken.setdefault((space, name), form)
+            if first is form:
+                tables[table][name] = form
+                if name in _RESERVED.get(space, ()):
+                    found.append(_builtin(files, form))
         if first is not form:
             found.append(_duplicate(files, first, form))
-        elif (field := _SEQUENCES.get(type(form))) is not None:
-            sequences[field].append(form)
-        elif (kind := _KINDS.get(type(form))) is not None:
-            tables[kind[0]][_name(form)] = form
-            if _name(form) in _RESERVED.get(kind[1], ()):
-                found.append(_builtin(files, form))
     fields: dict[str, Any] = {**tables}
     fields.update((name, tuple(rows)) for name, rows in sequences.items())
     tests = tuple(test for unit in units for test in unit.tests)
@@ -161,10 +167,10 @@ def word_span(files: Mapping[str, SourceFile], span: Span, position: int) -> Spa
 
 
 def _key(form: nodes.TopForm) -> tuple[str, ...] | None:
+    """Return what no other form without a name may share with it; None if all may."""
     if isinstance(form, nodes.DeclareComparator):
         return ("comparator", form.class_name, form.place or "")
-    kind = _KINDS.get(type(form))
-    return None if kind is None else (kind[1], _name(form))
+    return None
 
 
 def _name(form: nodes.TopForm) -> str:

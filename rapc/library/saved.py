@@ -216,22 +216,41 @@ class SavedLibrary:
         units = [self._body.units[at] for at in places]
         linked, found = link([_parsed(unit, _declarations(unit)) for unit in units])
         rows = {row.name: (row, unit) for unit in units for row in unit.raps}
-        for row, _ in rows.values():
-            if not all(name.isprintable() for name, _ in row.inputs):
-                raise _WrongError(
-                    f"has inputs of `{row.name!a}` that cannot be printed"
-                )
+        inputs = [name for row, _ in rows.values() for name, _ in row.inputs]
+        if not "".join(inputs).isprintable():
+            raise _WrongError("has inputs of RAPs that cannot be printed")
         if found or len(rows) < sum(len(unit.raps) for unit in units):
             raise _WrongError("defines a name twice")
-        known = Signatures.of(
-            linked, {n: _signature(row) for n, (row, _) in rows.items()}
-        )
+        known = Signatures.of(linked, _RowSignatures(rows))
         verifier = Verifier(known, linked.files)
         for form in linked.forms:
             verifier.declaration(form)
         raps = _Raps(self._file, rows, verifier)
         linked = msgspec.structs.replace(linked, raps=raps, forms=())
         return linked, verifier
+
+
+class _RowSignatures(Mapping[str, Signature]):
+    """The signatures of RAPs by name, made of their rows; no RAP is decoded."""
+
+    def __init__(self, rows: Mapping[str, tuple[_Rap, _Unit]]) -> None:
+        self._rows = rows
+        self._made: dict[str, Signature] = {}
+
+    def __getitem__(self, name: str) -> Signature:
+        made = self._made.get(name)
+        if made is None:
+            made = self._made[name] = _signature(self._rows[name][0])
+        return made
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._rows
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rows)
+
+    def __len__(self) -> int:
+        return len(self._rows)
 
 
 def _signature(row: _Rap) -> Signature:

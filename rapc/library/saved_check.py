@@ -71,7 +71,7 @@ class Verifier:
     def _below(self, level: list[Any]) -> list[Any]:
         """Yield what nodes hold, after a check; `level` grows by what is in tuples."""
         below: list[Any] = []
-        words, files = self._words, self._files
+        words, files, contents = self._words, self._files, _contents()
         for value in level:
             kind: Any = type(value)
             if kind is str:
@@ -82,13 +82,12 @@ class Verifier:
                     raise UnsoundError("something stands in no file")
             elif kind is tuple:
                 level.extend(value)
+            elif (content := contents.get(kind)) is not None:
+                if kind in _LOOKED_AT:
+                    self._own(value)
+                below.extend(content(value))
             elif kind is int or kind is float:
                 _number(value)
-            elif kind in _LOOKED_AT:
-                self._own(value)
-                below.extend(_content(kind)(value))
-            elif isinstance(value, nodes.Node):
-                below.extend(_content(kind)(value))
         return below
 
     def _own(
@@ -194,8 +193,19 @@ def _tags(step: nodes.Step) -> Iterator[str]:
 
 
 @cache
+def _contents() -> Mapping[type, Callable[[Any], Iterable[Any]]]:
+    """Return for each kind of node what takes all from it that is to be looked at."""
+    found: dict[type, Callable[[Any], Iterable[Any]]] = {}
+    kinds = [nodes.Node]
+    while kinds:
+        kind = kinds.pop()
+        kinds.extend(kind.__subclasses__())
+        found[kind] = _content(kind)
+    return found
+
+
 def _content(kind: type[nodes.Node]) -> Callable[[Any], Iterable[Any]]:
-    """Takes from a node of a kind all that there is to look at."""
+    """Return what takes from a node of a kind all that is to be looked at."""
     if kind is nodes.Require:
         return lambda node: (node.span,)
     names = [name for name in kind.__struct_fields__ if name != "doc"]
