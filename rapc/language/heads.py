@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 
 from rapc.language.grammar import RULES
 from rapc.language.shapes import Shape, is_list, is_rule, is_word, leaves
@@ -37,7 +38,8 @@ def _heads(shape: Shape) -> tuple[str, ...]:
     return _heads(shape[1])
 
 
-def rules_by_head(group: str) -> dict[str, str]:
+@cache
+def rules_by_head(group: str) -> Mapping[str, str]:
     """The rules that stand in a rule by the words that head them, groups entered."""
     found: dict[str, str] = {}
     for rule in filter(is_rule, leaves(RULES[group])):
@@ -48,6 +50,7 @@ def rules_by_head(group: str) -> dict[str, str]:
     return found
 
 
+@cache
 def often(rule: str) -> frozenset[str]:
     """The words of what may stand more than once in a list of a rule."""
     return frozenset(_often(RULES[rule], repeated=False))

@@ -139,7 +139,8 @@ class GrammarReaders(dict[str, Read]):
         def late(ctx: Context, datum: Datum) -> Any:
             return self[rule](ctx, datum)  # made when needed: rules hold each other
 
-        read = self.get(rule, late)
+        alone = is_list(RULES[rule]) and self._named(RULES[rule]) is not None
+        read = self[rule] if alone else self.get(rule, late)
         if known and RULES[rule][0] == "list":
             return OperandWanted(lambda d: head_of(d) in known, read, True)
         return OperandWanted(lambda d: type(d) is List, read, False)
