@@ -61,16 +61,20 @@ def _measured(found: Number) -> Number:
 
 def add(args: Sequence[object]) -> Number:
     """`(+ a b ...)`. Raises QueryFault on anything but numbers, and beyond measure."""
-    if len(args) == 2 and type(args[0]) is int and type(args[1]) is int:
-        return _measured(args[0] + args[1])
+    if len(args) == 2:
+        one, other = args
+        if type(one) is int and type(other) is int:
+            return _measured(one + other)
     values = _numbers(args)
     return _result(lambda: sum(values))
 
 
 def subtract(args: Sequence[object]) -> Number:
     """`(- a b ...)`; `(- a)` is the negative. Raises QueryFault as `add`."""
-    if len(args) == 2 and type(args[0]) is int and type(args[1]) is int:
-        return _measured(args[0] - args[1])
+    if len(args) == 2:
+        one, other = args
+        if type(one) is int and type(other) is int:
+            return _measured(one - other)
     first, *rest = _numbers(args)
     return _result(lambda: first - sum(rest) if rest else -first)
 

@@ -71,6 +71,9 @@ def _compile_term(term: nodes.Term) -> Compute:
     builtin_function = builtin.FUNCTIONS.get(term.function)
     name = term.function
     if builtin_function is not None and len(parts) == 2:
+        last = term.args[1]
+        if isinstance(last, nodes.Const):
+            return _compile_step(builtin_function, parts[0], last.value)
         return _compile_pair(builtin_function, *parts)
 
     def compute(ctx: QuestionContext, env: Bindings) -> Value:
@@ -86,6 +89,12 @@ def _compile_pair(
     function: Callable[[Sequence[object]], Number], one: Compute, two: Compute
 ) -> Compute:
     return lambda ctx, env: function((one(ctx, env), two(ctx, env)))
+
+
+def _compile_step(
+    function: Callable[[Sequence[object]], Number], one: Compute, constant: Value
+) -> Compute:
+    return lambda ctx, env: function((one(ctx, env), constant))
 
 
 def _compile_variable(name: str) -> Compute:
