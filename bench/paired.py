@@ -86,7 +86,8 @@ class Side(msgspec.Struct, frozen=True):
         """What begins the command `rapc`, as its installed script does."""
         own = self.tree / "rapc" / "cli" / "start.py"
         module = "start" if own.exists() else "main"
-        return (self.python, "-c", f"from rapc.cli.{module} import main; main()")
+        run = f"from rapc.cli.{module} import main; main()"
+        return (self.python, "-P", "-c", run)
 
     def environment(self) -> dict[str, str]:
         """The environment in which `tree` has the rapc that is imported."""
