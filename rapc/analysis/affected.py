@@ -22,7 +22,7 @@ from rapc.analysis.change import Change
 from rapc.analysis.close_names import is_one_slip
 from rapc.analysis.file_census import FormKey
 from rapc.analysis.kept import AGENDAS, FileState, State, form_at
-from rapc.analysis.places import Place, parts_of
+from rapc.analysis.places import Place, place_parts
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 
@@ -255,7 +255,7 @@ class Affected:
 
     def _with(self, place: Place) -> frozenset[FormKey]:
         """Return the forms that use the name of a place."""
-        space, name, _ = parts_of(place)
+        space, name, _ = place_parts(place)
         users = self._users.get((space, name))
         if users is None:
             every = self._census.places_of(space, name)

@@ -25,7 +25,7 @@ from rapc.analysis.file_census import (
 )
 from rapc.analysis.index import INDEX, Uses
 from rapc.analysis.named import MISUSES
-from rapc.analysis.places import PLACES, Place, Places, parts_of
+from rapc.analysis.places import PLACES, Place, Places, place_parts
 from rapc.base.source import Span
 
 ENOUGH = 5
@@ -178,7 +178,7 @@ class Census:
                 places.update(place for row in one.constants for place in row.places)
             self._of_name = {}
             for place in places:
-                found, its, _ = parts_of(place)
+                found, its, _ = place_parts(place)
                 self._of_name.setdefault((found, its), []).append(place)
         return self._of_name.get((space, name), ())
 

@@ -35,7 +35,7 @@ _VERBS = (
 """What is told, in this order."""
 
 
-def effects(library: Library, name: str) -> Graph:
+def effects_of(library: Library, name: str) -> Graph:
     """Return what a RAP may sense, assert, erase, wait for, request, use and claim.
 
     An argument that is not a constant wherever the fact is brought about is a `?`.

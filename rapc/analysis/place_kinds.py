@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rapc.analysis.inferred_kinds import InferredKinds
-from rapc.analysis.places import Place, parts_of
+from rapc.analysis.places import Place, place_parts
 from rapc.library.signatures import Signatures
 
 
@@ -40,7 +40,7 @@ class PlaceKinds:
         return self._known[place]
 
     def _look_up(self, place: Place) -> str | None:
-        space, name, position = parts_of(place)
+        space, name, position = place_parts(place)
         declared = self._tables[space].get(name)
         args = declared.args if declared is not None else None
         if args is None or position >= len(args):

@@ -29,12 +29,12 @@ no spaces in them.
 """
 
 
-def place_of(space: str, name: str, position: int) -> Place:
+def argument_place(space: str, name: str, position: int) -> Place:
     """Return the place of an argument of a name."""
     return Place(f"{space} {name} {position}")
 
 
-def parts_of(place: Place) -> tuple[str, str, int]:
+def place_parts(place: Place) -> tuple[str, str, int]:
     """Return the space of names of a place, the name, and the argument's number."""
     space, name, position = place.split(" ")
     return space, name, int(position)
@@ -107,7 +107,7 @@ class Places:
         """Return the first places of a name: as many as are wanted, or more."""
         found = self._rows.setdefault((space, name), [])
         while len(found) < count:
-            found.append(place_of(space, name, len(found)))
+            found.append(argument_place(space, name, len(found)))
         return found
 
     def of(self, form: Form, name: str) -> Collection[Place]:

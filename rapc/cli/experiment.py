@@ -252,7 +252,7 @@ def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
 
 
 def _print(summary: PartSummary) -> None:
-    for line in output.as_text(summary, width_of(sys.stdout)):
+    for line in output.part_as_text(summary, width_of(sys.stdout)):
         shown = visible(line.text)
         if line.kind in _STYLES:
             shown = click.style(shown, **_STYLES[line.kind])

@@ -86,7 +86,7 @@ def graph(
     if rap is not None:
         drawn = graphs.task_nets(_named(library, rap))
     elif effects is not None:
-        from rapc.analysis.effects_graph import effects as all_told  # noqa: PLC0415  # for few
+        from rapc.analysis.effects_graph import effects_of as all_told  # noqa: PLC0415  # for few
 
         drawn = all_told(library, _named(library, effects).name)
     elif monitors:

@@ -10,7 +10,7 @@ from rapc.base.visible import visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.options import command
 from rapc.console.world_contract import report
-from rapc.console.worlds import describe_world, first_line, list_worlds
+from rapc.console.worlds import describe_world, list_worlds, summary_of
 from rapc.errors import WorldError
 from rapc.ir.layout import laid_out
 from rapc.testing.contract.declarations import declarations
@@ -87,6 +87,6 @@ def _test(found: type[World], library: str, width: int) -> int:
 def _summary(name: str) -> str:
     """Return what an installed world is, or why it cannot be had."""
     try:
-        return first_line(registry.find_world(name))
+        return summary_of(registry.find_world(name))
     except WorldError as error:
         return error.message

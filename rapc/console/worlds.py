@@ -25,7 +25,7 @@ def describe_world(world: World, width: int) -> str:
         (f"{name}/{arity}", ", ".join(results))
         for name, (arity, results) in offer.primitives.items()
     ]
-    lines = wrapped(f"{world.name}: {first_line(type(world))}", width)
+    lines = wrapped(f"{world.name}: {summary_of(type(world))}", width)
     lines += _section("primitives / arguments, and results", primitives, width)
     named = (("data", offer.data), ("skills", offer.skills), ("events", offer.events))
     listed: list[tuple[str, Sequence[str]]] = [
@@ -43,7 +43,7 @@ def describe_world(world: World, width: int) -> str:
     return "\n".join(lines)
 
 
-def first_line(world: type[World]) -> str:
+def summary_of(world: type[World]) -> str:
     """The first line of a world's documentation, without its full stop."""
     return (inspect.getdoc(world) or "").partition("\n")[0].rstrip(".")
 

@@ -16,7 +16,7 @@ from rapc.base.values import Fact, format_list
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.saving.format import encode
+from rapc.runtime.saving.format import encode_run
 from rapc.runtime.saving.records import RunRecord
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.states import INTERFERENCE
@@ -61,7 +61,7 @@ class Setup(NamedTuple):
             StateError: if the record is no state of such a run.
         """
         found = run.remade(self.program, self.settings)
-        found.restore(encode(record))
+        found.restore(encode_run(record))
         return found
 
 

@@ -67,7 +67,9 @@ class Finder(msgspec.Struct, frozen=True):
         return all(word in text for word in self.words)
 
 
-def find(session: Stepped, finder: Finder, *, back: bool = False) -> ToldEvent | None:
+def find_event(
+    session: Stepped, finder: Finder, *, back: bool = False
+) -> ToldEvent | None:
     """Go to the cycle of the next event that fits, or of the last one before.
 
     Where none is found the session stands where it stood, or at the end of the run if

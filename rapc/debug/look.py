@@ -207,7 +207,7 @@ class Wait(NamedTuple):
     deadline: Time | None
 
 
-def monitors(run: Interpreter) -> list[Wait]:
+def monitored_tasks(run: Interpreter) -> list[Wait]:
     """Return the live tasks that have monitors, by number."""
     machine = run.machine
     entries = {entry.task: entry for entry in run.agenda()}

@@ -16,7 +16,7 @@ from rapc.base.values import Atom, typed
 from rapc.debug.acts import Act, Setup
 from rapc.errors import ArgumentError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.saving.format import decode
+from rapc.runtime.saving.format import decode_run
 from rapc.runtime.settings import Settings, read_settings
 from rapc.world import Adjustable, World
 from rapc.worlds.registry import read_options
@@ -46,7 +46,7 @@ class ChangeSetting(Act, frozen=True):
         Raises:
             StateError: if the run cannot be saved.
         """
-        record = replace(decode(run.save()), settings=self.settings)
+        record = replace(decode_run(run.save()), settings=self.settings)
         return Setup(run.machine.library, self.settings).taken_up(run, record)
 
     def setup(self, before: Setup) -> Setup:
@@ -86,7 +86,7 @@ class AdjustWorld(Act, frozen=True):
         return f"option {self.owner}.{self.name} {typed(self.value)}"
 
 
-def options(run: Interpreter) -> Iterator[GivenOption]:
+def changeable_options(run: Interpreter) -> Iterator[GivenOption]:
     """Iterate over all that can be changed while a run goes on, with present values."""
     for name in Settings.__struct_fields__:
         yield GivenOption(OWN, name.replace("_", "-"), getattr(run.settings, name))

@@ -23,7 +23,7 @@ from rapc.ir import nodes
 from rapc.library.digest import digest
 from rapc.library.library import Library
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.saving.format import decode
+from rapc.runtime.saving.format import decode_run
 from rapc.runtime.saving.records import Parts, RunRecord, TaskRecord, WaitRecord
 from rapc.runtime.state.states import BLOCKED, ENDED
 from rapc.world import Time
@@ -46,7 +46,7 @@ class TakeUp(Act, frozen=True):
             RefusedError: if the run cannot go on with it; then nothing has changed.
             StateError: if the run cannot be saved.
         """
-        record, before = decode(run.save()), run.machine.library
+        record, before = decode_run(run.save()), run.machine.library
         found = list(obstacles(record, before, self.program))
         if found:
             raise RefusedError(found)

@@ -17,7 +17,7 @@ import msgspec
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text
 from rapc.errors import WorldError
-from rapc.experiments.draws import Draws, fill_in
+from rapc.experiments.draws import Draws, with_draws
 from rapc.runtime.settings import read_settings
 from rapc.world import World
 from rapc.worlds import registry
@@ -130,14 +130,14 @@ def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
         return config
     world = registry.find_world(config.world)
     own, theirs = by_owner(world, config.texts)
-    theirs = {name: fill_in(text, values) for name, text in theirs.items()}
-    own = {name: fill_in(text, values) for name, text in own.items()}
+    theirs = {name: with_draws(text, values) for name, text in theirs.items()}
+    own = {name: with_draws(text, values) for name, text in own.items()}
     options = registry.read_options(world, theirs)
     settings = msgspec.structs.asdict(read_settings(own))
     drawn = {name.replace("-", "_") for name in own}
     return msgspec.structs.replace(
         config,
-        tasks=tuple([fill_in(task, values) for task in config.tasks]),
+        tasks=tuple([with_draws(task, values) for task in config.tasks]),
         options={**config.options, **plain_values(options)},
         settings={**config.settings, **{name: settings[name] for name in drawn}},
         draws={},

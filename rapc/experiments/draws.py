@@ -64,7 +64,7 @@ def extremes(draws: Draws) -> Iterator[dict[str, str]]:
         }
 
 
-def fill_in(text: str, values: Mapping[str, str]) -> str:
+def with_draws(text: str, values: Mapping[str, str]) -> str:
     """Return `text` with the values drawn put in for their names in braces."""
     return _PLACE.sub(lambda found: values.get(found[1], found[0]), text)
 

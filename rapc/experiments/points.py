@@ -27,7 +27,7 @@ from rapc.experiments.config import (
     world_options,
 )
 from rapc.experiments.definition import Experiment, ExperimentError, Series
-from rapc.experiments.draws import Value, drawn, extremes, fill_in, names_in
+from rapc.experiments.draws import Value, drawn, extremes, names_in, with_draws
 from rapc.experiments.measures import LABELS, figures_of
 from rapc.experiments.run import counted_tasks
 from rapc.runtime.interpreter import Interpreter
@@ -97,11 +97,11 @@ def command(experiment: Experiment, point: Point, seed: int) -> str:
     words = ["rapc", "run", str(point.library), "--world", experiment.world]
     words += ["--seed", str(seed), "--until", format_atom(experiment.until)]
     for name, text in point.texts.items():
-        words += ["--set", f"{name}={fill_in(text, values)}"]
+        words += ["--set", f"{name}={with_draws(text, values)}"]
     if point.agenda is not None:
         words += ["--agenda", point.agenda]
     for task in point.tasks:
-        words += ["--task", fill_in(task, values)]
+        words += ["--task", with_draws(task, values)]
     return shlex.join(words)
 
 

@@ -45,7 +45,7 @@ def is_balanced(text: str) -> bool:
     return depth <= 0
 
 
-def pattern(text: str) -> Fact:
+def read_pattern(text: str) -> Fact:
     """Return a list with variables as a pattern; variables are names with `?`.
 
     Raises:

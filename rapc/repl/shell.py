@@ -29,7 +29,7 @@ from rapc.errors import Error, RefusedError, StateError, TextError
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import ShownAnswer, failure, say, table
-from rapc.repl.arguments import Arguments, is_balanced, pattern, split
+from rapc.repl.arguments import Arguments, is_balanced, read_pattern, split
 from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.task_request import read_task_request
@@ -119,7 +119,7 @@ class Shell:
         self.left = False
         self._breakpoints = None
         if isinstance(subject, Session):
-            self._breakpoints = Breakpoints(subject, pattern)
+            self._breakpoints = Breakpoints(subject, read_pattern)
         #: The queries whose answers are shown after every stop, by their texts.
         self.watches: list[str] = []
         self._seen: dict[str, str] = {}

@@ -15,7 +15,7 @@ from rapc.base.values import Atom
 from rapc.errors import WorldError
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.testing.asked_queries import name_of
+from rapc.testing.asked_queries import traced_name
 from rapc.world import Kit, World
 from rapc.worlds import registry
 
@@ -53,7 +53,7 @@ def problems(
     for expected in (*inner, *test.expectations):
         if isinstance(expected, nodes.MethodChosen) and expected.rap not in solved:
             rap = library.raps.get(expected.rap)
-            if rap is not None and expected.method not in map(name_of, rap.methods):
+            if rap is not None and expected.method not in map(traced_name, rap.methods):
                 message = f"`{rap.name}` has no method called `{expected.method}`"
                 found.append(Problem(expected.span, message))
     return found

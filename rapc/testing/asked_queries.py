@@ -20,14 +20,14 @@ def asked_with(library: Library) -> Mapping[Asker, frozenset[str]]:
     found: dict[Asker, set[str]] = {}
     for rap in library.raps.values():
         for at in walk.formulas(rap):
-            method = "" if at.method is None else name_of(at.method)
+            method = "" if at.method is None else traced_name(at.method)
             clause = at.clause if at.clause == "context" else ""
             named = found.setdefault((rap.name, method, clause), set())
             named.update(_within(library, at.formula))
     return {asker: frozenset(named) for asker, named in found.items() if named}
 
 
-def name_of(method: nodes.Method) -> str:
+def traced_name(method: nodes.Method) -> str:
     """Return the name of a method as a trace writes it."""
     return f"#{method.position}" if method.name is None else str(method.name)
 

@@ -18,7 +18,7 @@ from rapc.base.values import format_list
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.runtime.events import events
-from rapc.testing.asked_queries import Asker, asked_with, name_of
+from rapc.testing.asked_queries import Asker, asked_with, traced_name
 from rapc.testing.heard_signals import HeardSignals, waits_of
 from rapc.testing.patterns import flat
 from rapc.world import OKAY
@@ -272,7 +272,7 @@ def _method(library: Library, method: nodes.Method) -> MethodCoverage:
         waits.setdefault(wait.signal, WaitCoverage(wait.signal, _row(library, wait)))
     asked = None if method.context is None else 0
     return MethodCoverage(
-        name_of(method),
+        traced_name(method),
         _row(library, method),
         context_true=asked,
         context_false=asked,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.runtime.events import events
-from rapc.testing.asked_queries import name_of
+from rapc.testing.asked_queries import traced_name
 
 Heard = tuple[str, str, str]
 """A RAP, the name of its method, and the signal that a `wait-for` in it has heard."""
@@ -33,7 +33,7 @@ class HeardSignals:
 
     def __init__(self, library: Library) -> None:
         self._skilled = {
-            (rap.name, name_of(method))
+            (rap.name, traced_name(method))
             for rap in library.raps.values()
             for method in rap.methods
             if isinstance(method.body, nodes.Skills)

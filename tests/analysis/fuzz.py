@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 
 from rapc.analysis import graphs, suite
 from rapc.analysis.driver import CheckReport, check_library
-from rapc.analysis.effects_graph import effects
+from rapc.analysis.effects_graph import effects_of
 from rapc.analysis.fixes import mend
 from rapc.analysis.selection import Selection
 from rapc.base.source import SourceFile
@@ -98,7 +98,7 @@ def _more(loaded: Loaded) -> Iterator[str]:
     library = loaded.library
     made = [graphs.calls(library), graphs.monitors(library), graphs.things(library)]
     made += [graphs.task_nets(rap) for rap in library.raps.values()]
-    made += [effects(library, name) for name in library.raps]
+    made += [effects_of(library, name) for name in library.raps]
     for graph in made:
         for name, write in drawn.WRITERS.items():
             if not write(graph) and graph.vertices:

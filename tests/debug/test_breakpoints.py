@@ -8,10 +8,10 @@ import pytest
 
 from rapc.debug.breakpoints import Breakpoint, Breakpoints
 from rapc.debug.differences import between
-from rapc.debug.find import Finder, find
+from rapc.debug.find import Finder, find_event
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
-from rapc.repl.arguments import pattern
+from rapc.repl.arguments import read_pattern
 from rapc.runtime.events import events
 from tests.debug.sessions import truck
 from tests.repl.shells import said, truck_shell
@@ -19,7 +19,7 @@ from tests.repl.shells import said, truck_shell
 
 def _with(*points: Breakpoint) -> tuple[Session, Breakpoints]:
     session = truck()
-    found = Breakpoints(session, pattern)
+    found = Breakpoints(session, read_pattern)
     for point in points:
         found.add(point)
     return session, found
@@ -165,14 +165,16 @@ def test_watches_are_marked_where_they_change() -> None:
 
 def test_events_are_found_back_and_forth() -> None:
     session = truck()
-    grasp = find(session, Finder.of("primitive-ended", ["arm-grasp"]))
+    grasp = find_event(session, Finder.of("primitive-ended", ["arm-grasp"]))
     assert grasp is not None
     assert session.cycle == grasp.cycle
-    back = find(session, Finder.of("method-chosen", ["rap=travel-road"]), back=True)
+    back = find_event(
+        session, Finder.of("method-chosen", ["rap=travel-road"]), back=True
+    )
     assert back is not None
     assert session.cycle == back.cycle < grasp.cycle
     here = session.cycle
-    assert find(session, Finder.of("task-failed", [])) is None
+    assert find_event(session, Finder.of("task-failed", [])) is None
     assert session.cycle == here
     with pytest.raises(TextError, match="did you mean `task-failed`"):
         Finder.of("task-faild", [])

@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from rapc.experiments.definition import ExperimentError
-from rapc.experiments.draws import Between, Draws, drawn, extremes, fill_in
+from rapc.experiments.draws import Between, Draws, drawn, extremes, with_draws
 from rapc.experiments.run import measure
 
 from .small_experiment import LIBRARY, TRUCK, session
@@ -61,7 +61,7 @@ def test_each_value_is_tried_once_beforehand() -> None:
 
 
 def test_only_names_that_are_drawn_are_filled_in() -> None:
-    assert fill_in("(go {a} {b}) {", {"a": "x"}) == "(go x {b}) {"
+    assert with_draws("(go {a} {b}) {", {"a": "x"}) == "(go x {b}) {"
 
 
 def test_tasks_and_options_are_drawn() -> None:

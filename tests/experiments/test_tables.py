@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from rapc.console.experiments import plots
-from rapc.console.experiments.output import as_text
+from rapc.console.experiments.output import part_as_text
 from rapc.console.experiments.tables import Grid, grid, markdown, remarks, rest, tasks
 from rapc.experiments.definition import PlotMark, Reference, Series
 from rapc.experiments.measures import Measures, TaskTold
@@ -146,7 +146,7 @@ def test_only_some_of_many_seeds_that_ended_alike_are_named() -> None:
 
 @pytest.mark.parametrize("width", [120, 80, 40, 32])
 def test_nothing_is_wider_than_the_terminal(drops: PartSummary, width: int) -> None:
-    lines = list(as_text(drops, width))
+    lines = list(part_as_text(drops, width))
     assert max(len(line.text) for line in lines) <= width
     words = {word for line in lines for word in line.text.split()}
     assert {"arm1-drops", "moves", "280", "441"} <= words
@@ -154,7 +154,7 @@ def test_nothing_is_wider_than_the_terminal(drops: PartSummary, width: int) -> N
 
 def test_a_plot_in_text() -> None:
     made = summary(STILL, [measures(400), measures(800)])
-    head, still, wild = [line.text for line in as_text(made, 50)][-3:]
+    head, still, wild = [line.text for line in part_as_text(made, 50)][-3:]
     assert head == "time each: |---| range, o average, x T"
     assert still == " 0           |-------o---------x---------|    280"
     assert wild == "40              |-----o------|                300"
@@ -163,14 +163,14 @@ def test_a_plot_in_text() -> None:
 def test_an_average_beyond_the_range_of_the_runs_stands_in_the_plot() -> None:
     """Runs that complete nothing take time, and have no time for each task."""
     runs = [measures(3000, 1), *[measures(3000, 0)] * 3]
-    lost = [line.text for line in as_text(summary(runs, STILL), 60)][-2]
+    lost = [line.text for line in part_as_text(summary(runs, STILL), 60)][-2]
     assert lost.endswith("o  12000")
     assert lost.index("|") < lost.index("o")
 
 
 def test_nothing_to_plot_is_no_plot() -> None:
     made = summary(WILD, part=Series("drops", vary="truck.arm1-drops", values=(0,)))
-    assert not any(line.text.startswith("time each") for line in as_text(made, 80))
+    assert not any(line.text.startswith("time each") for line in part_as_text(made, 80))
 
 
 def test_a_table_as_markdown(drops: PartSummary) -> None:

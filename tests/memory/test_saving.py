@@ -9,7 +9,7 @@ import pytest
 
 from rapc.base.values import Fact, Text
 from rapc.runtime.events.events import Event
-from rapc.runtime.memory.saving import MemoryState, capture, restore
+from rapc.runtime.memory.saving import MemoryState, capture_memory, restore_memory
 from rapc.runtime.memory.store import NEVER
 from tests.effort import first
 
@@ -19,11 +19,11 @@ from .walking import Step, Walk
 
 
 def _bytes(memory: MemoryBench) -> bytes:
-    return msgspec.msgpack.encode(capture(memory.parts))
+    return msgspec.msgpack.encode(capture_memory(memory.parts))
 
 
 def _restore(memory: MemoryBench, saved: bytes) -> None:
-    restore(memory.parts, msgspec.msgpack.decode(saved, type=MemoryState))
+    restore_memory(memory.parts, msgspec.msgpack.decode(saved, type=MemoryState))
 
 
 def _steps(seed: int, count: int) -> list[Step]:

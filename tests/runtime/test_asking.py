@@ -38,7 +38,7 @@ def _ask_everything(run: Interpreter) -> None:
         question.first()
         question.all()
     _ask_memory(run)
-    look.monitors(run)
+    look.monitored_tasks(run)
     look.claims(run)
     look.items(run)
     look.tree(run)
@@ -151,7 +151,7 @@ def test_a_task_waits_for_the_item_by_the_name_that_stands(asking: bool) -> None
     run.listen(told.append, TaskBlocked)
     run.submit("(watch item-3)")
     if asking:
-        assert look.monitors(run)[-1].formula == "(emptied item-3)"
+        assert look.monitored_tasks(run)[-1].formula == "(emptied item-3)"
     run.assert_fact("color", "item-3", "red")
     run.step()
     assert [event.on for event in told] == ["(emptied item-1)"]

@@ -20,7 +20,7 @@ from rapc.analysis.index import Form
 from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.place_kinds import PlaceKinds
-from rapc.analysis.places import PLACES, Place, parts_of
+from rapc.analysis.places import PLACES, Place, place_parts
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -337,7 +337,7 @@ def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
     ((sort, count),) = others.items()
     if count < _enough(known, one, own, sort):
         return None
-    _, name, _ = parts_of(one.places[0])
+    _, name, _ = place_parts(one.places[0])
     return Diagnostic(
         rule=MIXED.name,
         message=f"`{format_atom(one.const.value)}` stands where all others are {sort}s",

@@ -10,7 +10,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, TRUTH
 from rapc.analysis.index import INDEX, NameUse
 from rapc.analysis.named import MISUSES, declared_at, report_arguments
-from rapc.analysis.places import place_of
+from rapc.analysis.places import argument_place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -134,7 +134,7 @@ def _never_true(run: Pass, declared: Signature) -> bool:
     kind = args[-1].kind if args else None
     if kind is not None and not run.signatures.kinds.holds(kind, "true"):
         return True
-    place = place_of("predicate", declared.name, (declared.most or 1) - 1)
+    place = argument_place("predicate", declared.name, (declared.most or 1) - 1)
     there = run.result(CENSUS).at(place)
     values = {one.written for _, one in there if one.count == declared.most}
     values.discard("unknown")

@@ -65,7 +65,7 @@ class _Query(msgspec.Struct, frozen=True):
         return tuple(at for at, k in enumerate(self.known, 1) if k is not None)
 
 
-def pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
+def write_pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
     """A proposition, a property, or a declared function used as a test."""
     relation = fn.code.signatures.relations.get(formula.name)
     if relation is not None:
@@ -83,11 +83,11 @@ def pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
         fault(fn, what)
 
 
-def believe(fn: FunctionWriter, formula: nodes.Believe) -> None:
+def write_believe(fn: FunctionWriter, formula: nodes.Believe) -> None:
     """A pattern with a limit on its age, or asking for it (T 2.2.3)."""
     relation = fn.code.signatures.relations.get(formula.pattern.name)
     if relation is None:
-        pattern(fn, formula.pattern)
+        write_pattern(fn, formula.pattern)
     else:
         _fact(fn, relation, formula.pattern, formula)
 

@@ -313,8 +313,8 @@ _KINDS: Mapping[type, _Kind] = {
         _count,
         lambda *_: [Watch((word,)) for word in ("location", "class", "external")],
     ),
-    nodes.Proposition: _Kind(facts.pattern, of_proposition),
-    nodes.Believe: _Kind(facts.believe, lambda believe, _: of_age(believe.age)),
+    nodes.Proposition: _Kind(facts.write_pattern, of_proposition),
+    nodes.Believe: _Kind(facts.write_believe, lambda believe, _: of_age(believe.age)),
 }
 
 

@@ -29,7 +29,7 @@ TASKS = "tasks.md"
 COMMANDS = "commands.txt"
 
 
-def as_text(summary: PartSummary, width: int) -> Iterator[Line]:
+def part_as_text(summary: PartSummary, width: int) -> Iterator[Line]:
     """A part for a terminal of so many columns: table, remarks and plot."""
     yield from _wrapped("title", part_title(summary.part), width)
     yield from table_lines(grid(summary), width)

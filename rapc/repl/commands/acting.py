@@ -16,12 +16,12 @@ from rapc.debug.acts import (
 )
 from rapc.debug.forced import ForceResult
 from rapc.debug.log import ToldEvent
-from rapc.debug.options import change_option, options
+from rapc.debug.options import change_option, changeable_options
 from rapc.debug.texts import reread
 from rapc.debug.what_if import what_if
 from rapc.errors import TextError
 from rapc.repl.answer import ShownAnswer, say, table
-from rapc.repl.arguments import Arguments, pattern, split
+from rapc.repl.arguments import Arguments, read_pattern, split
 from rapc.repl.shell import Shell, command
 
 
@@ -58,7 +58,7 @@ def _submit(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("GOAL", ":cancel (rock-order red ?)")
 def _cancel(shell: Shell, args: Arguments) -> ShownAnswer:
     """Take away the top-level tasks that a goal matches."""
-    return _do(shell, CancelTasks(pattern(args.word("a goal"))))
+    return _do(shell, CancelTasks(read_pattern(args.word("a goal"))))
 
 
 @command("SIGNAL", ":signal (:door-open hall)")
@@ -106,7 +106,7 @@ def _act(text: str) -> Act:
     }
     if len(words) != 2 or words[0] not in makes:
         raise TextError(f"(assert FACT) or (erase PREFIX) is wanted, not {text}")
-    return makes[words[0]](pattern(words[1]))
+    return makes[words[0]](read_pattern(words[1]))
 
 
 def _told(shell: Shell, told: tuple[ToldEvent, ...]) -> list[str]:
@@ -127,7 +127,7 @@ def _force(shell: Shell, args: Arguments) -> ShownAnswer:
     The request does not reach the world: nothing is done there, and it takes as
     long as such a request usually does. Items are those of the sensors.
     """
-    request = pattern(args.word("a request"))
+    request = read_pattern(args.word("a request"))
     result = args.word("a result").lower()
     return _do(shell, ForceResult(request, result, max(args.count("times", 1), 1)))
 
@@ -171,7 +171,10 @@ def _option(shell: Shell, args: Arguments) -> ShownAnswer:
     """
     run = shell.session.run
     if not args:
-        rows = [(f"{one.owner}.{one.name}", typed(one.value)) for one in options(run)]
+        rows = [
+            (f"{one.owner}.{one.name}", typed(one.value))
+            for one in changeable_options(run)
+        ]
         return table(("option", "value"), rows)
     given, _, value = args.word("an option").partition("=")
     owner, dot, name = given.partition(".")

@@ -155,7 +155,7 @@ def _items(shell: Shell, args: Arguments) -> ShownAnswer:
 def _monitors(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the tasks with monitors, and what each waits for."""
     columns = ("task", "goal", "state", "waits for", "looks at", "deadline")
-    found = look.monitors(shell.session.run)
+    found = look.monitored_tasks(shell.session.run)
     return table(columns, found, none="no task has a monitor")
 
 

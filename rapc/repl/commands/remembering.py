@@ -8,7 +8,7 @@ from rapc.base.values import Atom, Fact, format_atom, format_list, number
 from rapc.debug import history, timeline
 from rapc.debug.who import who
 from rapc.repl.answer import ShownAnswer, table
-from rapc.repl.arguments import Arguments, pattern
+from rapc.repl.arguments import Arguments, read_pattern
 from rapc.repl.shell import Shell, command
 
 
@@ -22,7 +22,7 @@ def _history(shell: Shell, args: Arguments) -> ShownAnswer:
     """Tell when facts came and went, and what became of an item, with who did it."""
     said = args.word("an item or a fact")
     if said.startswith("("):
-        found = history.of_facts(shell.subject, pattern(said))
+        found = history.of_facts(shell.subject, read_pattern(said))
     else:
         predicate = args.word("a predicate").lower() if args else ""
         found = history.of_item(shell.subject, said.lower(), predicate)
@@ -33,7 +33,7 @@ def _history(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("FACT", ":who (truck-location depot)", ":who (location ?item external)")
 def _who(shell: Shell, args: Arguments) -> ShownAnswer:
     """Tell who asserted a fact, who asks for it, and who waits for it."""
-    found = who(shell.session, pattern(args.word("a fact")))
+    found = who(shell.session, read_pattern(args.word("a fact")))
     rows = [
         (
             "believed" if one.by != "notation" else "noted",

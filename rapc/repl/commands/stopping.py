@@ -11,7 +11,7 @@ from rapc.base.names import plural
 from rapc.base.values import format_atom
 from rapc.debug import differences, recorded
 from rapc.debug.breakpoints import KINDS, Breakpoint
-from rapc.debug.find import Finder, find
+from rapc.debug.find import Finder, find_event
 from rapc.errors import ArgumentError, TextError
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
@@ -155,7 +155,7 @@ def _find(shell: Shell, args: Arguments) -> ShownAnswer:
     kind = args.word("a kind of event")
     said = args.rest()
     finder = Finder.of(kind, said)
-    found = find(shell.subject, finder, back=back)
+    found = find_event(shell.subject, finder, back=back)
     shell.forget_trace()
     if found is None:
         return say(f"no {kind} is found", shell.subject.stand())

@@ -77,7 +77,7 @@ class MemoryState(msgspec.Struct, frozen=True):
 # --- capturing ---------------------------------------------------------------------
 
 
-def capture(parts: Assembled) -> MemoryState:
+def capture_memory(parts: Assembled) -> MemoryState:
     """Return what a memory holds now."""
     memory, recognizer = parts.memory, parts.recognizer
     items = memory.items
@@ -149,7 +149,7 @@ def _members(view: View) -> tuple[int, ...]:
 # --- restoring ---------------------------------------------------------------------
 
 
-def restore(parts: Assembled, state: MemoryState) -> None:
+def restore_memory(parts: Assembled, state: MemoryState) -> None:
     """Make a memory hold what `state` says and nothing else; nobody is told of it.
 
     The memory is of the library that the state was captured with. Observers have to

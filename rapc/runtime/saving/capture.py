@@ -90,7 +90,7 @@ def capture(machine: Machine, seed: int, library: str, world: bytes) -> RunRecor
         ),
         agenda=_agenda(machine),
         monitors=_monitors(machine),
-        memory=memory_saving.capture(machine.parts),
+        memory=memory_saving.capture_memory(machine.parts),
         world=world,
     )
 

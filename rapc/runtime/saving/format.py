@@ -29,7 +29,7 @@ def _decoder() -> msgspec.json.Decoder[RunRecord]:
     return msgspec.json.Decoder(RunRecord)
 
 
-def encode(record: RunRecord) -> bytes:
+def encode_run(record: RunRecord) -> bytes:
     """Return a run as bytes; the same records give the same bytes."""
     return sealed(_encode(record))
 
@@ -40,7 +40,7 @@ def sealed(body: bytes) -> bytes:
     return f"rapc-run {FORMAT} {checksum}\n".encode() + body
 
 
-def decode(saved: bytes) -> RunRecord:
+def decode_run(saved: bytes) -> RunRecord:
     """Return the records of a saved run.
 
     Raises:

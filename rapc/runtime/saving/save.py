@@ -17,7 +17,7 @@ from rapc.library.digest import digest
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.saving.capture import capture
-from rapc.runtime.saving.format import decode, encode, not_a_run
+from rapc.runtime.saving.format import decode_run, encode_run, not_a_run
 from rapc.runtime.saving.rebuild import Rebuilt, WrongRecordError
 from rapc.runtime.saving.records import RunRecord
 from rapc.runtime.state.task import MethodRun
@@ -38,7 +38,7 @@ def save(machine: Machine, seed: int) -> bytes:
     _look_for_callbacks(machine, "saved")
     world = _savable(machine.world).save()
     library = digest(machine.library.library)
-    return encode(capture(machine, seed, library, world))
+    return encode_run(capture(machine, seed, library, world))
 
 
 def restore(machine: Machine, saved: bytes) -> int:
@@ -53,18 +53,18 @@ def restore(machine: Machine, saved: bytes) -> int:
         raise StateError("a run cannot be replaced in the middle of a cycle")
     _look_for_callbacks(machine, "replaced")
     world = _savable(machine.world)
-    record = decode(saved)
+    record = decode_run(saved)
     _look_whose(machine, record)
     try:
         rebuilt = Rebuilt(machine, record)
     except WrongRecordError as error:
         raise not_a_run(error) from error
-    before, noted = memory_saving.capture(machine.parts), _noted(machine)
+    before, noted = memory_saving.capture_memory(machine.parts), _noted(machine)
     try:
-        memory_saving.restore(machine.parts, record.memory)
+        memory_saving.restore_memory(machine.parts, record.memory)
         world.restore(record.world)
     except (LookupError, TypeError, ValueError, AttributeError) as error:
-        memory_saving.restore(machine.parts, before)
+        memory_saving.restore_memory(machine.parts, before)
         for run, facts in noted:
             run.notations = machine.memory.notations.of(facts)
         raise not_a_run(error) from error

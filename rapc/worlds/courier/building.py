@@ -61,7 +61,7 @@ def passed(along: int, depth: int, room: str, gone: int) -> tuple[int, int]:
     return reached, gone - depth - straight
 
 
-def facts() -> Iterator[Fact]:
+def building_facts() -> Iterator[Fact]:
     """Yield what the robot knows of the building."""
     for room, (_, kind) in ROOMS.items():
         yield ("room", room, kind)

@@ -94,7 +94,7 @@ class CourierWorld(World):
 
     def facts(self) -> Iterable[Fact]:
         """The building: rooms, and what the stores give out."""
-        return building.facts()
+        return building.building_facts()
 
     def now(self) -> Time:
         """The clock."""

@@ -14,7 +14,7 @@ from rapc.worlds.hallway.map import Map, Sign, openings, signs
 from rapc.worlds.hallway.simulation import STANDOFF
 
 
-def facts(map: Map) -> Iterator[Fact]:
+def map_facts(map: Map) -> Iterator[Fact]:
     """Yield the facts of a map.
 
     `(location-data mark left right apart "print name")` says how to know a landmark,

@@ -101,7 +101,7 @@ class HallwayWorld(SkillWorld):
 
     def facts(self) -> Iterable[Fact]:
         """Return the map, as far as the robot has been told of it."""
-        return facts.facts(self._map)
+        return facts.map_facts(self._map)
 
     def tick(self) -> Iterable[EventTold]:
         """Let a tenth of a second pass."""

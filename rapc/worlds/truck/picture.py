@@ -29,7 +29,7 @@ _ROUNDS = 200
 """How often places are pulled to where their roads want them."""
 
 
-def draw(scene: Scene) -> Picture:
+def picture_of(scene: Scene) -> Picture:
     """The picture of a scene as it is now."""
     truck = scene.state.truck
     gauges = (

@@ -31,7 +31,7 @@ from rapc.worlds.truck.options import (
     read_settings,
 )
 from rapc.worlds.truck.orders import read_orders
-from rapc.worlds.truck.picture import draw
+from rapc.worlds.truck.picture import picture_of
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene
@@ -148,7 +148,7 @@ class TruckWorld(World):
 
     def picture(self) -> Picture:
         """The map, and all there is on it and on the truck."""
-        return draw(self._scene)
+        return picture_of(self._scene)
 
     def save(self) -> bytes:
         """The state of world and random stream, as JSON."""
