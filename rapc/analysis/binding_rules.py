@@ -159,7 +159,8 @@ def _pattern(walker: BindingWalker, formula: nodes.Proposition, bound: Bound) ->
 def _as_declared(walker: BindingWalker, formula: nodes.Formula, bound: Bound) -> bool:
     """A formula of which its operands say all there is to know."""
     inner = operands(formula)
-    walker.values(inner.used, bound)
+    if inner.used:
+        walker.values(inner.used, bound)
     if inner.matched:
         walker.match(inner.matched, bound)
     for part in inner.closed:

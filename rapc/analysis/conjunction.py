@@ -27,6 +27,33 @@ class Clash(msgspec.Struct, frozen=True):
     second: Literal
 
 
+def may_clash(found: Sequence[Literal]) -> bool:
+    """Whether some literals may contradict each other, as far as their names tell.
+
+    Two facts of one name may, or two tests of one term, or what has no solution and
+    literals that look like all of its parts.
+    """
+    topics: set[object] = set()
+    for literal in found:
+        formula = literal.formula
+        topic: object = None
+        if not literal.holds:
+            goals = literals(formula)
+            if all(has_a_chance(goal, found) for goal in goals):
+                return True
+            continue
+        if type(formula) is nodes.Believe:
+            formula = formula.pattern
+        if type(formula) is nodes.Proposition:
+            topic = formula.name
+        elif type(formula) is nodes.Compare:
+            topic = _turned(formula).left
+        if topic is not None and topic in topics:
+            return True
+        topics.add(topic)
+    return False
+
+
 MOST = 24
 """A conjunction with more literals than this is not looked at."""
 

@@ -43,6 +43,9 @@ VariableAt = tuple[nodes.Var, nodes.Node, Form]
 """A variable where it stands: what holds it, and the top-level form."""
 
 
+_FactAt = tuple[nodes.Proposition, nodes.Node, Form]
+
+
 class NameUse(msgspec.Struct, frozen=True, gc=False):
     """A place where a name is used that somebody has to declare."""
 
@@ -157,10 +160,11 @@ class Index:
         return self._kinds
 
     def _gathered(self) -> Iterator[NameUse]:
-        for proposition in self.of(nodes.Proposition):
-            use = _use(proposition.node, proposition.parent)
+        facts = cast(list[_FactAt], self._rows[nodes.Proposition])
+        for fact, parent, owner in facts:
+            use = _use(fact, parent)
             if use is not None:
-                yield _list_use(use, proposition)
+                yield NameUse(use, fact.name, len(fact.args), fact, owner)
         for kind, use in _SENT.items():
             for sent in self.of(kind):
                 yield _list_use(use, sent)

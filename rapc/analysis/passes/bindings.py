@@ -172,8 +172,10 @@ def _method(walk: _Walk, method: nodes.Method, bound: Bound) -> None:
     if method.constraints is not None:
         walk.walker.formula(method.constraints, Bound(bound))
         walk.note("constraints", method)
-    _things(walk, method.claims, bound, "claims", method)
-    _things(walk, method.skills, bound, "skills", method)
+    if method.claims:
+        _things(walk, method.claims, bound, "claims", method)
+    if method.skills:
+        _things(walk, method.skills, bound, "skills", method)
     body = method.body
     if type(body) is nodes.TaskNet:
         _task_net(walk, method, body, bound)
@@ -257,7 +259,8 @@ def _step(walk: _Walk, step: nodes.Step, bound: Bound, net: Net, at: int) -> Non
     if step.annotations:
         bound.names.update(_signals(step))
     walk.walker.values(step.goal.args, bound)
-    walk.walker.match(step.goal.outputs, bound)
+    if step.goal.outputs:
+        walk.walker.match(step.goal.outputs, bound)
     if step.annotations:
         _resource_effects(walk, step, bound)
 

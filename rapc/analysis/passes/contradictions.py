@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.conjunction import Clash, Conjunction
+from rapc.analysis.conjunction import Clash, Conjunction, may_clash
 from rapc.analysis.literals import Literal, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
@@ -118,31 +118,48 @@ def _queries(form: nodes.MemoryRule | nodes.EventRule) -> Iterator[nodes.Formula
 
 def _contradictions(reports: Reports, formula: nodes.Formula) -> bool:
     """Report what never holds in a formula; return whether anything was found."""
-    if not isinstance(formula, nodes.And | nodes.Or | nodes.Not):
+    if not isinstance(formula, _JOINED):
         return False
     found = False
     waiting: list[tuple[nodes.Formula, list[Literal]]] = [(formula, [])]
     while waiting:
         here, outer = waiting.pop()
-        made = reports.conjunction(outer)
         own = list(literals(here))
-        clash = first_clash(made, own)
+        clash = first_clash(reports, outer, own)
         if clash is not None:
             _report_contradiction(reports, clash)
             found = True
             continue
         for literal in own:
-            if isinstance(literal.formula, nodes.Or):
+            inner = literal.formula
+            if not isinstance(inner, _JOINED):
+                continue
+            if isinstance(inner, nodes.Or):
                 others = [*outer, *(one for one in own if one is not literal)]
                 kept = others if literal.holds else []
-                waiting += [(part, kept) for part in reversed(literal.formula.parts)]
-            elif isinstance(literal.formula, nodes.And | nodes.Not):
-                waiting.append((literal.formula, []))
+                waiting += [(part, kept) for part in reversed(inner.parts)]
+            else:
+                waiting.append((inner, []))
     return found
 
 
-def first_clash(made: Conjunction, own: Sequence[Literal]) -> Clash | None:
-    """Put literals into a conjunction; return the first that contradicts another."""
+_JOINED = (nodes.And, nodes.Or, nodes.Not)
+"""What other formulas are put together by."""
+
+
+def first_clash(
+    reports: Reports, held: Sequence[Literal], own: Sequence[Literal]
+) -> Clash | None:
+    """Return the first of some literals that contradicts another.
+
+    Args:
+        reports: tell which variables have values.
+        held: literals that hold, and do not contradict each other.
+        own: the literals that are put to them, one after another.
+    """
+    if not may_clash([*held, *own]):
+        return None
+    made = reports.conjunction(held)
     for literal in own:
         clash = made.add(literal)
         if clash is not None:

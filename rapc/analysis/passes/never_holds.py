@@ -153,10 +153,8 @@ def _succeeds_first(
 
 def _apart(reports: Reports, rap: nodes.DefineRap, held: Sequence[_Asked]) -> bool:
     """Report clauses that have to hold for any method, and never hold together."""
-    if not held:
-        return False
-    made = reports.conjunction(())
-    clash = first_clash(made, [one.literal for one in held]) if rap.methods else None
+    every = [one.literal for one in held]
+    clash = first_clash(reports, (), every) if every and rap.methods else None
     if clash is None:
         return False
     clauses = {id(one.literal): one.clause for one in held}
@@ -261,9 +259,7 @@ def _refuted(
     what: str,
 ) -> _Refuted | None:
     """Say why literals, none of which contradict each other, never hold."""
-    clash = (
-        first_clash(reports.conjunction(a.literal for a in held), own) if held else None
-    )
+    clash = first_clash(reports, [a.literal for a in held], own) if held else None
     if clash is not None:
         clause = next((a.clause for a in held if a.literal is clash.first), None)
         if clause is None:
