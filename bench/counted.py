@@ -100,6 +100,16 @@ def _order() -> Work:
     return lambda: order._fill(library, 0)
 
 
+def _passes(number: int) -> Work:
+    """The passes behind a figure of `parse`; all, where there are the oldest alone."""
+    module = importlib.import_module("bench.parse")
+    return _row("parse", number if hasattr(module, "OLDEST") else ALL_PASSES, True)
+
+
+ALL_PASSES, OLDEST, ERRORS = 3, 6, 7
+"""Which of the figures of `parse` are those of passes."""
+
+
 def _still() -> Work:
     """The thesis' run in the still world."""
     chapter6: Any = importlib.import_module("bench.chapter6")
@@ -114,6 +124,8 @@ def work_of(name: str) -> Work:
         return _digest(10 if rest == "alike" else 100)
     if first == "order":
         return _order()
+    if first == "passes":
+        return _passes({"oldest": OLDEST, "errors": ERRORS}[rest])
     if first == "chapter6":
         return _still()
     if first.startswith("W"):

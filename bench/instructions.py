@@ -32,6 +32,8 @@ WORKS: Mapping[str, tuple[str, int, int]] = {
     "W1 library": ("text to a library to be run", 1, 2),
     "parse 2": ("text to linked library, 100 RAPs", 1, 3),
     "parse 3": ("all passes over it", 1, 3),
+    "passes oldest": ("the passes of the 67 oldest rules", 1, 3),
+    "passes errors": ("the passes that find errors", 1, 3),
     "W2 first": ("first answers, 1,000 items", 2, 6),
     "W2 all": ("all answers, 1,000 items", 2, 6),
     "W3": ("firings among 200 monitors", 2, 5),

@@ -224,6 +224,22 @@ def ratio(unit: str, ours: Sequence[float], theirs: Sequence[float]) -> float | 
     return 1 / found if unit.endswith("/s") else found
 
 
+def add_older(ours: Figures, theirs: Figures) -> None:
+    """Hold the passes of fewer rules against all that an older checkout has."""
+    for key in ours.keys() - theirs.keys():
+        bench, what, size, unit = key
+        older = theirs.get((bench, ALL_PASSES, size, unit))
+        if what in FEWER_PASSES and older is not None:
+            theirs[key] = older
+
+
+ALL_PASSES = "all passes over it"
+FEWER_PASSES = (
+    "the passes of the 67 oldest rules over it",
+    "the passes that find errors over it",
+)
+
+
 def table(ours: Figures, theirs: Figures) -> Iterator[str]:
     """The rows of both as a Markdown table, and a line that sums them up."""
     yield "| bench | what | size | theirs | ours | unit | ratio | |"
@@ -277,6 +293,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         sides = both(args.against.resolve(), Path(scratch), compiled=args.compiled)
         theirs, ours = measure(sides, args.rounds, args.bench)
+    add_older(ours, theirs)
     for line in table(ours, theirs):
         print(line)
 

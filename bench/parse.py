@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bench.common import Figure, compiled, seconds
-from rapc.analysis import driver
+from rapc.analysis import driver, suite
+from rapc.analysis.selection import Selection, errors
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.library import loader
@@ -39,6 +40,10 @@ DEFINITION = """\
 """
 
 
+OLDEST = "RAP074"
+"""The last of the 67 rules that there were at 0e03d9a, by its code."""
+
+
 def library(size: int) -> str:
     """The text of a library of so many RAPs besides its declarations."""
     definitions = (DEFINITION.format(n=n, other=n // 2) for n in range(1, size + 1))
@@ -62,6 +67,8 @@ def figures(quick: bool = False) -> Iterator[Figure]:
     found = driver.check_library(loaded).findings
     if found:
         raise ValueError(found[0].diagnostic.message)
+    rules = suite.rules().values()
+    oldest = Selection(frozenset(r.name for r in rules if r.code <= OLDEST))
     stages = (
         ("text to data", lambda: read(source)),
         ("text to IR", lambda: parse(source)),
@@ -72,6 +79,14 @@ def figures(quick: bool = False) -> Iterator[Figure]:
             lambda: driver.check_library(loader.load_text(text)),
         ),
         ("text to compiled library", lambda: _compiled(text)),
+        (
+            "the passes of the 67 oldest rules over it",
+            lambda: driver.check_library(loaded, oldest),
+        ),
+        (
+            "the passes that find errors over it",
+            lambda: driver.check_library(loaded, errors()),
+        ),
     )
     for what, work in stages:
         rate = size / seconds(work, rounds=3)

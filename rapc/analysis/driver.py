@@ -122,9 +122,11 @@ def reported(
         raps: how many RAPs stand in each file that has some.
         chosen: the rules that may report.
     """
-    rules = {name: chosen.graded(rule) for name, rule in suite.rules().items()}
+    rules = suite.rules()
     order = {name: at for at, name in enumerate(files)}
-    findings = [Finding(rules[d.rule], d) for d in found if chosen.chooses(d)]
+    findings = [
+        Finding(chosen.graded(rules[d.rule]), d) for d in found if chosen.chooses(d)
+    ]
     findings.sort(key=lambda finding: order_of(order, finding))
     return CheckReport(tuple(findings), files, raps)
 

@@ -7,6 +7,8 @@ does not matter: a pass runs when it is wanted, or when another asks for its res
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 from rapc.analysis import (
@@ -163,9 +165,10 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
 """Every pass."""
 
 
+@cache
 def rules() -> Mapping[str, Rule]:
     """Every rule that `check` may report, by name, in the order of their codes."""
     own = [rule for analyzer in ANALYZERS for rule in analyzer.rules]
     others = (*parser.RULES, *library.RULES, *loader.RULES, *suppressions.RULES)
     everything = sorted([*own, *others], key=lambda rule: rule.code)
-    return {rule.name: rule for rule in everything}
+    return MappingProxyType({rule.name: rule for rule in everything})
