@@ -254,7 +254,7 @@ class Signatures:
         """Return what to do about a name that is known in another place, or nothing."""
         if use == "goal" and name in self.primitives:
             return (
-                f"`{name}` is a primitive, and a step asks for a RAP: define one with "
+                f"`{name}` is a primitive, and a RAP is wanted here: define one with "
                 f"the method `(primitive ({name} ...))`"
             )
         if use == "primitive" and name in self.raps:

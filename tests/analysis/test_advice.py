@@ -41,7 +41,7 @@ def context(text: str) -> str:
         (
             step("(t1 (drive ?room))"),
             "unknown-rap",
-            "`drive` is a primitive, and a step asks for a RAP: define one with the "
+            "`drive` is a primitive, and a RAP is wanted here: define one with the "
             "method `(primitive (drive ...))`",
         ),
         (

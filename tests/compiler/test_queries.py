@@ -357,3 +357,5 @@ def test_a_traceback_shows_the_generated_line() -> None:
         asked.holds(both.context, {})
     told = "".join(traceback.format_exception(raised.value))
     assert "holds(ctx.functions[" in told
+    assert "def ask(env): return variants[" in told
+    assert "<string>" not in told

@@ -181,12 +181,21 @@ def compile_source(source: str) -> Maker:
         "set_members": builtin.set_members,
         "NUMBERS": (int, float),
     }
+    maker: Maker = made_of(source, namespace)
+    return maker
+
+
+def made_of(source: str, namespace: dict[str, Any]) -> Any:
+    """Return the function `make` that generated source defines; tracebacks show it.
+
+    Args:
+        source: the code; no text of a program is in it.
+        namespace: the global names that the code uses.
+    """
     name = f"generated-query-{zlib.crc32(source.encode()):08x}"
     namespace |= {"__name__": name, "__loader__": _Source(source)}
-    code = compile(source, name, "exec")
-    exec(code, namespace)  # noqa: S102  # generated here; no program text is in it
-    maker: Maker = namespace["make"]
-    return maker
+    exec(compile(source, name, "exec"), namespace)  # noqa: S102  # generated here
+    return namespace["make"]
 
 
 class FunctionWriter:

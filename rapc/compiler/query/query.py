@@ -85,6 +85,7 @@ from rapc.compiler.query.code import (
     FunctionWriter,
     ResultMode,
     compile_source,
+    made_of,
 )
 from rapc.compiler.query.context import Bindings, QuestionContext
 from rapc.compiler.query.plan_steps import PlanStep
@@ -371,7 +372,5 @@ def _variant_selector(count: int) -> Callable[[_Variants, Sequence[str]], Ask]:
     if count:
         lines.append(f"    ({names}) = names")
     lines += [f"    def ask(env): return variants[{bits or 0}](env)", "    return ask"]
-    namespace: dict[str, Any] = {}
-    exec("\n".join(lines), namespace)  # noqa: S102  # made of the count alone
-    make: Callable[[_Variants, Sequence[str]], Ask] = namespace["make"]
+    make: Callable[[_Variants, Sequence[str]], Ask] = made_of("\n".join(lines), {})
     return make
