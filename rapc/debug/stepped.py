@@ -149,7 +149,6 @@ class Stepped(ABC):
             until: asked after each cycle; returns what to stop with, None to go on.
             heed: whether breakpoints stop it.
         """
-        self._paused = False
         while True:
             if self.over:
                 return Stop("over", self.reason)
@@ -165,11 +164,15 @@ class Stepped(ABC):
             if until is not None and (said := until()) is not None:
                 return Stop("asked", said)
             if self._paused:
+                self._paused = False
                 return Stop("pause")
 
-    def pause(self) -> None:
-        """Stop after the cycle under way; may be called by a signal handler."""
-        self._paused = True
+    def pause(self, wanted: bool = True) -> None:
+        """Stop after the cycle under way, or the first one if none is; or do not.
+
+        May be called by a signal handler.
+        """
+        self._paused = wanted
 
     # --- backwards ----------------------------------------------------------------
 

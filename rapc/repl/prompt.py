@@ -150,10 +150,15 @@ class Prompt:
 
     def run(self) -> None:
         """Answer inputs until the user leaves."""
+        with _pausing(self._shell) as fresh:
+            self._answer_inputs(fresh)
+
+    def _answer_inputs(self, fresh: Callable[[], None]) -> None:
         shell = self._shell
         sys.stdout.write(f"{shell.subject.stand()}; {GREETING}\n")
         interrupted = False
         while not shell.left:
+            fresh()
             try:
                 text = self._session.prompt()
             except EOFError:
@@ -165,8 +170,7 @@ class Prompt:
                 sys.stdout.write("Ctrl-C once more leaves\n")
                 continue
             interrupted = False
-            with _pausing(shell):
-                answer = shell.answer(text)
+            answer = shell.answer(text)
             width = shutil.get_terminal_size().columns
             sys.stdout.write(draw(answer, width, color=self._color))
             sys.stdout.flush()
@@ -193,8 +197,14 @@ class Prompt:
 
 
 @contextmanager
-def _pausing(shell: Shell) -> Iterator[None]:
-    """Let Ctrl-C pause the run, and twice break off what is being carried out."""
+def _pausing(shell: Shell) -> Iterator[Callable[[], None]]:
+    """Let Ctrl-C pause the run, and twice break off what is being carried out.
+
+    While an input is typed, the prompt takes Ctrl-C for itself.
+
+    Yields:
+        what to call before an input is typed: earlier Ctrl-Cs do not count for it.
+    """
     times = 0
 
     def pause(number: int, frame: FrameType | None) -> None:
@@ -204,9 +214,14 @@ def _pausing(shell: Shell) -> Iterator[None]:
             raise KeyboardInterrupt
         shell.subject.pause()
 
+    def fresh() -> None:
+        nonlocal times
+        times = 0
+        shell.subject.pause(False)
+
     before = signal.signal(signal.SIGINT, pause)
     try:
-        yield
+        yield fresh
     finally:
         signal.signal(signal.SIGINT, before)
 

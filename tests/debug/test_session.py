@@ -232,3 +232,12 @@ def test_a_run_that_cannot_be_saved_goes_forth_alone() -> None:
     with pytest.raises(StateError, match="there is no way back"):
         session.goto(2)
     assert session.cycle == 10
+
+
+def test_a_pause_that_comes_before_the_run_goes_on_counts() -> None:
+    session = truck()
+    session.pause()
+    assert (session.go().kind, session.cycle) == ("pause", 1)
+    session.pause()
+    session.pause(False)
+    assert session.go().kind == "over"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import termios
+from contextlib import suppress
 from pathlib import Path
 
 import pexpect
@@ -64,6 +66,14 @@ class Terminal:
 
     def _all(self) -> str:
         return "".join("".join(self._screen.display).split())
+
+    def until_carried_out(self) -> None:
+        """Read until the input is taken: the prompt has left the terminal as it was."""
+        canonical = 0
+        while not canonical:
+            with suppress(pexpect.TIMEOUT):
+                self._stream.feed(self.child.read_nonblocking(4096, timeout=0.1))
+            canonical = termios.tcgetattr(self.child.child_fd)[3] & termios.ICANON
 
     def clear(self) -> None:
         """Wipe the screen on this side, so that what is old is not seen again."""

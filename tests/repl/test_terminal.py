@@ -63,7 +63,7 @@ def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
     terminal.ask(":show none", "after a step is shown: none")
     terminal.clear()
     terminal.child.send(":run\r")
-    terminal.see(":run")
+    terminal.until_carried_out()
     terminal.child.sendintr()
     terminal.see("paused")
     assert terminal.leave() == 0
