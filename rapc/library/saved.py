@@ -45,13 +45,17 @@ class _WrongError(Exception):
     """As `SavedError`, the name of the file left out."""
 
 
+_Inputs = tuple[tuple[str, str | None], ...]
+"""The inputs of a RAP, each with its kind if one is said."""
+
+
 class _Rap(msgspec.Struct, frozen=True, array_like=True):
     """Where a RAP stands among the forms of its source, and its index."""
 
     name: str
     form: int
-    #: The inputs, each with its kind if one is said.
-    inputs: tuple[tuple[str, str | None], ...]
+    #: As `_Inputs`; decoded when they are asked for.
+    inputs: msgspec.Raw
     #: How many outputs there are.
     outputs: int
 
@@ -216,9 +220,6 @@ class SavedLibrary:
         units = [self._body.units[at] for at in places]
         linked, found = link([_parsed(unit, _declarations(unit)) for unit in units])
         rows = {row.name: (row, unit) for unit in units for row in unit.raps}
-        inputs = [name for row, _ in rows.values() for name, _ in row.inputs]
-        if not "".join(inputs).isprintable():
-            raise _WrongError("has inputs of RAPs that cannot be printed")
         if found or len(rows) < sum(len(unit.raps) for unit in units):
             raise _WrongError("defines a name twice")
         known = Signatures.of(linked, _RowSignatures(rows))
@@ -254,15 +255,23 @@ class _RowSignatures(Mapping[str, Signature]):
 
 
 def _signature(row: _Rap) -> Signature:
-    args = tuple([nodes.Argument(nodes.Var(name), kind) for name, kind in row.inputs])
+    inputs = _decode(row.inputs, _Inputs)
+    if not all(name.isprintable() for name, _ in inputs):
+        raise _WrongError(f"has inputs of `{row.name!a}` that cannot be printed")
+    args = tuple([nodes.Argument(nodes.Var(name), kind) for name, kind in inputs])
     count = len(args)
     return Signature("RAP", row.name, count, count, args, outputs=row.outputs)
 
 
+def _inputs(rap: nodes.DefineRap) -> _Inputs:
+    """Return the inputs of a RAP as its row has them."""
+    kinds = {one.variable: one.kind for one in rap.kinds}
+    return tuple([(one.name, kinds.get(one.name)) for one in rap.inputs])
+
+
 def _row(rap: nodes.DefineRap, at: int) -> _Rap:
     """The row of a RAP that is so many forms from the first."""
-    kinds = {one.variable: one.kind for one in rap.kinds}
-    inputs = tuple([(one.name, kinds.get(one.name)) for one in rap.inputs])
+    inputs = msgspec.Raw(msgspec.json.encode(_inputs(rap)))
     return _Rap(rap.name, at, inputs, len(rap.outputs))
 
 
