@@ -1,0 +1,287 @@
+"""Whoever asks a run or its debugger changes nothing: asked at random moments.
+
+    python -m tests.debug.asking --points 100
+
+goes through a run of the truck, one of the hallway and a shift of the courier, stops at
+that many random moments of each and asks ten random questions there, of the interpreter
+and of the debugger. After each the whole state is held against the one before, byte for
+byte. A listener asks in the middle of cycles as well. In the end events and state must
+be those of the same run that nobody has asked anything.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import msgspec
+
+from rapc.base.values import Fact
+from rapc.debug import (
+    commitments,
+    differences,
+    failures,
+    find,
+    history,
+    look,
+    options,
+    recorded,
+    timeline,
+    what_if,
+    who,
+    why,
+    why_not,
+)
+from rapc.debug.acts import AssertFact, EraseFacts, FailTask
+from rapc.debug.session import Session
+from rapc.errors import Error
+from rapc.ir.printer import format_formula
+from rapc.runtime.events.events import Event
+from rapc.world import Adjustable, Drawable, Truthful
+from tests.debug.moments import RUNS
+
+_QUESTIONS_EACH = 10
+"""How many questions are asked at a moment."""
+
+_IN_CYCLES = 0.05
+"""The share of events at which a listener asks something."""
+
+_FAULTY = ("(< ?never 3)", "(= (/ 1 0) 2)", "(last-result ?result)", "(believe p ?age)")
+"""Formulas that bind nothing, have a fault in them, or no meaning outside a task."""
+
+
+class Asker:
+    """Somebody with a session and dice: what is asked about is drawn."""
+
+    def __init__(self, session: Session, dice: random.Random) -> None:
+        self.session = session
+        self.dice = dice
+        self.formulas = [*_formulas(session), *_FAULTY]
+
+    def task(self) -> int:
+        """Return the number of a live task, or now and then of any."""
+        machine = self.session.run.machine
+        live = machine.state.live_tasks()
+        if live and self.dice.random() < 0.7:
+            return self.dice.choice(live).number
+        return self.dice.randrange(1, machine.state.numbers + 2)
+
+    def cycle(self) -> int:
+        """Return a cycle of the past."""
+        return self.dice.randrange(self.session.cycle + 1)
+
+    def fact(self) -> Fact:
+        """Return a fact that is believed and says something of something."""
+        facts = self.session.run.machine.memory.facts
+        return self.dice.choice([fact for fact in facts if len(fact) > 1])
+
+    def pattern(self, gap: object) -> tuple[object, ...]:
+        """Return a fact with gaps in it."""
+        name, *args = self.fact()
+        return (name, *(gap if self.dice.random() < 0.5 else arg for arg in args))
+
+
+def _formulas(session: Session) -> Iterator[str]:
+    """The formulas that stand in the clauses of the library."""
+    for rap in session.run.machine.library.library.raps.values():
+        contexts = [method.context for method in rap.methods]
+        for formula in (rap.succeed, rap.preconditions, *contexts):
+            if formula is not None:
+                yield format_formula(formula)
+
+
+def _formula(one: Asker) -> None:
+    text = one.dice.choice(one.formulas)
+    question = one.session.run.question(text)
+    question.first(), question.all(), question.holds()
+    one.session.question(text).all()
+
+
+def _memory(one: Asker) -> None:
+    memory, (name, *args) = one.session.run.memory, one.fact()
+    memory.query(name, *args[:-1], None)
+    memory.age(name, *args)
+    memory.spread(str(name), 1)
+    for arg in args:
+        memory.value(name, *args[:-1])
+        memory.kind(arg)
+        memory.count("rock", arg)
+    for relation in one.session.run.machine.library.signatures.relations:
+        memory.query(relation)
+        memory.spread(relation)
+        look.beliefs(one.session.run, relation)
+
+
+def _what_if(one: Asker) -> None:
+    fact, task = one.fact(), one.task()
+    act = one.dice.choice((AssertFact(fact), EraseFacts(fact), FailTask(task)))
+    what_if.what_if(one.session, [act], cycles=one.dice.randrange(1, 6))
+
+
+def _find_before(one: Asker) -> None:
+    here, kind = one.session.cycle, one.dice.choice(sorted(find.kinds()))
+    find.find_event(one.session, find.Finder.of(kind, ()), back=True)
+    one.session.goto(here)
+
+
+def _there_and_back(one: Asker) -> None:
+    here = one.session.cycle
+    one.session.goto(one.cycle())
+    one.session.goto(here)
+
+
+def _world(one: Asker) -> None:
+    world = one.session.run.machine.world
+    if isinstance(world, Drawable):
+        world.picture()
+    if isinstance(world, Truthful):
+        world.figures()
+    if isinstance(world, Adjustable):
+        world.adjustable()
+
+
+def _write(one: Asker) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        recorded.write_trace(one.session, Path(folder) / "run.jsonl")
+
+
+OF_RUNS: Mapping[str, Callable[[Asker], object]] = {
+    "agenda": lambda one: one.session.run.agenda(),
+    "goals": lambda one: one.session.run.goals(),
+    "waiting": lambda one: one.session.run.waiting(),
+    "results": lambda one: one.session.run.results(),
+    "check_fact": lambda one: one.session.run.check_fact(*one.fact()),
+    "question": _formula,
+    "memory": _memory,
+    "tree": lambda one: look.tree(one.session.run),
+    "chain": lambda one: look.chain(one.session.run, one.task()),
+    "items": lambda one: look.items(one.session.run),
+    "monitors": lambda one: look.monitored_tasks(one.session.run),
+    "claims": lambda one: look.claims(one.session.run),
+    "requests": lambda one: look.requests(one.session.run),
+    "stack": lambda one: look.stack(one.session.run),
+    "skills": lambda one: look.skills(one.session.run),
+    "names": lambda one: look.names_with_facts(one.session.run),
+    "options": lambda one: list(options.changeable_options(one.session.run)),
+}
+"""What can be asked of a run, in the middle of a cycle too."""
+
+QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
+    **OF_RUNS,
+    "save": lambda one: one.session.run.save(),
+    "fork": lambda one: one.session.run.fork().step(),
+    "world": _world,
+    "why": lambda one: why.why(one.session, one.session.selected or 1),
+    "why a task": lambda one: why.why(one.session, one.task()),
+    "why not": lambda one: why_not.why_not(one.session, one.task()),
+    "why not so": lambda one: why_not.why_not_query(
+        one.session, one.dice.choice(one.formulas)
+    ),
+    "who": lambda one: who.who(one.session, one.pattern("?")),  # type: ignore[arg-type]
+    "what if": _what_if,
+    "commitment": lambda one: commitments.commitment(one.session, one.task()),
+    "stale": lambda one: commitments.stale(one.session),
+    "why failed": lambda one: failures.why_failed(one.session),
+    "between": lambda one: differences.between(one.session, one.cycle(), one.cycle()),
+    "timeline": lambda one: timeline.timeline(one.session),
+    "history": lambda one: history.of_facts(one.session, one.pattern("?")),  # type: ignore[arg-type]
+    "history of an item": lambda one: history.of_item(one.session, str(one.fact()[1])),
+    "retries": lambda one: history.retries(one.session),
+    "deadlines": lambda one: history.deadlines(one.session),
+    "scan": lambda one: one.session.scan(first=one.cycle()),
+    "find": _find_before,
+    "there and back": _there_and_back,
+    "write": _write,
+}
+"""What can be asked of a run and its debugger between two cycles."""
+
+
+class Asked(msgspec.Struct):
+    """What came of a run that was asked."""
+
+    cycles: int
+    #: How often each question was asked and had an answer.
+    answered: dict[str, int]
+    #: Each question that has changed something, with its cycle.
+    changed: list[tuple[str, int]]
+    #: Whether events and state at the end are those of a run that nobody has asked.
+    same: bool
+
+
+def _ask_in_cycles(one: Asker) -> None:
+    """Let a listener ask, at some events of what comes."""
+    asking = False
+
+    def hear(event: Event) -> None:
+        nonlocal asking
+        if not asking and one.dice.random() < _IN_CYCLES:
+            asking = True
+            _answer(one, one.dice.choice(list(OF_RUNS)))
+            asking = False
+
+    one.session.run.listen(hear)
+
+
+def _answer(one: Asker, question: str) -> bool:
+    """Ask a question; whether it had an answer: what was drawn may have none."""
+    try:
+        QUESTIONS[question](one)
+    except (Error, ValueError):
+        return False
+    return True
+
+
+def check(make: Callable[[int], Session], cycles: int, points: int) -> Asked:
+    """Run twice, ask in one of the two runs, and compare.
+
+    Args:
+        make: returns a session that ends after so many cycles.
+        cycles: how many.
+        points: at how many moments questions are asked.
+    """
+    alone, session = make(cycles), make(cycles)
+    alone.go()
+    dice = random.Random(cycles + points)
+    one = Asker(session, dice)
+    _ask_in_cycles(one)
+    found = Asked(alone.cycle, {}, [], False)
+    most = min(points, alone.cycle - 1)
+    for cycle in sorted(dice.sample(range(1, alone.cycle), most)):
+        session.goto(cycle)
+        state, serial = session.run.save(), session.serial
+        for question in dice.sample(list(QUESTIONS), _QUESTIONS_EACH):
+            answered = _answer(one, question)
+            found.answered[question] = found.answered.get(question, 0) + answered
+            if (session.run.save(), session.serial) != (state, serial):
+                found.changed.append((question, cycle))
+                state, serial = session.run.save(), session.serial
+    session.go()
+    same = session.scan() == alone.scan()
+    found.same = same and session.run.save() == alone.run.save()
+    return found
+
+
+def main() -> None:
+    """Ask in all runs and tell what came of it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--points", type=int, default=100)
+    parser.add_argument("--cycles", type=int, default=1000)
+    given = parser.parse_args()
+    failed = False
+    for name, make in RUNS.items():
+        found = check(make, given.cycles, given.points)
+        told = "same" if found.same else "NOT the same"
+        print(
+            f"{name}: {found.cycles} cycles, {sum(found.answered.values())} answers to "
+            f"{len(found.answered)} questions, changed by {found.changed}, {told}",
+            flush=True,
+        )
+        failed |= bool(found.changed) or not found.same
+    raise SystemExit(failed)
+
+
+if __name__ == "__main__":
+    main()
