@@ -36,7 +36,7 @@ def operands(formula: nodes.Formula) -> Operands:
     by_value = _BY_VALUE.get(kind)
     if by_value is not None:
         return by_value(formula)
-    return Operands(**{role: held(formula) for role, held in _HELD[kind]})
+    return _TAKEN[kind](formula)
 
 
 _ROLES: Mapping[str, str] = {
@@ -84,14 +84,24 @@ def _held(
 
 _FIELDS = {kind: _fields(kind) for kind in nodes.Formula.__args__}
 
-_HELD = {
-    kind: [
-        (role, _held(kind, one))
-        for role, one in zip(Operands.__struct_fields__, fields, strict=True)
-        if one
-    ]
-    for kind, fields in _FIELDS.items()
-}
+
+def _taken(
+    kind: type[nodes.Node], roles: tuple[tuple[str, ...], ...]
+) -> Callable[[nodes.Node], Operands]:
+    """Return what takes the operands from a formula of a kind, by role."""
+    held = {at: _held(kind, fields) for at, fields in enumerate(roles) if fields}
+    if len(held) == 1:
+        ((at, only),) = held.items()
+        made: Callable[..., Operands] = Operands
+        before = ((),) * at
+        return lambda formula: made(*before, only(formula))
+    names = Operands.__struct_fields__
+    return lambda formula: Operands(
+        **{names[at]: take(formula) for at, take in held.items()}
+    )
+
+
+_TAKEN = {kind: _taken(kind, fields) for kind, fields in _FIELDS.items()}
 
 PARTS: Mapping[type, tuple[str, ...]] = {
     kind: (*fields[2], *fields[3]) for kind, fields in _FIELDS.items()

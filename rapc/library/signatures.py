@@ -12,7 +12,7 @@ share a table, for a formula does not say which it means.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import msgspec
@@ -183,7 +183,8 @@ class Signatures:
         declared = self.table(use).get(name)
         if declared is None:
             return self.unknown(use, name)
-        if (what := _other_kind(use, declared.kind)) is not None:
+        computed = use == "computed" or declared.kind in _COMPUTED
+        if computed and (what := _other_kind(use, declared.kind)) is not None:
             help_ = ""
             if use == "computed":
                 help_ = f"ask `{declared.written}` in a formula first and use the "
@@ -330,6 +331,10 @@ _NO_FACT: Mapping[Use, str] = {
     "asserted": "cannot be asserted",
     "erased": "cannot be erased",
 }
+
+
+_COMPUTED: Container[Kind] = ("function", "query")
+"""What is asked for without standing in memory."""
 
 
 def _other_kind(use: Use, kind: Kind) -> str | None:

@@ -57,7 +57,9 @@ def _run(run: Pass) -> None:
     for owner, named in run.result(INDEX).variables():
         if not isinstance(owner, nodes.DefineRap | nodes.DefineQuery):
             continue
-        names = {name: uses for name, uses in named.items() if name != "?"}
+        names = named
+        if "?" in named:
+            names = {name: uses for name, uses in named.items() if name != "?"}
         unbound = {m.variable.name for m in missing.get(id(owner), ())}
         once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
         suspects = _suspects(once, names)
