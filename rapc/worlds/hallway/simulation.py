@@ -29,6 +29,7 @@ from rapc.worlds.hallway.channels import (
     SONAR,
     TAGS,
     VOICE,
+    Pose,
     Tag,
 )
 from rapc.worlds.hallway.doors import Lift
@@ -85,10 +86,10 @@ class Simulation:
         # Methods, no lambdas: a copy of the simulation must read its own state.
         self._sensors: dict[str, Callable[[], Any]] = {
             SONAR.name: self._sonar,
-            POSE.name: lambda: robot.pose(self.state.robot),
+            POSE.name: self._pose,
             TAGS.name: self._tags,
-            BATTERY.name: lambda: self.state.robot.battery,
-            CURRENT.name: lambda: self.state.robot.charging,
+            BATTERY.name: self._battery,
+            CURRENT.name: self._current,
             LIFT.name: self._lift_floor,
         }
         self._close_doors()
@@ -200,6 +201,15 @@ class Simulation:
             self._circles(),
             self._chance["laser"],
         )
+
+    def _pose(self) -> Pose:
+        return robot.pose(self.state.robot)
+
+    def _battery(self) -> float:
+        return self.state.robot.battery
+
+    def _current(self) -> bool:
+        return self.state.robot.charging
 
     def _lift_floor(self) -> int:
         cabin = self.state.lift
