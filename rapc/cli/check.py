@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import msgspec
@@ -21,6 +21,7 @@ from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
 from rapc.base.diagnostics import Applicability
 from rapc.base.files import read_standard_input, write_back
+from rapc.base.later import later
 from rapc.base.names import plural
 from rapc.cli.check_options import Chosen, Options, settle
 from rapc.cli.common import (
@@ -34,9 +35,13 @@ from rapc.cli.common import (
     write_output,
 )
 from rapc.cli.options import command, fail, say, settings
-from rapc.cli.watch import watch
 from rapc.library.loader import STANDARD_INPUT
 from rapc.library.units import Units
+
+if TYPE_CHECKING:
+    from rapc.cli import watch
+else:
+    watch = later("rapc.cli.watch")
 
 EXAMPLES = """\b
 Examples:
@@ -109,7 +114,7 @@ def check(**given: Any) -> None:
     _contradict(options)
     if options.watch:
         units = Units()
-        watch(options.paths, lambda: _run(options, units).report.files)
+        watch.watch(options.paths, lambda: _run(options, units).report.files)
         return
     try:
         worst = _run(_with_input(options), Units()).grave

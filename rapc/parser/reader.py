@@ -12,8 +12,9 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from rapc.base.later import later
 from rapc.base.source import SourceFile
 from rapc.language.comments import comment_end
 from rapc.language.grammar import TERMINALS
@@ -25,9 +26,13 @@ from rapc.parser.lexicon import (
     maker,
     string_value,
 )
-from rapc.parser.repair.cut import recover
 from rapc.parser.repair.rejoin import rejoin
 from rapc.parser.syntax import Datum, List, Reading, String
+
+if TYPE_CHECKING:
+    from rapc.parser.repair import cut
+else:
+    cut = later("rapc.parser.repair.cut")
 
 _OPEN_ENDED = {'"': "string", ";": "comment"}
 """What may hold `#|` without beginning a comment, by what it begins with."""
@@ -47,7 +52,7 @@ def read(source: SourceFile) -> Reading:
     forms = _scan(log)
     if forms is None or _swallowed(source.text, forms):
         log = ReadLog(source, lexicon())
-        forms = recover(log)
+        forms = cut.recover(log)
     return log.finish(rejoin(log, forms))
 
 
