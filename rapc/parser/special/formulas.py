@@ -43,8 +43,9 @@ def _leaves(datum: Datum) -> int:
 
 def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
     if type(datum) is List:
-        name = head_of(datum)
-        if name is not None:
+        head = datum.items[0] if datum.items else None
+        if type(head) is Symbol:
+            name = head.name
             read = ctx.formulas.get(name)
             if read is not None:
                 made: nodes.Formula | None = read(ctx, datum)
