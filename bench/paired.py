@@ -121,7 +121,7 @@ def built(checkout: Path, folder: Path) -> Path:
     tree = folder / "tree"
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(tree)
-    for name in ("bench", "stdlib", "examples"):
+    for name in ("bench", "tests", "stdlib", "examples"):
         (tree / name).symlink_to(checkout / name)
     return tree
 
