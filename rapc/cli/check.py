@@ -39,8 +39,13 @@ from rapc.library.loader import STANDARD_INPUT
 from rapc.library.units import Units
 
 if TYPE_CHECKING:
+    from rapc.analysis import baseline, fixes
+    from rapc.analysis import cache as caches
     from rapc.cli import watch
 else:
+    baseline = later("rapc.analysis.baseline")
+    fixes = later("rapc.analysis.fixes")
+    caches = later("rapc.analysis.cache")
     watch = later("rapc.cli.watch")
 
 EXAMPLES = """\b
@@ -179,9 +184,7 @@ def _checked(options: Options, chosen: Chosen, units: Units) -> CheckReport:
     if not options.no_cache and not options.texts:
         file = file_for(chosen.caches, paths, selection)
         if file is not None:
-            from rapc.analysis.cache import Cache  # noqa: PLC0415  # brings hashlib
-
-            cache = Cache(file, paths, selection, units)
+            cache = caches.Cache(file, paths, selection, units)
             say(f"keeps what is found in {file}")
     report = check_files(paths, selection, options.texts, parser=units, cache=cache)
     for name in report.files:
@@ -222,8 +225,6 @@ def _tell(
 
 def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
     """Return a report without what a baseline knows, and words about it."""
-    from rapc.analysis import baseline  # noqa: PLC0415  # hashlib, for few
-
     compared = baseline.compare(report, file)
     words = f"; {compared.known} known from {file}" if compared.known else ""
     if compared.gone:
@@ -233,8 +234,6 @@ def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
 
 def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
     """Write a baseline; that of before may be replaced."""
-    from rapc.analysis import baseline  # noqa: PLC0415  # hashlib, for few
-
     refuse_input("--write-baseline", file, report.files, _OF_LIBRARY)
     refuse_input("--write-baseline", file, [chosen.configured_by], _SETTLED)
     write_output(file, baseline.baseline_text(report, file).encode())
@@ -248,8 +247,6 @@ def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
 
 def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
     """Carry out fixes, or show them; a text on standard input goes to the output."""
-    from rapc.analysis import fixes  # noqa: PLC0415  # for few
-
     before: dict[str, str] = {}
 
     def check(texts: Mapping[str, str]) -> CheckReport:
