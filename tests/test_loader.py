@@ -103,7 +103,7 @@ def test_require_falls_back_on_the_standard_library(tmp_path: Path) -> None:
     loaded = load(["truck.rap"])
     assert loaded.diagnostics == ()
     assert len(loaded.library.raps) > 10
-    assert any(name.endswith("stdlib/truck/world.rap") for name in loaded.files)
+    assert "rapc:truck/world.rap" in loaded.files
 
 
 COPIES = {
@@ -134,6 +134,8 @@ def test_a_copy_of_a_standard_library_stands_for_the_installed_one(
     read = {Path(name).resolve() for name in loaded.files}
     assert {copy / "world.rap", copy / "inner.rap"} <= read
     assert not any(path.is_relative_to(installed.resolve()) for path in read)
+    assert not any(name.startswith("rapc:") for name in loaded.files)
+    assert not any(Path(name).is_absolute() for name in loaded.files)
 
 
 def test_a_folder_that_only_has_the_name_of_a_standard_library_is_not_it(

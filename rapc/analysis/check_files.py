@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rapc.analysis import suppressions
 from rapc.analysis.driver import CheckReport, Finding, check_library, order_of
 from rapc.analysis.selection import Selection
-from rapc.base.files import TEST_SUFFIX
+from rapc.base.files import TEST_SUFFIX, lies_in
 from rapc.base.source import SourceFile, Span
 from rapc.library import loader
 from rapc.library.loader import Loaded, Parse
@@ -95,9 +94,7 @@ def _judged(report: CheckReport, given: Sequence[str]) -> CheckReport:
 
 def _is_given(file: str, given: Sequence[str]) -> bool:
     """Whether a file is among the paths that were named, or below one of them."""
-    return file == loader.STANDARD_INPUT or any(
-        Path(file).is_relative_to(path) for path in given
-    )
+    return file == loader.STANDARD_INPUT or any(lies_in(file, path) for path in given)
 
 
 def _joined(reports: Iterable[CheckReport]) -> CheckReport:

@@ -27,6 +27,14 @@ COMPILED = b"rapc-library "
 LARGEST = 200_000_000
 """How many bytes a file may have; the largest library known has a thousandth of it."""
 
+STANDARD = "rapc:"
+"""How the name of a file of a standard library begins: `rapc:truck/fuel.rap`.
+
+So it is called the same wherever rapc is installed, and whatever that folder is.
+"""
+
+_STANDARD_LIBRARIES = Path(__file__).parents[1] / "stdlib"
+
 _LINE_END = re.compile(rb"\r\n|\r|\n")
 
 Identity = tuple[int, int]
@@ -39,11 +47,43 @@ _Entry = tuple[Path, tuple[Identity, ...] | None]
 # --- which files --------------------------------------------------------------------
 
 
-def path_named(path: str) -> Path:
-    """The path of a name that somebody typed. Raises LoadError for an empty one."""
-    if not path:
-        raise LoadError("`` does not exist")
-    return Path(path)
+def path_named(name: str) -> Path:
+    """Return the path of a name that somebody typed.
+
+    Raises:
+        LoadError: for an empty one, and for a standard library that there is not.
+    """
+    path = path_of(name)
+    if not name or (name.startswith(STANDARD) and not is_there(path)):
+        raise LoadError(f"`{name}` does not exist")
+    return path
+
+
+def path_of(name: str) -> Path:
+    """Return where the file or folder of a name lies, whether there is one or not.
+
+    A name is a path, or that of a part of a standard library: `rapc:truck`.
+    """
+    if name.startswith(STANDARD):
+        return _STANDARD_LIBRARIES / name.removeprefix(STANDARD).lstrip("/")
+    return Path(name)
+
+
+def name_beside(name: str, path: Path) -> str:
+    """Return the name of a path that was reached from the file or folder `name`."""
+    if name.startswith(STANDARD):
+        return f"{STANDARD}{path.relative_to(_STANDARD_LIBRARIES).as_posix()}"
+    return str(path)
+
+
+def names_at(name: str, tests: bool) -> Iterator[str]:
+    """Yield the names of the files at a path that somebody typed; see `files_at`.
+
+    Raises:
+        LoadError: as `path_named` and `files_at`.
+    """
+    for file in files_at(path_named(name), tests):
+        yield name_beside(name, file)
 
 
 def files_at(path: Path, tests: bool) -> Iterator[Path]:
@@ -118,12 +158,26 @@ def _is_rap(name: str, tests: bool) -> bool:
     return name.endswith(SUFFIX) and (tests or not name.endswith(TEST_SUFFIX))
 
 
+def lies_in(name: str, path: str) -> bool:
+    """Whether the name of a file is a path or lies below it, as names are given.
+
+    No standard library lies below the working folder, wherever rapc is installed.
+    """
+    if name == path:
+        return True
+    folder = str(Path(path))
+    if folder == os.curdir:
+        return not (os.path.isabs(name) or name.startswith((os.pardir, STANDARD)))
+    return name == folder or name.startswith(folder + os.sep)
+
+
 def seen_from(root: str, file: str) -> str:
     """Return a path as seen from a folder, or the working one if empty, with `/`.
 
-    The name of a text that is no file, such as `<stdin>`, stays.
+    The name of a text that is no file, such as `<stdin>`, stays, and so does that of a
+    file of a standard library.
     """
-    if file.startswith("<"):
+    if file.startswith(("<", STANDARD)):
         return file
     return Path(os.path.relpath(file, root or os.curdir)).as_posix()
 

@@ -6,7 +6,6 @@ looks in `rapc.console` (findings, formats); here the options are put together.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +19,7 @@ from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
 from rapc.base.diagnostics import Applicability
-from rapc.base.files import read_standard_input, write_back
+from rapc.base.files import lies_in, path_of, read_standard_input, write_back
 from rapc.base.later import later
 from rapc.base.names import plural
 from rapc.cli.check_options import Chosen, Options, settle
@@ -257,7 +256,7 @@ def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
         return report
 
     def allowed(name: str) -> bool:
-        return any(_lies_in(name, path) for path in options.paths)
+        return any(lies_in(name, path) for path in options.paths)
 
     mended = fixes.mend(check, allowed, unsafe=options.unsafe_fixes)
     changed = {n: t for n, t in mended.texts.items() if t != before[n]}
@@ -270,22 +269,12 @@ def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
         return Done(mended.report, bool(changed))
     for name, text in changed.items():
         if name not in options.texts:
-            write_back(Path(name), text)
+            write_back(path_of(name), text)
     for name, text in options.texts.items():
         click.echo(mended.texts.get(name, text), nl=False)
     fixed = f", {count} carried out" if mended.fixed else ""
     apart = bool(options.texts)
     return _tell(mended.report, options, chosen, fixed=fixed, apart=apart)
-
-
-def _lies_in(name: str, path: str) -> bool:
-    """Whether the name of a file is a path or lies below it, as names are given."""
-    if name == path:
-        return True
-    folder = str(Path(path))
-    if folder == os.curdir:
-        return not os.path.isabs(name) and not name.startswith(os.pardir)
-    return name == folder or name.startswith(folder + os.sep)
 
 
 # --- the summary ------------------------------------------------------------------

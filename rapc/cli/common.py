@@ -18,7 +18,7 @@ from typing import TextIO
 import click
 
 from rapc.analysis.driver import CheckReport
-from rapc.base.files import write_whole
+from rapc.base.files import path_of, write_whole
 from rapc.cli.options import USAGE, fail, say, settings
 from rapc.errors import WriteError
 from rapc.library.loader import Loaded, load
@@ -69,7 +69,8 @@ def refuse_input(
         inputs: the files that are read; None is none.
         told: what is said of one: "is a file of the library".
     """
-    if any(each is not None and same_file(file, each) for each in inputs):
+    read = [path_of(str(each)) for each in inputs if each is not None]
+    if any(same_file(file, each) for each in read):
         fail(f"{option}: `{file}` {told}")
 
 

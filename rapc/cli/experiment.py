@@ -110,7 +110,7 @@ def experiment(
 def _session(name: str, parts: Sequence[str], seeds: int | None) -> Batch:
     file = reading.experiment_file(name)
     made = reading.read_experiment(file)
-    return Batch(made, file.parent, lambda at: load_checked(str(at)), parts, seeds)
+    return Batch(made, file.parent, load_checked, parts, seeds)
 
 
 def _folder(name: str) -> Path:

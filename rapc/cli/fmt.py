@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import click
 
 from rapc.analysis import suite
 from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.files import (
-    files_at,
-    path_named,
+    names_at,
+    path_of,
     read_standard_input,
     read_text,
     write_back,
@@ -75,10 +74,10 @@ def _sources(paths: Sequence[str]) -> Iterator[SourceFile]:
         if path == "-":
             yield SourceFile(STANDARD_INPUT, read_standard_input())
             continue
-        for file in files_at(path_named(path), tests=True):
-            if str(file) not in seen:
-                seen.add(str(file))
-                yield SourceFile(str(file), read_text(file))
+        for name in names_at(path, tests=True):
+            if name not in seen:
+                seen.add(name)
+                yield SourceFile(name, read_text(path_of(name)))
 
 
 def _report(source: SourceFile, made: Formatted) -> None:
@@ -95,7 +94,7 @@ def _change(source: SourceFile, text: str, check: bool, differ: bool) -> None:
     elif check:
         click.echo(f"would change {source.name}")
     else:
-        write_back(Path(source.name), text)
+        write_back(path_of(source.name), text)
         say(f"changed {source.name}")
 
 

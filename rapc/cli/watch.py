@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from rapc.base.files import files_at, path_named
+from rapc.base.files import files_at, path_named, path_of
 from rapc.errors import Error, LoadError
 
 _INTERVAL = 0.2
@@ -45,7 +45,7 @@ def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
 
 
 def _snapshot(paths: Iterable[str], others: Iterable[str]) -> Snapshot:
-    return frozenset(_stamps([*_below(paths), *map(Path, others)]))
+    return frozenset(_stamps([*_below(paths), *map(path_of, others)]))
 
 
 def _below(paths: Iterable[str]) -> Iterator[Path]:
@@ -53,7 +53,7 @@ def _below(paths: Iterable[str]) -> Iterator[Path]:
         try:
             yield from files_at(path_named(path), tests=False)
         except LoadError:
-            yield Path(path)
+            yield path_of(path)
 
 
 def _stamps(files: Iterable[Path]) -> Iterator[tuple[str, int, int]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from itertools import zip_longest
 from pathlib import Path
@@ -21,6 +22,9 @@ _DECISIONS = ("task-selected", "method-chosen")
 
 _BROKEN_OFF = ("until", "cycles", "cancelled")
 """Why a run ends that could have gone on: what it did then is not done again."""
+
+_FOLDER = re.compile(r"(^| at ).*[/\\:](?=[^/\\:]+\.rap:[0-9]+)")
+"""The folder of a file whose row is told: alone, or behind words."""
 
 _Event = dict[str, Any]
 
@@ -140,7 +144,8 @@ def parting(session: Stepped, path: Path, *, decisions: bool = False) -> Parting
     mine = _mine(session, decisions)
     others = (e for e in read_events(path) if not decisions or e["event"] in _DECISIONS)
     for here, there in zip_longest(mine, others):
-        if _bare(here, decisions) != _bare(there, decisions):
+        one, other = _bare(here, decisions), _bare(there, decisions)
+        if one != other and _anywhere(one) != _anywhere(other):
             either = here or there or {}
             return Parting(either.get("cycle", 0), here, there)
     return None
@@ -168,3 +173,15 @@ def _bare(event: _Event | None, decisions: bool) -> _Event | None:
     if event is None or not decisions:
         return event
     return {key: value for key, value in event.items() if key != "n"}
+
+
+def _anywhere(told: Any) -> Any:
+    """Return an event without the folders of the files that it names.
+
+    The same library may lie elsewhere, and rapc be installed elsewhere.
+    """
+    if isinstance(told, dict):
+        return {key: _anywhere(value) for key, value in told.items()}
+    if isinstance(told, list):
+        return [_anywhere(value) for value in told]
+    return _FOLDER.sub(r"\1", told) if isinstance(told, str) else told

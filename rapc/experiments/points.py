@@ -13,6 +13,7 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.base.files import STANDARD
 from rapc.base.names import did_you_mean
 from rapc.base.values import format_atom, typed
 from rapc.base.version import VERSION
@@ -48,14 +49,14 @@ class Point(msgspec.Struct, frozen=True):
     #: The settings as the command line takes them, `owner.name` and value.
     texts: Mapping[str, str]
     #: The file or folder of the library.
-    library: Path
+    library: str
     #: The agenda and the tasks given besides.
     agenda: str | None
     tasks: tuple[str, ...]
 
 
 def points(
-    experiment: Experiment, folder: Path, load: Callable[[Path], Program]
+    experiment: Experiment, folder: Path, load: Callable[[str], Program]
 ) -> tuple[Point, ...]:
     """Return the points of all parts, in order.
 
@@ -73,11 +74,11 @@ def points(
 
 
 def _points(
-    experiment: Experiment, folder: Path, load: Callable[[Path], Program]
+    experiment: Experiment, folder: Path, load: Callable[[str], Program]
 ) -> Iterator[Point]:
     world = registry.find_world(experiment.world)
     for part in experiment.part:
-        path = folder / (part.library or experiment.library)
+        path = _named(part.library or experiment.library, folder)
         library = load(path)
         agenda, more = experiment.given(part)
         given = (*_of_agenda(library, agenda), *more)
@@ -91,10 +92,15 @@ def _points(
             yield Point(part.name, value, config, digest, texts, path, agenda, more)
 
 
+def _named(library: str, folder: Path) -> str:
+    """Return how a command names a library that a file in `folder` names."""
+    return library if library.startswith(STANDARD) else str(folder / library)
+
+
 def command(experiment: Experiment, point: Point, seed: int) -> str:
     """Return the command line that repeats one run of a point."""
     values = drawn(experiment.draw, seed)
-    words = ["rapc", "run", str(point.library), "--world", experiment.world]
+    words = ["rapc", "run", point.library, "--world", experiment.world]
     words += ["--seed", str(seed), "--until", format_atom(experiment.until)]
     for name, text in point.texts.items():
         words += ["--set", f"{name}={with_draws(text, values)}"]

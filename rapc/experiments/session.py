@@ -34,7 +34,7 @@ class Batch:
         self,
         made: Experiment,
         folder: Path,
-        load: Callable[[Path], Program],
+        load: Callable[[str], Program],
         parts: Iterable[str] = (),
         seeds: int | None = None,
     ) -> None:

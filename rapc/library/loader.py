@@ -15,12 +15,13 @@ import msgspec
 
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.files import (
+    STANDARD,
     TEST_SUFFIX,
     Identity,
-    files_at,
     fold_line_ends,
     identity_of,
-    path_named,
+    names_at,
+    path_of,
     read_standard_input,
     read_text,
 )
@@ -90,7 +91,7 @@ def load(
             for folders that lead back into themselves.
     """
     names = list(dict.fromkeys(map(str, paths)))
-    given = [Path(name) for name in names if name != "-"]
+    given = [Path(n) for n in names if n != "-" and not n.startswith(STANDARD)]
     reading = _Reading(tests, given=given, texts=texts, parser=parser)
     for path in names:
         if path == "-":
@@ -98,7 +99,7 @@ def load(
         elif path in reading.texts:
             reading.add_first(reading.source(path))
         else:
-            reading.read_all(files_at(path_named(path), tests))
+            reading.read_all(names_at(path, tests))
     return reading.finish()
 
 
@@ -137,13 +138,13 @@ def read_tests(
         if texts is not None and path in texts:
             yield SourceFile(path, texts[path])
             continue
-        whole = path_named(path)
-        for file in files_at(whole, tests=True):
-            if file != whole and not file.name.endswith(TEST_SUFFIX):
+        for name in names_at(path, tests=True):
+            file = path_of(name)
+            if file != path_of(path) and not name.endswith(TEST_SUFFIX):
                 continue
             if identity_of(file) not in seen:
                 seen.add(identity_of(file))
-                yield SourceFile(str(file), read_text(file))
+                yield SourceFile(name, read_text(file))
 
 
 @gc_paused()
@@ -167,7 +168,8 @@ class _Opened(msgspec.Struct, frozen=True):
     """A file that was parsed while the files that it requires are being read."""
 
     unit: SourceUnit
-    required: Iterator[Path]
+    #: The names of files.
+    required: Iterator[str]
 
 
 class _Reading:
@@ -205,35 +207,36 @@ class _Reading:
         #: The files that each file requires, by its name.
         self.required: dict[str, list[Identity]] = {}
 
-    def read_all(self, paths: Iterable[Path]) -> None:
+    def read_all(self, names: Iterable[str]) -> None:
         """Read files that were not read before, under whatever name."""
-        for path in paths:
-            if self._is_new(path):
-                self.add(self.source(str(path)))
+        for name in names:
+            if self._is_new(name):
+                self.add(self.source(name))
 
     def source(self, name: str) -> SourceFile:
         """Read a file, or standard input, unless another text stands for it."""
         text = self.texts.get(name)
         if text is None:
             is_input = name == STANDARD_INPUT
-            text = read_standard_input() if is_input else read_text(Path(name))
+            text = read_standard_input() if is_input else read_text(path_of(name))
         return SourceFile(name, text)
 
     def add_first(self, source: SourceFile) -> None:
         """Parse a file that was read before this began, or a text; see `add`."""
-        if os.path.lexists(source.name):
-            self.seen.setdefault(identity_of(Path(source.name)), source.name)
+        path = path_of(source.name)
+        if os.path.lexists(path):
+            self.seen.setdefault(identity_of(path), source.name)
         self.add(source)
 
     def add(self, source: SourceFile) -> None:
         """Parse a text, after all that it requires."""
         opened = [self._open(source)]
         while opened:
-            path = next(opened[-1].required, None)
-            if path is None:
+            name = next(opened[-1].required, None)
+            if name is None:
                 self.units.append(opened.pop().unit)
-            elif self._is_new(path):
-                opened.append(self._open(self.source(str(path))))
+            elif self._is_new(name):
+                opened.append(self._open(self.source(name)))
 
     def finish(self) -> Loaded:
         """Link what was read."""
@@ -246,27 +249,27 @@ class _Reading:
         found = (*own, *self.missing, *names)
         return Loaded(linked, tuple(self.units), found, required)
 
-    def _is_new(self, path: Path) -> bool:
-        identity = identity_of(path)
+    def _is_new(self, name: str) -> bool:
+        identity = identity_of(path_of(name))
         is_new = identity not in self.seen
-        self.seen.setdefault(identity, str(path))
+        self.seen.setdefault(identity, name)
         return is_new
 
     def _open(self, source: SourceFile) -> _Opened:
         unit = self.parser(source)
-        required = self._required(unit, Path(source.name)) if self.follow else iter(())
+        required = self._required(unit, source.name) if self.follow else iter(())
         return _Opened(unit, required)
 
-    def _required(self, unit: SourceUnit, path: Path) -> Iterator[Path]:
+    def _required(self, unit: SourceUnit, requiring: str) -> Iterator[str]:
         for form in self._requires(unit):
-            target = resolve(form.name, path, self.given)
-            found = [] if target is None else list(files_at(target, self.tests))
+            target = resolve(form.name, requiring, self.given)
+            found = [] if target is None else list(names_at(target, self.tests))
             if not found:
-                self.missing.append(unresolved(form, path))
-            for file in found:
+                self.missing.append(unresolved(form, path_of(requiring)))
+            for name in found:
                 there = self.required.setdefault(unit.file.name, [])
-                there.append(identity_of(file))
-                yield file
+                there.append(identity_of(path_of(name)))
+                yield name
 
     def _requires(self, unit: SourceUnit) -> Iterator[nodes.Require]:
         for form in unit.forms:

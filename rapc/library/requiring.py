@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
-from rapc.base.files import SUFFIX
+from rapc.base.files import STANDARD, SUFFIX, name_beside, path_of
 from rapc.base.names import nearest
 from rapc.ir import nodes
 
@@ -37,52 +37,60 @@ is missing, so most of what uses it would be reported as unknown too.""",
 
 def standard_libraries() -> tuple[str, ...]:
     """The names of the standard libraries that are installed, sorted."""
-    folder = _stdlib()
+    folder = path_of(STANDARD)
     if not folder.is_dir():
         return ()
     return tuple(sorted(e.name.removesuffix(SUFFIX) for e in folder.iterdir()))
 
 
-def _stdlib() -> Path:
-    return Path(__file__).parents[1] / "stdlib"
-
-
-def resolve(name: str, requiring: Path, given: Sequence[Path]) -> Path | None:
+def resolve(name: str, requiring: str, given: Sequence[Path]) -> str | None:
     """Return the file or folder a `require` means; never the requiring file itself.
 
-    A copy of a standard library among the paths `given`, or one that contains the
-    requiring file, stands for the installed one, also where one file of it is required:
-    else all its names were defined twice.
+    It is named as the requiring file was, or `rapc:truck` if it comes with rapc. A copy
+    of a standard library among the paths `given`, or one that contains the requiring
+    file, stands for the installed one, also where one file of it is required: else all
+    its names were defined twice.
     """
     if os.path.isabs(name):
         return None
-    beside = _in_folder(name, requiring.parent, requiring)
+    here = path_of(requiring)
+    beside = _in_folder(name, here.parent, here)
     if beside is not None:
-        return beside
-    installed = _in_folder(name, _shown(_stdlib()), requiring)
+        return name_beside(requiring, beside)
+    installed = _in_folder(name, path_of(STANDARD), here)
     if installed is None:
         return None
     library, _, inner = name.partition("/")
-    for copy in _copies(library, _stdlib() / library, requiring, given):
-        meant = _in_folder(inner, copy, requiring) if inner else copy
+    own = None if requiring.startswith(STANDARD) else here
+    for copy in _copies(library, path_of(STANDARD + library), own, given):
+        meant = _in_folder(inner, copy, here) if inner else copy
         if meant is not None:
-            return meant
-    return installed
+            return str(meant)
+    return name_beside(STANDARD, installed)
 
 
 def _copies(
-    name: str, installed: Path, requiring: Path, given: Sequence[Path]
+    name: str, installed: Path, requiring: Path | None, given: Sequence[Path]
 ) -> Iterator[Path]:
-    """Yield the copies of an installed library that a reader would take for it."""
+    """Yield the copies of an installed library that a reader would take for it.
+
+    Args:
+        name: the library.
+        installed: where it is installed.
+        requiring: the file that requires it; None for one that is installed, too.
+        given: the paths that the user named.
+    """
     for path in given:
         real = path.resolve()
         for folder in (path, path / name):
             same = folder is not path or real.name == name
             if same and _is_copy(folder, installed):
                 yield folder
+    if requiring is None:
+        return
     for folder in requiring.resolve().parents:
         if folder.name == name and _is_copy(folder, installed):
-            yield _shown(folder)
+            yield folder if requiring.is_absolute() else Path(os.path.relpath(folder))
 
 
 def _is_copy(folder: Path, installed: Path) -> bool:
@@ -99,12 +107,6 @@ def _in_folder(name: str, folder: Path, requiring: Path) -> Path | None:
     if os.path.isfile(file) and file != requiring:
         return file
     return folder / name if name and os.path.isdir(folder / name) else None
-
-
-def _shown(path: Path) -> Path:
-    """A path as it is best printed: relative to the working folder if below it."""
-    here = Path.cwd()
-    return path.relative_to(here) if path.is_relative_to(here) else path
 
 
 def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:

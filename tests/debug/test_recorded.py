@@ -30,6 +30,23 @@ def test_a_trace_is_that_of_rapc_run(tmp_path: Path) -> None:
     assert recorded.parting(shell.session, mine) is None
 
 
+@pytest.mark.parametrize(
+    "folder", ["/an/old place/stdlib/truck/", "C:\\\\rapc\\\\truck\\\\"]
+)
+def test_a_trace_from_elsewhere_is_the_same_run(folder: str, tmp_path: Path) -> None:
+    mine, other = tmp_path / "mine.jsonl", tmp_path / "other.jsonl"
+    options = {"arm1-drops": 90, "arm2-drops": 90}
+    shell = Shell(truck(options=options), commands())
+    shell.answer(":to at 300")
+    said(shell, f":record {mine}", width=200)
+    told = mine.read_text()
+    assert told.count("rapc:truck/") > 1
+    other.write_text(told.replace("rapc:truck/", folder))
+    assert recorded.parting(shell.session, other) is None
+    other.write_text(told.replace("rapc:truck/grasping", "rapc:truck/moving"))
+    assert recorded.parting(shell.session, other) is not None
+
+
 def test_a_recorded_run_is_opened_and_can_be_taken_back(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     rapc(

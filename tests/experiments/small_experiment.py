@@ -74,7 +74,7 @@ def session(
     return Batch(made, CHECKOUT, checked, parts, seeds)
 
 
-def checked(path: Path) -> Program:
+def checked(path: str) -> Program:
     """A library without errors."""
     return load(path).program
 
