@@ -21,7 +21,7 @@ from rapc.base import files
 from rapc.base.gc_paused import gc_paused
 from rapc.base.later import later
 from rapc.base.source import SourceFile, place
-from rapc.base.values import Atom, Fact, format_list
+from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, Error, RefusedError, TextError
 from rapc.ir.nodes import DefineRap, Method
@@ -33,8 +33,9 @@ from rapc.runtime.arguments import kind, need_time
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.prepare import Given, prepare
 from rapc.runtime.settings import Settings
-from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
+from rapc.runtime.task_request import TaskRequest, of_agenda, read_task_request
 from rapc.world import Callables, Time, World
 from rapc.worlds.registry import build_world, check_options, find_world
 
@@ -141,26 +142,23 @@ class CheckedLibrary:
             PortError: if the world breaks.
         """
         first = () if agenda is None else of_agenda(self.program.library, agenda)
-        later = _listed(tasks, "tasks")
-        requests = [*first, *map(_request, later)]
+        requests = [_request(task) for task in _listed(tasks, "tasks")]
         known = [_fact(fact) for fact in _listed(facts, "facts")]
-        made, given = _world(world, seed, options)
-        run = Interpreter(
-            self.program, made, seed, settings, functions, solvers, comparators
+        made, chosen = _world(world, seed, options)
+        given = Given(
+            seed=seed,
+            settings=settings,
+            tasks=[*first, *requests],
+            facts=known,
+            options=chosen,
+            functions=functions,
+            solvers=solvers,
+            comparators=comparators,
         )
-        run.check(requests)
-        for fact in known:
-            run.check_fact(*fact)
+        run = prepare(self.program, made, given)
         for listener in listeners:
-            run.listen(listener)
-        texts = [task if isinstance(task, str) else as_text(task) for task in later]
-        told = [format_list(fact) for fact in known]
-        run.start(given, [*map(as_text, first), *texts], facts=told)
-        for fact in known:
-            run.assert_fact(*fact)
-        for request in requests:
-            run.submit(request)
-        return run
+            run.interpreter.listen(listener)
+        return run.begin()
 
 
 class RunResult(msgspec.Struct, frozen=True):

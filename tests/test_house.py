@@ -124,6 +124,12 @@ def test_no_import_hides_in_a_function(modules: Sequence[Module]) -> None:
     assert hidden == []
 
 
+def test_all_runs_begin_in_one_way(modules: Sequence[Module]) -> None:
+    """A run is made by `rapc.runtime.prepare`, or of another run (save, fork)."""
+    makers = [m.name for m in modules if re.search(r"\bInterpreter\(", m.text)]
+    assert makers == ["rapc/runtime/interpreter.py", "rapc/runtime/prepare.py"]
+
+
 def test_no_two_helpers_of_tests_have_one_name() -> None:
     helpers = Counter(
         path.name

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import click
 
 from rapc.base.later import later
-from rapc.base.values import Fact, format_list
 from rapc.cli.options import fail
 from rapc.compiler.program import Program
 from rapc.errors import FactError, RefusedError, SettingError, TextError
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
-from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.prepare import Given, PreparedRun, prepare
 from rapc.runtime.settings import read_settings
-from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
+from rapc.runtime.task_request import TaskRequest, of_agenda, read_task_request
 from rapc.world import World
 from rapc.worlds import registry
 
@@ -43,29 +42,6 @@ class RunOptions(NamedTuple):
     facts: Sequence[str] = ()
     values: Sequence[str] = ()
     faults: Sequence[str] = ()
-
-
-class GivenRun(NamedTuple):
-    """A run that has not begun, and what it is to begin with."""
-
-    interpreter: Interpreter
-    world: World
-    #: The options of the world that were given.
-    options: Mapping[str, Any]
-    requests: tuple[TaskRequest, ...]
-    facts: tuple[Fact, ...]
-    #: The tasks and faults as texts, for the trace.
-    tasks: tuple[str, ...]
-    faults: tuple[str, ...]
-
-    def begin(self) -> None:
-        """Begin the run: facts first, then tasks."""
-        facts = [format_list(fact) for fact in self.facts]
-        self.interpreter.start(self.options, self.tasks, self.faults, facts)
-        for fact in self.facts:
-            self.interpreter.assert_fact(*fact)
-        for request in self.requests:
-            self.interpreter.submit(request)
 
 
 def run_options(command: F) -> F:
@@ -114,27 +90,63 @@ def run_options(command: F) -> F:
     return command
 
 
-def prepare(library: Program, world_name: str, given: RunOptions) -> GivenRun:
+def prepared(library: Program, world_name: str, asked: RunOptions) -> PreparedRun:
     """Return a run of a library in a world that can begin; else end the command.
 
     Args:
         library: what is run.
         world_name: the name of a world, or `module:Class`.
-        given: what the run is to begin with.
+        asked: what the run is to begin with.
     """
-    first = _of_agenda(library, given.agenda)
-    tasks = [read_option("--task", read_task_request, text) for text in given.tasks]
-    requests = (*first, *tasks)
-    facts = tuple([read_option("--fact", parse_fact, text) for text in given.facts])
+    first = _of_agenda(library, asked.agenda)
+    tasks = [read_option("--task", read_task_request, text) for text in asked.tasks]
+    facts = [read_option("--fact", parse_fact, text) for text in asked.facts]
     faults = [
-        read_option("--fault", fault_texts.read_fault, text) for text in given.faults
+        read_option("--fault", fault_texts.read_fault, text) for text in asked.faults
     ]
-    interpreter, options, world = _build(library, world_name, given, faults)
-    _refuse(interpreter, requests, facts)
-    texts = (*map(as_text, first), *given.tasks)
-    return GivenRun(
-        interpreter, world, options, requests, facts, texts, tuple(given.faults)
+    world_class = registry.find_world(world_name)
+    own, theirs = _by_owner(world_class, asked.values)
+    options = registry.read_options(world_class, theirs)
+    world = registry.build_world(world_class, asked.seed, options)
+    world = _with_faults(world, library.library, faults, asked.seed)
+    given = Given(
+        seed=asked.seed,
+        settings=read_option("--set", read_settings, own),
+        tasks=[*first, *tasks],
+        facts=facts,
+        options=options,
+        faults=asked.faults,
     )
+    return _prepared(library, world, given)
+
+
+def _prepared(library: Program, world: World, given: Given) -> PreparedRun:
+    """Prepare a run; what cannot be run ends the command."""
+    try:
+        return prepare(library, world, given)
+    except RefusedError as refused:
+        others = registry.having(refused.lacking) if refused.lacking else ()
+        meant = [f"the world `{name}` has them all" for name in others]
+        fail(*refused.reasons, *meant)
+    except FactError as error:
+        fail(f"--fact: {error}")
+
+
+def _by_owner(
+    world: type[World], values: Sequence[str]
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the settings of the interpreter, and the options of the world, as texts.
+
+    A value of neither ends the command.
+    """
+    own: dict[str, str] = {}
+    theirs: dict[str, str] = {}
+    for given in values:
+        owner, name, value = registry.split_setting(given)
+        if owner not in ("rapc", world.name):
+            fail(f"--set: `{owner}` is neither `rapc` nor `{world.name}`")
+        (own if owner == "rapc" else theirs)[name] = value
+    return own, theirs
 
 
 def _of_agenda(library: Program, name: str | None) -> tuple[TaskRequest, ...]:
@@ -167,39 +179,3 @@ def _with_faults(
         if wrong is not None:
             fail(f"--fault: {wrong}")
     return worlds_faults.FaultyWorld(world, faults, seed)
-
-
-def _build(
-    library: Program,
-    world_name: str,
-    given: RunOptions,
-    faults: Sequence[InjectedFault],
-) -> tuple[Interpreter, Mapping[str, Any], World]:
-    """The interpreter for a library in a world; ends the command if it cannot be."""
-    own: dict[str, str] = {}
-    texts: dict[str, str] = {}
-    world_class = registry.find_world(world_name)
-    for setting in given.values:
-        owner, name, value = registry.split_setting(setting)
-        if owner not in ("rapc", world_class.name):
-            fail(f"--set: `{owner}` is neither `rapc` nor `{world_class.name}`")
-        (own if owner == "rapc" else texts)[name] = value
-    options = registry.read_options(world_class, texts)
-    world = registry.build_world(world_class, given.seed, options)
-    world = _with_faults(world, library.library, faults, given.seed)
-    try:
-        settings = read_option("--set", read_settings, own)
-        return Interpreter(library, world, given.seed, settings), options, world
-    except RefusedError as refused:
-        others = registry.having(refused.lacking) if refused.lacking else ()
-        meant = [f"the world `{name}` has them all" for name in others]
-        fail(*refused.reasons, *meant)
-
-
-def _refuse(
-    interpreter: Interpreter, requests: Sequence[TaskRequest], facts: Sequence[Fact]
-) -> None:
-    """Refuse tasks and facts that cannot be, before anything is run or written."""
-    interpreter.check(requests)
-    for fact in facts:
-        read_option("--fact", lambda parts: interpreter.check_fact(*parts), fact)

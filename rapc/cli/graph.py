@@ -15,7 +15,7 @@ from rapc.base.names import did_you_mean
 from rapc.base.values import format_atom, number
 from rapc.cli.checked import load_checked
 from rapc.cli.common import print_findings, read_paths
-from rapc.cli.given import RunOptions, prepare, run_options
+from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import USAGE, Amount, command, fail
 from rapc.ir import nodes
 from rapc.library.library import Library
@@ -109,13 +109,12 @@ _SKILLS: Mapping[str, Callable[[Drawing], str]] = {
 
 def _network(path: str, world_name: str, moment: float, given: RunOptions) -> Drawing:
     """Return the network of skills at a time of a run; else end the command."""
-    begun = prepare(load_checked(path), world_name, given)
-    world = inspect.unwrap(begun.world)  # type: ignore[arg-type]  # an object, too
+    ready = prepared(load_checked(path), world_name, given)
+    world = inspect.unwrap(ready.world)  # type: ignore[arg-type]  # an object, too
     if not isinstance(world, Networked):
         fail(f"the world `{world.name}` has no network of skills to be drawn")
     found: list[Drawing] = []
-    run, time = begun.interpreter, number(moment)
-    begun.begin()
+    run, time = ready.begin(), number(moment)
     run.call_at(time, lambda: found.append(world.network()))
     reason = run.run(until=time)
     if not found:

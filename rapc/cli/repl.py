@@ -12,7 +12,7 @@ import click
 from rapc.base.values import typed
 from rapc.cli.checked import load_checked
 from rapc.cli.common import width_of
-from rapc.cli.given import GivenRun, RunOptions, prepare, run_options
+from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import command, fail, settings
 from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
@@ -26,6 +26,7 @@ from rapc.library.digest import digest
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
+from rapc.runtime.prepare import PreparedRun
 from rapc.worlds.registry import find_world
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -86,8 +87,8 @@ def repl(
         fail("a world is missing: give --world", "`rapc worlds` lists those installed")
     else:
         program = load_checked(path)
-        begun = prepare(program, world_name, asked)
-        shell = Shell(_session(begun), commands(), [path])
+        ready = prepared(program, world_name, asked)
+        shell = Shell(_session(ready), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
         from rapc.repl.prompt import Prompt, history_file  # noqa: PLC0415  # slow
@@ -132,17 +133,16 @@ def _at_hand(begun: Beginnings) -> Program | str:
         return error.message
 
 
-def _again(library: Program, begun: Beginnings) -> GivenRun:
+def _again(library: Program, begun: Beginnings) -> PreparedRun:
     """Return a run that can be begun as a recorded one was."""
     values = [f"{begun.world}.{name}={typed(v)}" for name, v in begun.options.items()]
     values += [f"rapc.{name}={typed(v)}" for name, v in begun.settings.items()]
     given = (begun.tasks, None, begun.seed, begun.facts, values, begun.faults)
-    return prepare(library, begun.world, RunOptions(*given))
+    return prepared(library, begun.world, RunOptions(*given))
 
 
-def _session(begun: GivenRun) -> Session:
+def _session(ready: PreparedRun) -> Session:
     """Begin the run, and put it under a debugger."""
     log = EventLog()
-    begun.interpreter.listen(log)
-    begun.begin()
-    return Session(begun.interpreter, log)
+    ready.interpreter.listen(log)
+    return Session(ready.begin(), log)

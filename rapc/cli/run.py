@@ -16,7 +16,7 @@ from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import refuse_input
-from rapc.cli.given import RunOptions, prepare, run_options
+from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.errors import reason
 from rapc.library.library import Library
@@ -95,10 +95,10 @@ def run(
         fail("there is nothing to do: give --task or --agenda")
     library = load_checked(path)
     end = _time(until)
-    given = prepare(library, world_name, asked)
+    ready = prepared(library, world_name, asked)
     if end is None:
-        _tell_endless(given.requests, library.library)
-    interpreter, world = given.interpreter, given.world
+        _tell_endless(ready.given.tasks, library.library)
+    interpreter, world = ready.interpreter, ready.world
     drawn = _drawable(world, world_name) if show else None
     report = RunReport()
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
@@ -113,7 +113,7 @@ def run(
                 _show(stack, interpreter, drawn, show_every or 0)
             elif not settings().quiet:
                 interpreter.listen(TextTrace(_Shown(sys.stdout)))
-            given.begin()
+            ready.begin()
         interpreter.run(until=end)
     for line in report.lines():
         click.echo(visible(line))

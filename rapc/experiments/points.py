@@ -31,7 +31,7 @@ from rapc.experiments.definition import Experiment, ExperimentError, Series
 from rapc.experiments.draws import Value, drawn, extremes, names_in, with_draws
 from rapc.experiments.measures import LABELS, figures_of
 from rapc.experiments.run import counted_tasks
-from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.prepare import Given, prepare
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
 from rapc.world import World
@@ -237,7 +237,7 @@ def _try(library: Program, world: type[World], config: PointConfig) -> None:
         tasks = _tasks(settled.tasks)
         _uncounted(settled, tasks)
         made = registry.build_world(world, 0, world_options(world, settled.options))
-        Interpreter(library, made).check(tasks)
+        prepare(library, made, Given(tasks=tasks))
         _figures(made, config.figures)
 
 

@@ -21,7 +21,7 @@ from rapc.experiments.config import PointConfig, digest_of_code, resolved, world
 from rapc.experiments.draws import drawn
 from rapc.experiments.measures import Measures, Tally, figures_of, tasks_told
 from rapc.library.loader import load_sources
-from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.prepare import Given, prepare
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.worlds import registry
@@ -84,16 +84,15 @@ def measure(config: PointConfig, seed: int) -> Measures:
     world = registry.build_world(world_class, seed, options)
     library = _compiled(config.library, config.sources, threading.get_ident())
     settings = msgspec.convert(config.settings, Settings)
-    interpreter = Interpreter(library, world, seed, settings)
-    tally = Tally(world.kit.offer, config.count)
-    interpreter.listen(tally, *Tally.kinds)
     tasks = [read_task_request(task) for task in config.tasks]
-    interpreter.start()
-    for task in tasks:
-        interpreter.submit(task)
+    given = Given(seed=seed, settings=settings, tasks=tasks, options=options)
+    ready = prepare(library, world, given)
+    tally = Tally(world.kit.offer, config.count)
+    ready.interpreter.listen(tally, *Tally.kinds)
+    interpreter = ready.begin()
     reason = interpreter.run(until=config.until)
-    given = [str(task.goal[0]) for task in counted_tasks(tasks, config.counted)]
-    told = tasks_told(given, interpreter.results())
+    raps = [str(task.goal[0]) for task in counted_tasks(tasks, config.counted)]
+    told = tasks_told(raps, interpreter.results())
     ends = [task.outcome for task in told]
     completed, given_up = ends.count("succeeded"), ends.count("failed")
     figures = figures_of(world) if config.figures else {}
@@ -103,7 +102,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
         time=interpreter.now,
         completed=completed,
         given_up=given_up,
-        pending=len(given) - completed - given_up,
+        pending=len(raps) - completed - given_up,
         effector=tally.effector,
         sensor=tally.sensor,
         failed=tally.failed,

@@ -13,12 +13,12 @@ import msgspec
 
 from rapc.analysis.driver import Finding
 from rapc.base.source import Span
-from rapc.base.values import format_atom, format_list
+from rapc.base.values import format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
-from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.prepare import Given, prepare
 from rapc.runtime.task_request import TaskRequest, of_agenda, of_node
 from rapc.testing.admission import Problem, options_of, problems
 from rapc.testing.answers import UnansweredQuestion, functions
@@ -114,7 +114,7 @@ def run_case(
     except WorldError as error:
         said = f"{error.message}; {error.help}" if error.help else error.message
         return _error(case, seed, [Problem(place, said)])
-    except PortError as error:
+    except (FactError, PortError) as error:
         return _error(case, seed, [Problem(place, error.message)])
     except RefusedError as error:
         return _error(case, seed, [Problem(place, line) for line in error.reasons])
@@ -163,6 +163,7 @@ class _Run:
 
     Raises:
         RefusedError: if the library or a task cannot be run.
+        FactError: for a fact that the declarations do not allow.
     """
 
     def __init__(self, case: Case, seed: int, kit: Kit, wrap: Wrap | None) -> None:
@@ -181,14 +182,16 @@ class _Run:
             kit=kit,
             leaving=self._leaving,
         )
-        self.interpreter = Interpreter(
-            case.library,
-            scripted if wrap is None else wrap(scripted, seed),
-            seed,
+        given = Given(
+            seed=seed,
+            tasks=_first_tasks(case),
+            later=_later_tasks(case.test),
+            facts=[flat(fact) for fact in case.test.facts],
             functions=functions(case.test.answers),
         )
-        self._tasks = _first_tasks(case)
-        self.interpreter.check([*self._tasks, *_later_tasks(case.test)])
+        world = scripted if wrap is None else wrap(scripted, seed)
+        self._ready = prepare(case.library, world, given)
+        self.interpreter = self._ready.interpreter
 
     # --- while it runs -----------------------------------------------------------
 
@@ -200,13 +203,9 @@ class _Run:
         until = test.until or nodes.Until(LATEST, None)
         cycles = MOST_CYCLES if until.cycles is None else until.cycles
         try:
-            interpreter.start(tasks=[format_list(task.goal) for task in self._tasks])
-            for fact in test.facts:
-                interpreter.assert_fact(*flat(fact))
             for number, at in enumerate(test.ats):
                 interpreter.call_at(at.time, self._action(number, at))
-            for task in self._tasks:
-                interpreter.submit(task)
+            self._ready.begin()
             interpreter.run(until=until.time, cycles=cycles)
         except (UnansweredRequest, UnansweredQuestion) as error:
             self._fail(test.name_span, str(error))

@@ -238,8 +238,12 @@ def test_tasks_that_a_program_gave_as_requests_are_in_it(tmp_path: Path) -> None
     assert statuses(path) == [Status.PASSED]
 
 
-def test_a_task_that_comes_later_is_given_then(tmp_path: Path) -> None:
-    shell = arms(tmp_path, *DROPS, *CATCHES, task="(pick-up box) :priority 2 :at 7")
+@pytest.mark.parametrize(
+    "task",
+    ["(pick-up box) :priority 2 :at 7", "(Pick-up  box)  :at  7.0 :priority 2"],
+)
+def test_a_task_that_comes_later_is_given_then(tmp_path: Path, task: str) -> None:
+    shell = arms(tmp_path, *DROPS, *CATCHES, task=task)
     path = tmp_path / "later.test.rap"
     assert "passes now" in said(shell, ":run", f":export-test {path}", width=400)
     written = path.read_text(encoding="utf-8")

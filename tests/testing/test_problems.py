@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from rapc.base.source import place
@@ -95,6 +96,19 @@ def test_all_that_is_wrong_is_told_at_its_place(tmp_path: Path) -> None:
     places = [place(failure.span, files) for failure in outcome.failures]
     ends = [each.removeprefix(str(tmp_path / "it.test.rap")) for each in places]
     assert ends == [f":{rows + 2}:25", f":{rows + 3}:18"]
+
+
+def test_a_fact_that_no_checker_has_seen_is_refused_before_the_run(
+    tmp_path: Path,
+) -> None:
+    """A program may make a case of a test that was not checked."""
+    found = cases(tmp_path, f"{LIBRARY}\n(define-test it (facts (hold box)))")["it"]
+    told: list[object] = []
+    unchecked = msgspec.structs.replace(found, faults=())
+    outcome = run_case(unchecked, listener=told.append)
+    assert outcome.status is Status.ERROR
+    assert happened(outcome) == ["`hold` is not declared"]
+    assert told == []
 
 
 def test_a_request_without_an_answer_fails_the_test(tmp_path: Path) -> None:

@@ -1,0 +1,81 @@
+"""How runs begin: what is refused before anything happens, and what is told first."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import rapc
+from rapc.errors import FactError, RefusedError
+from rapc.runtime.events import events
+from rapc.runtime.prepare import Given, prepare
+from rapc.runtime.task_request import TaskRequest
+from rapc.testing import discover
+from rapc.testing.run import run_case
+from rapc.worlds.scripted import ScriptedWorld
+
+from .helpers import DECLARATIONS, compiled
+
+RAPS = "(define-rap (do ?x) (succeed (p ?x)) (method (primitive (act ?x))))"
+TEST = """
+(define-test it
+  (script ((act ?x) okay :asserts ((p ?x))))
+  (facts (go) (q a 4))
+  (task (do a) :background true :deadline 90 :priority 2)
+  (task (do b))
+  (expect (memory (p b))))
+"""
+LIBRARY = compiled(RAPS)
+DO_A = TaskRequest(("do", "a"))
+DO_B = TaskRequest(("do", "b"))
+
+
+def told_first(told: list[events.Event]) -> tuple[object, object]:
+    """Return the tasks and facts of which the first event tells."""
+    begun = told[0]
+    assert isinstance(begun, events.RunStarted)
+    return begun.tasks, begun.facts
+
+
+def test_a_test_tells_what_it_begins_with_as_a_program_does(tmp_path: Path) -> None:
+    path = tmp_path / "it.test.rap"
+    path.write_text(DECLARATIONS + RAPS + TEST, encoding="utf-8")
+    [case] = discover.find([path]).cases
+    of_test: list[events.Event] = []
+    of_program: list[events.Event] = []
+    run_case(case, listener=of_test.append)
+    library = rapc.loads(DECLARATIONS + RAPS)
+    library.start(
+        ScriptedWorld([], declared=library.program.library),
+        tasks=["(Do  a)  :background true :deadline 90.0 :priority 2", DO_B],
+        facts=["(go)", ("q", "a", 4)],
+        listeners=[of_program.append],
+    )
+    assert told_first(of_test) == told_first(of_program)
+    assert told_first(of_test) == (
+        ("(do a) :priority 2 :deadline 90 :background true", "(do b)"),
+        ("(go)", "(q a 4)"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "message"),
+    [
+        (Given(tasks=[TaskRequest(("dance",))]), RefusedError, "called `dance`"),
+        (Given(later=[TaskRequest(("do",))]), RefusedError, "has 1 input, not 0"),
+        (Given(facts=[("p", "a"), ("p",)]), FactError, "takes 1 argument, not 0"),
+    ],
+)
+def test_what_cannot_be_run_is_refused_before_anything_happens(
+    given: Given, error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        prepare(LIBRARY, ScriptedWorld([], declared=LIBRARY.library), given)
+
+
+def test_tasks_of_later_are_not_submitted() -> None:
+    world = ScriptedWorld([], declared=LIBRARY.library)
+    ready = prepare(LIBRARY, world, Given(tasks=[DO_A], later=[DO_B]))
+    assert ready.interpreter.agenda() == ()
+    assert [str(entry.goal) for entry in ready.begin().agenda()] == ["(do a)"]
