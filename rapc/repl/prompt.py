@@ -15,6 +15,8 @@ from pathlib import Path
 from types import FrameType
 
 from prompt_toolkit import PromptSession
+from prompt_toolkit.application import Application
+from prompt_toolkit.application.current import get_app_or_none
 from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
 from prompt_toolkit.completion import (
     CompleteEvent,
@@ -158,9 +160,8 @@ class Prompt:
         sys.stdout.write(f"{shell.subject.stand()}; {GREETING}\n")
         interrupted = False
         while not shell.left:
-            fresh()
             try:
-                text = self._session.prompt()
+                text = self._session.prompt(pre_run=fresh, handle_sigint=False)
             except EOFError:
                 return
             except KeyboardInterrupt:
@@ -200,30 +201,51 @@ class Prompt:
 def _pausing(shell: Shell) -> Iterator[Callable[[], None]]:
     """Let Ctrl-C pause the run, and twice break off what is being carried out.
 
-    While an input is typed, the prompt takes Ctrl-C for itself.
+    While an input is typed, Ctrl-C clears it. The terminal then hands it over as a key;
+    as a signal it comes from elsewhere, or while the prompt begins or ends. The handler
+    that the prompt would install takes no signal once the input is sent: it fails.
 
     Yields:
-        what to call before an input is typed: earlier Ctrl-Cs do not count for it.
+        what to call when an input is about to be typed: earlier Ctrl-Cs do not count
+        for it.
     """
     times = 0
 
-    def pause(number: int, frame: FrameType | None) -> None:
+    def pause() -> None:
         nonlocal times
         times += 1
         if times > 1:
             raise KeyboardInterrupt
         shell.subject.pause()
 
+    def clear(prompt: Application[str]) -> None:
+        if _is_typed(prompt):
+            prompt.exit(exception=KeyboardInterrupt(), style="class:aborting")
+        else:
+            pause()
+
+    def interrupted(number: int, frame: FrameType | None) -> None:
+        prompt = get_app_or_none()
+        if prompt is not None and prompt.loop is not None and _is_typed(prompt):
+            prompt.loop.call_soon_threadsafe(clear, prompt)
+        else:
+            pause()
+
     def fresh() -> None:
         nonlocal times
         times = 0
         shell.subject.pause(False)
 
-    before = signal.signal(signal.SIGINT, pause)
+    before = signal.signal(signal.SIGINT, interrupted)
     try:
         yield fresh
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def _is_typed(prompt: Application[str]) -> bool:
+    """Return whether the input of a prompt is still being typed: it is not sent."""
+    return prompt.future is not None and not prompt.future.done()
 
 
 def history_file() -> Path:
