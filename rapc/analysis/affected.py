@@ -22,8 +22,8 @@ from rapc.analysis.change import Change
 from rapc.analysis.close_names import is_one_slip
 from rapc.analysis.file_census import FormKey
 from rapc.analysis.kept import AGENDAS, FileState, State, form_at
+from rapc.analysis.moving import spans_of
 from rapc.analysis.places import Place, place_parts
-from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 
 MOST = 400
@@ -65,7 +65,7 @@ class Affected:
         found = set(self._fresh)
         found.update(self._callers())
         for one in (*self._labelled(), *self._old.watched):
-            found.update(self._now(one))
+            found.update(self._change.now(one))
         found.update(self._believing())
         found.update(self._by_constants())
         found.update(self._by_places())
@@ -73,13 +73,6 @@ class Affected:
         for name in crowded:
             found.update((name, form.start) for form in self._files[name].forms)
         return found if len(found) <= MOST else None
-
-    def _now(self, key: FormKey) -> Iterator[FormKey]:
-        """Yield where a form is now, unless its text is another."""
-        if key[0] not in self._change.files:
-            yield key
-        elif key in self._change.moved:
-            yield self._change.moved[key]
 
     def _told_apart(self) -> bool:
         """Whether two RAPs have one name."""
@@ -225,6 +218,22 @@ class Affected:
                 yield from [(file, one.form) for file, one in there]
                 return
 
+    def by_constants_of(self, raps: Iterable[str], but: Container[FormKey]) -> bool:
+        """Whether any form, besides some, is concerned by what inputs of RAPs are.
+
+        Such is one with a constant that is, or may be meant by, one for an input.
+        """
+        places = [at for name in raps for at in self._census.places_of("RAP", name)]
+        words = {one.written for at in places for _, one in self._census.at(at)}
+        for written in words:
+            if self.mentions(f"?{written}", but):
+                return True
+            twins = (written, *self._close_to(written))
+            for twin in twins if sort_of(written) == "word" else ():
+                if any(one.form not in but for one in self._census.standing(twin)):
+                    return True
+        return False
+
     def mentions(self, text: str, but: Container[FormKey]) -> bool:
         """Whether any form has a text in it, besides some."""
         return any(key not in but for key in self._with_text(text.lower()))
@@ -307,12 +316,3 @@ def _pairs(
             found = by_form.setdefault(census.owners[group], set())
             found.update((a, b) for a in places for b in places if a < b)
         yield from by_form.values()
-
-
-def spans_of(found: Diagnostic) -> Iterator[Span]:
-    """Yield every place that a finding tells of."""
-    yield found.span
-    for label in found.labels:
-        yield label.span
-    for edit in found.fix.edits if found.fix is not None else ():
-        yield edit.span

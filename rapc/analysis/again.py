@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.affected import Affected, spans_of, words_of
+from rapc.analysis.affected import Affected, words_of
 from rapc.analysis.analyzer import never
 from rapc.analysis.census import CENSUS, Census
 from rapc.analysis.change import Change, change_of, requires_the_same
@@ -39,12 +39,14 @@ from rapc.analysis.kept import (
     file_state,
     form_at,
 )
+from rapc.analysis.moving import Moving
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
+from rapc.analysis.place_kinds import PLACE_KINDS
 from rapc.analysis.places import Places
 from rapc.analysis.selection import Selection
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.gc_paused import gc_paused
-from rapc.base.source import SourceFile, Span
+from rapc.base.source import SourceFile
 from rapc.ir import nodes
 from rapc.library import library
 from rapc.library.library import Library
@@ -153,11 +155,7 @@ class _Part:
         censuses = {name: one.census for name, one in files.items()}
         self._census = Census(censuses)
         self._affected = Affected(old, files, change, self._census, sketched.files)
-        self._ranges_before = {
-            one.name: [(form.start, form.end) for form in one.forms]
-            for one in old.files
-            if one.name in change.files
-        }
+        self._moving = Moving(old, change)
         self._forms = {
             (name, one.start): one for name, file in files.items() for one in file.forms
         }
@@ -175,6 +173,11 @@ class _Part:
         )
         known = {CENSUS.name: self._census, USES.name: self._census.uses()}
         raps = RapSignatures(_Raps(part, self._raps, self._rap))
+        self._census.inputs = {
+            name: kinds
+            for name, kinds in self._old.inputs.items()
+            if name in self._raps and name not in part.raps
+        }
         analysis = Analysis(part, True, never, self._required, known, raps)
         analysis.run(reporting(chosen.enabled))
         if not self._is_certain(analysis, dirty):
@@ -187,6 +190,7 @@ class _Part:
             tuple(sorted(self._watched_files(analysis, dirty))),
             tuple(sorted(self._unmarked_now(analysis, dirty))),
             self._required,
+            analysis.result(PLACE_KINDS).inputs,
         )
         return Again(self._report([one for _, one in found], chosen), state)
 
@@ -273,13 +277,19 @@ class _Part:
     def _is_certain(self, analysis: Analysis, dirty: set[FormKey]) -> bool:
         """Whether no form left out has a variable for which a constant stands now.
 
-        Nor may it have one for which a constant stands no more.
+        Nor may it have one for which a constant stands no more, or a constant that
+        stands where RAPs take values of another kind than before.
         """
         now = {(k, n) for (_, n), k in analysis.result(CONSTANTS).items() if k in dirty}
         turned = now ^ {(key, name) for key, name in self._unmarked() if key in dirty}
         others = {name for _, name in turned}
         others.update(n for key, n in self._old.unmarked if key in self._change.gone)
-        return not any(self._affected.mentions(name, dirty) for name in others)
+        if any(self._affected.mentions(name, dirty) for name in others):
+            return False
+        before, after = self._old.inputs, analysis.result(PLACE_KINDS).inputs
+        raps = {*before, *after}
+        changed = [name for name in raps if before.get(name) != after.get(name)]
+        return not self._affected.by_constants_of(changed, dirty)
 
     def _watched_files(self, analysis: Analysis, dirty: set[FormKey]) -> set[str]:
         looked_at = {file for file, _ in dirty}
@@ -288,7 +298,7 @@ class _Part:
 
     def _unmarked(self) -> Iterator[tuple[FormKey, str]]:
         for key, name in self._old.unmarked:
-            for now in self._now(key):
+            for now in self._change.now(key):
                 yield now, name
 
     def _unmarked_now(
@@ -301,18 +311,11 @@ class _Part:
             if key in dirty:
                 yield key, name
 
-    def _now(self, key: FormKey) -> Iterator[FormKey]:
-        """Yield where a form is now, unless its text is another."""
-        if key[0] not in self._change.files:
-            yield key
-        elif key in self._change.moved:
-            yield self._change.moved[key]
-
     def _kept(self, dirty: set[FormKey]) -> Iterator[tuple[FormKey, Diagnostic]]:
         for owner, one in self._old.found:
-            for now in self._now(owner):
+            for now in self._change.now(owner):
                 if now not in dirty:
-                    yield now, self._moved(one)
+                    yield now, self._moving.moved(one)
 
     def _new(
         self, analysis: Analysis, dirty: set[FormKey]
@@ -326,25 +329,6 @@ class _Part:
             owner = AGENDAS if analyzer.by_agendas else there
             if owner in dirty:
                 yield owner, one
-
-    def _moved(self, one: Diagnostic) -> Diagnostic:
-        """Return a finding with its places as they are now."""
-        if not any(span.file in self._change.files for span in spans_of(one)):
-            return one
-        replace, at = msgspec.structs.replace, self._place
-        labels = [replace(label, span=at(label.span)) for label in one.labels]
-        fix = one.fix
-        if fix is not None:
-            edits = [replace(edit, span=at(edit.span)) for edit in fix.edits]
-            fix = replace(fix, edits=tuple(edits))
-        return replace(one, span=at(one.span), labels=tuple(labels), fix=fix)
-
-    def _place(self, span: Span) -> Span:
-        if span.file not in self._change.files:
-            return span
-        start = form_at(self._ranges_before[span.file], span)
-        _, now = self._change.moved[span.file, start]
-        return Span(span.file, span.start - start + now, span.end - start + now)
 
     def _report(self, found: Sequence[Diagnostic], chosen: Selection) -> CheckReport:
         written = Written(

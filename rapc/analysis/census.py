@@ -61,6 +61,8 @@ class Census:
         #: The variables for which constants stand (`passes.constants`), with their
         #: forms, where these are not checked now.
         self.unmarked: frozenset[tuple[FormKey, str]] = frozenset()
+        #: The kinds of the inputs of RAPs (`place_kinds`) that are not checked now.
+        self.inputs: Mapping[str, tuple[str | None, ...]] = {}
         self._first: list[tuple[int, FileCensus]] = []
         self._owners: list[FormKey] = []
         self._double: set[FormKey] = set()

@@ -26,6 +26,13 @@ class Change(msgspec.Struct, frozen=True):
     #: Where forms of changed files begin now whose text is as before.
     moved: Mapping[FormKey, FormKey]
 
+    def now(self, key: FormKey) -> Iterator[FormKey]:
+        """Yield where a form is now, unless its text is another."""
+        if key[0] not in self.files:
+            yield key
+        elif key in self.moved:
+            yield self.moved[key]
+
 
 def change_of(old: State, files: Mapping[str, FileState]) -> Change | None:
     """Return what has changed; None if it is more than the texts of some RAPs.

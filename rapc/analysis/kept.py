@@ -16,6 +16,7 @@ from rapc.analysis.driver import Examined, Written
 from rapc.analysis.file_census import FileCensus, FormKey, form_key
 from rapc.analysis.index import INDEX, Index
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
+from rapc.analysis.place_kinds import PLACE_KINDS, Inputs
 from rapc.analysis.suppressions import Suppression
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
@@ -73,6 +74,8 @@ class State(msgspec.Struct, array_like=True, frozen=True):
     unmarked: tuple[tuple[FormKey, str], ...]
     #: The files that files require themselves, by their names.
     required: Mapping[str, tuple[str, ...]]
+    #: The kinds of the inputs of RAPs.
+    inputs: Inputs
 
 
 def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
@@ -117,6 +120,7 @@ def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
         tuple(sorted(analysis.watched_files)),
         tuple([(key, name) for (_, name), key in unmarked.items()]),
         loaded.required,
+        analysis.result(PLACE_KINDS).inputs,
     )
 
 

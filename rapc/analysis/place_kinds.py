@@ -2,11 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
-from rapc.analysis.inferred_kinds import InferredKinds
+from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.census import CENSUS
+from rapc.analysis.inferred_kinds import INFERRED, InferredKinds
 from rapc.analysis.places import Place, place_parts
+from rapc.ir import nodes
 from rapc.library.signatures import Signatures
+
+Inputs = Mapping[str, tuple[str | None, ...]]
+"""The kinds of the inputs of RAPs by name; RAPs of whose inputs none is known lack."""
+
+
+def kinds_of_inputs(raps: Iterable[nodes.DefineRap], inferred: InferredKinds) -> Inputs:
+    """Return the kinds of the inputs of some RAPs, declared or learned.
+
+    Args:
+        raps: the RAPs.
+        inferred: what was learned of inputs for which no kind is declared.
+    """
+    found: dict[str, tuple[str | None, ...]] = {}
+    for rap in raps:
+        learned = inferred.inputs.get(rap.name, ())
+        if rap.kinds or any(learned):
+            declared = {one.variable: one.kind for one in rap.kinds}
+            kinds = [one.kind if one is not None else None for one in learned]
+            kinds += [None] * len(rap.inputs)  # of one defined twice fewer are learned
+            pairs = zip(rap.inputs, kinds, strict=False)
+            found[rap.name] = tuple([declared.get(v.name, kind) for v, kind in pairs])
+    return found
 
 
 class PlaceKinds:
@@ -14,19 +39,18 @@ class PlaceKinds:
 
     Args:
         signatures: what is declared.
-        inferred: what was learned of inputs for which nothing is.
+        inputs: the kinds of the inputs of RAPs.
     """
 
-    def __init__(self, signatures: Signatures, inferred: InferredKinds) -> None:
+    def __init__(self, signatures: Signatures, inputs: Inputs) -> None:
+        self.inputs = inputs
         self._tables = {
-            "RAP": signatures.raps,
             "predicate": signatures.predicates,
             "primitive": signatures.primitives,
             "datum": signatures.data,
             "skill": signatures.skills,
             "event": signatures.events,
         }
-        self._inputs = inferred.inputs
         self._known: dict[Place, str | None] = {}
 
     def of(self, places: Sequence[Place]) -> tuple[str, ...]:
@@ -41,13 +65,24 @@ class PlaceKinds:
 
     def _look_up(self, place: Place) -> str | None:
         space, name, position = place_parts(place)
+        if space == "RAP":
+            kinds = self.inputs.get(name, ())
+            return kinds[position] if position < len(kinds) else None
         declared = self._tables[space].get(name)
         args = declared.args if declared is not None else None
         if args is None or position >= len(args):
             return None
-        kind = args[position].kind
-        if kind is None and space == "RAP":
-            learned = self._inputs.get(name, ())
-            one = learned[position] if position < len(learned) else None
-            kind = one.kind if one is not None else None
-        return kind
+        return args[position].kind
+
+
+def _run(run: Pass) -> PlaceKinds:
+    own = kinds_of_inputs(run.library.raps.values(), run.result(INFERRED))
+    return PlaceKinds(run.signatures, {**run.result(CENSUS).inputs, **own})
+
+
+PLACE_KINDS = Analyzer(
+    name="place-kinds",
+    doc="Works out of which kinds the values at argument places are.",
+    run=_run,
+    needs=(CENSUS, INFERRED),
+)

@@ -17,6 +17,7 @@ from rapc.analysis import (
     index,
     inferred_kinds,
     named,
+    place_kinds,
     places,
     suppressions,
 )
@@ -95,6 +96,7 @@ ANALYZERS: tuple[Analyzer[Any], ...] = (
     index.USES,
     named.MISUSES,
     places.PLACES,
+    place_kinds.PLACE_KINDS,
     census.CENSUS,
     inferred_kinds.INFERRED,
     explained.EXPLAINED,

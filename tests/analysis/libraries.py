@@ -156,6 +156,29 @@ def edited(
     return texts
 
 
+def damaged(dice: random.Random, files: Mapping[str, str]) -> dict[str, str]:
+    """Return a library with a slip of the pen in one of its files."""
+    texts = dict(files)
+    name = dice.choice(list(texts))
+    before, after = dice.choice(_SLIPS)
+    places = [
+        at for at in range(len(texts[name])) if texts[name].startswith(before, at)
+    ]
+    if places:
+        at = dice.choice(places)
+        texts[name] = texts[name][:at] + after + texts[name][at + len(before) :]
+    return texts
+
+
+_SLIPS = (
+    *((")", ""), ("(", ""), (")", "))"), ("(", "(("), (")\n", "\n"), ("(method", "")),
+    *((" ", ' "'), ("?", "#"), ("context", "contxt"), ("(define-rap", "(define-rp")),
+    *(("(index", "index"), ("task-net", "task-nets"), ("(t1 ", "(t1 (")),
+    *(("(method", "; rapc: ignore[malformed-form] a slip\n  (method method"),),
+    *(("(primitive", "(primitive (look) "), ("(not ", "(not (seen box) ")),
+)
+
+
 def _with_other_files(
     dice: random.Random, maker: Maker, texts: dict[str, str]
 ) -> dict[str, str]:

@@ -246,6 +246,38 @@ def test_an_argument_behind_many_others_is_compared_too(
     assert parts == [True]
 
 
+KINDS = """\
+(declare-kind door (front back))
+(declare-kind room)
+(declare-memory-proposition at ((?room room)))
+(declare-memory-proposition shut ((?door door)))
+(declare-primitive push ((?door door)) (okay))
+(define-rap (leave ?door) (method (primitive (push ?door))))
+(define-rap (out) (method (task-net (t1 (leave hall)))))
+(define-rap (away) (method (task-net (t1 (leave hall)))))
+(define-rap (home) (succeed (at hall)) (method (primitive (push front))))
+"""
+
+
+def test_what_kind_others_take_is_known_of_all(here: Path, parts: list[bool]) -> None:
+    """That `hall` is a door is told by `leave`, to which `home` does not lead."""
+    _write(here, {"a.rap": KINDS})
+    assert "`hall` is a door" in str(_kept())
+    _write(here, {"a.rap": KINDS.replace("(at hall)", "(at  hall)")})
+    assert _kept() == _plain()
+    assert parts == [True]
+
+
+def test_what_kind_others_take_may_be_another(here: Path, parts: list[bool]) -> None:
+    _write(here, {"a.rap": KINDS})
+    before = _kept()
+    leaving = "(define-rap (leave ?door) (method (primitive (push ?))))"
+    whole = "(define-rap (leave ?door) (method (primitive (push ?door))))"
+    _write(here, {"a.rap": KINDS.replace(whole, leaving)})
+    assert _kept() == _plain() != before
+    assert parts == [False]
+
+
 # --- where a part is not enough -------------------------------------------------------
 
 WHOLE = {

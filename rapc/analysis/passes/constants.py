@@ -17,9 +17,8 @@ from rapc.analysis.census import CENSUS, sort_of
 from rapc.analysis.close_names import Close, is_row
 from rapc.analysis.file_census import FormKey, form_key
 from rapc.analysis.index import Form
-from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
-from rapc.analysis.place_kinds import PlaceKinds
+from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
 from rapc.analysis.places import PLACES, Place, place_parts
 from rapc.base.diagnostics import (
     Applicability,
@@ -169,7 +168,7 @@ ANALYZER = Analyzer(
     name="constants",
     doc="Holds constants against those that stand at the same places elsewhere.",
     run=_run,
-    needs=(CENSUS, INFERRED, KINDS, PLACES),
+    needs=(CENSUS, KINDS, PLACE_KINDS, PLACES),
     rules=(MISSPELT, FOREIGN, MIXED),
 )
 
@@ -196,7 +195,7 @@ class _Known:
 
     def __init__(self, run: Pass) -> None:
         self.kinds = run.signatures.kinds
-        self.place_kinds = PlaceKinds(run.signatures, run.result(INFERRED))
+        self.place_kinds = run.result(PLACE_KINDS)
         self.census = run.result(CENSUS)
         #: How often a declaration lists a constant; such a one counts twice.
         self._listed: Counter[str] = Counter()

@@ -8,10 +8,9 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, Census, Found, sort_of
 from rapc.analysis.file_census import FormKey, form_key
 from rapc.analysis.index import INDEX, Form, VariableAt
-from rapc.analysis.inferred_kinds import INFERRED
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
-from rapc.analysis.place_kinds import PlaceKinds
+from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
 from rapc.analysis.places import PLACES, Place
 from rapc.base.diagnostics import (
     Applicability,
@@ -60,7 +59,7 @@ anything will do, write a bare `?`, or another name; then nothing is reported.""
 
 
 def _run(run: Pass) -> None:
-    kinds = PlaceKinds(run.signatures, run.result(INFERRED))
+    kinds = run.result(PLACE_KINDS)
     places = run.result(PLACES)
     missing = run.result(BINDINGS).missing
     constants = run.result(CONSTANTS)
@@ -87,7 +86,7 @@ ANALYZER = Analyzer(
     name="marked-constant",
     doc="Finds variables used once that are named like a constant of their place.",
     run=_run,
-    needs=(INDEX, BINDINGS, CENSUS, CONSTANTS, INFERRED, PLACES),
+    needs=(INDEX, BINDINGS, CENSUS, CONSTANTS, PLACE_KINDS, PLACES),
     rules=(MARKED,),
     needs_whole="form",
 )
