@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from rapc.analysis.effects import Effect, Effects
-from rapc.analysis.graphs import Graph, GraphDrawing, Kind, facts_of
+from rapc.analysis.graphs import GraphDrawing, Kind, facts_of
+from rapc.base.graph import Graph
 from rapc.base.values import Atom, format_atom, format_list
 from rapc.ir import nodes
 from rapc.ir.printer import format_node

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal
 
-import msgspec
-
+from rapc.base.graph import Edge, Graph, Vertex
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.ir.walk import steps, subformulas
@@ -20,33 +19,6 @@ Kind = Literal[
     "rap", "primitive", "skill", "agenda", "step", "fact", "thing", "datum", "event"
 ]
 """What is drawn."""
-
-
-class Vertex(msgspec.Struct, frozen=True):
-    """A thing that is drawn."""
-
-    #: What edges call it: its kind and its name.
-    id: str
-    kind: Kind
-    label: str
-    #: The group that it is drawn in, if any: a method.
-    group: str = ""
-
-
-class Edge(msgspec.Struct, frozen=True):
-    """An arrow from one vertex to another."""
-
-    source: str
-    target: str
-    label: str = ""
-
-
-class Graph(msgspec.Struct, frozen=True):
-    """Vertices and edges, each once."""
-
-    title: str
-    vertices: tuple[Vertex, ...]
-    edges: tuple[Edge, ...]
 
 
 class GraphDrawing:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from rapc.analysis import graphs
 from rapc.analysis.driver import check_library
 from rapc.analysis.selection import errors
+from rapc.base.graph import Graph
+from rapc.base.later import later
 from rapc.base.names import did_you_mean
 from rapc.base.values import format_atom, number
 from rapc.cli.checked import load_checked
@@ -19,7 +20,14 @@ from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import USAGE, Amount, command, fail
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.worlds.skills.drawing import Drawing, Networked, to_dot, to_json, to_mermaid
+from rapc.worlds.skills.drawing import Networked
+
+if TYPE_CHECKING:
+    from rapc.analysis import effects_graph
+    from rapc.console import graphs as writers
+else:
+    effects_graph = later("rapc.analysis.effects_graph")
+    writers = later("rapc.console.graphs")
 
 EXAMPLES = """\b
 Examples:
@@ -74,46 +82,33 @@ def graph(
     if sum((*wholes, monitors, claims)) > 1:
         said = "--rap, --effects, --monitors, --claims and --skills"
         fail(f"{said} exclude each other")
-    if moment is not None and output_format == "text":
-        fail("--skills is drawn: --format is dot, mermaid or json")
     if moment is not None and world_name is not None:
-        written = _SKILLS[output_format](_network(path, world_name, moment, given))
-        click.echo(written, nl=False)
-        return
-    if moment is not None or world_name is not None or any(given):
+        drawn, style = _network(path, world_name, moment, given), writers.NETWORK
+    elif moment is not None or world_name is not None or any(given):
         fail("--skills takes --world; --world, --task and the like take --skills")
-    library = _library(path)
-    if rap is not None:
-        drawn = graphs.task_nets(_named(library, rap))
-    elif effects is not None:
-        from rapc.analysis.effects_graph import effects_of as all_told  # noqa: PLC0415  # for few
-
-        drawn = all_told(library, _named(library, effects).name)
-    elif monitors:
-        drawn = graphs.monitors(library)
-    elif claims:
-        drawn = graphs.things(library)
     else:
-        drawn = graphs.calls(library)
-    from rapc.console.graphs import WRITERS  # noqa: PLC0415  # when all is well
+        library, style = _library(path), writers.LIBRARY
+        if rap is not None:
+            drawn = graphs.task_nets(_named(library, rap))
+        elif effects is not None:
+            name = _named(library, effects).name
+            drawn = effects_graph.effects_of(library, name)
+        elif monitors:
+            drawn = graphs.monitors(library)
+        elif claims:
+            drawn = graphs.things(library)
+        else:
+            drawn = graphs.calls(library)
+    click.echo(writers.WRITERS[output_format](drawn, style), nl=False)
 
-    click.echo(WRITERS[output_format](drawn), nl=False)
 
-
-_SKILLS: Mapping[str, Callable[[Drawing], str]] = {
-    "dot": to_dot,
-    "mermaid": to_mermaid,
-    "json": to_json,
-}
-
-
-def _network(path: str, world_name: str, moment: float, given: RunOptions) -> Drawing:
+def _network(path: str, world_name: str, moment: float, given: RunOptions) -> Graph:
     """Return the network of skills at a time of a run; else end the command."""
     ready = prepared(load_checked(path), world_name, given)
     world = inspect.unwrap(ready.world)  # type: ignore[arg-type]  # an object, too
     if not isinstance(world, Networked):
         fail(f"the world `{world.name}` has no network of skills to be drawn")
-    found: list[Drawing] = []
+    found: list[Graph] = []
     run, time = ready.begin(), number(moment)
     run.call_at(time, lambda: found.append(world.network()))
     reason = run.run(until=time)

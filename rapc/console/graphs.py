@@ -4,28 +4,72 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import NamedTuple
 
 import msgspec
 
-from rapc.analysis.graphs import Graph, Vertex
-
-_SHAPES: Mapping[str, tuple[str, str, str]] = {
-    "rap": ("box", "[", "]"),
-    "step": ("box", "[", "]"),
-    "primitive": ("ellipse", "([", "])"),
-    "skill": ("ellipse", "([", "])"),
-    "agenda": ("folder", "[[", "]]"),
-    "fact": ("hexagon", "{{", "}}"),
-    "thing": ("cylinder", "[(", ")]"),
-    "datum": ("parallelogram", "[/", "/]"),
-    "event": ("cds", ">", "]"),
-}
-"""The shape of each kind of vertex: in dot, and the brackets of Mermaid."""
+from rapc.base.graph import Graph, Vertex
 
 
-def dot(graph: Graph) -> str:
+class Shape(NamedTuple):
+    """How vertices of a kind look."""
+
+    #: Attributes for Graphviz.
+    dot: str
+    #: The brackets of Mermaid, one on each side.
+    left: str
+    right: str
+
+
+class Style(NamedTuple):
+    """How a sort of graphs is drawn."""
+
+    #: By the kind of a vertex.
+    shapes: Mapping[str, Shape]
+    #: Statements for Graphviz, about all vertices and edges.
+    defaults: tuple[str, ...] = ()
+    #: What is said of a graph without vertices.
+    nothing: str = ""
+
+
+LIBRARY = Style(
+    {
+        "rap": Shape("shape=box", "[", "]"),
+        "step": Shape("shape=box", "[", "]"),
+        "primitive": Shape("shape=ellipse", "([", "])"),
+        "skill": Shape("shape=ellipse", "([", "])"),
+        "agenda": Shape("shape=folder", "[[", "]]"),
+        "fact": Shape("shape=hexagon", "{{", "}}"),
+        "thing": Shape("shape=cylinder", "[(", ")]"),
+        "datum": Shape("shape=parallelogram", "[/", "/]"),
+        "event": Shape("shape=cds", ">", "]"),
+    }
+)
+"""Graphs of a library, see `rapc.analysis.graphs`."""
+
+NETWORK = Style(
+    {
+        "sensor": Shape("shape=plaintext", "([", "])"),
+        "skill": Shape("shape=box, style=rounded", "(", ")"),
+        "event": Shape("shape=box, peripheries=2", "[[", "]]"),
+        "arbiter": Shape("shape=diamond", "{", "}"),
+        "actuator": Shape("shape=plaintext", "([", "])"),
+    },
+    (
+        'node [fontname="Helvetica,Arial,sans-serif", margin="0.2,0.06"]',
+        'edge [fontname="Helvetica,Arial,sans-serif", fontsize=11]',
+    ),
+    "no skill is on",
+)
+"""Networks of skills, see `rapc.worlds.skills.drawing`."""
+
+
+def dot(graph: Graph, style: Style) -> str:
     """Return a graph in the language of Graphviz."""
     rows = [f"digraph {_quoted(graph.title)} {{", "  rankdir=LR;"]
+    rows += [f"  {statement};" for statement in style.defaults]
+    if style.nothing and not graph.vertices:
+        rows.append(f"  label={_quoted(style.nothing)};")
     for group, members in _grouped(graph.vertices).items():
         indent = "  "
         if group:
@@ -33,40 +77,46 @@ def dot(graph: Graph) -> str:
             rows.append(f"    label={_quoted(group)};")
             indent = "    "
         for one in members:
-            shape = _SHAPES[one.kind][0]
-            said = f"label={_quoted(one.label)}, shape={shape}"
+            said = f"label={_quoted(one.label)}, {style.shapes[one.kind].dot}"
             rows.append(f"{indent}{_quoted(one.id)} [{said}];")
         if group:
             rows.append("  }")
     for edge in graph.edges:
-        label = f" [label={_quoted(edge.label)}]" if edge.label else ""
-        rows.append(f"  {_quoted(edge.source)} -> {_quoted(edge.target)}{label};")
+        looks = [f"label={_quoted(edge.label)}"] if edge.label else []
+        looks += ["style=dashed"] if edge.delayed else []
+        look = f" [{', '.join(looks)}]" if looks else ""
+        rows.append(f"  {_quoted(edge.source)} -> {_quoted(edge.target)}{look};")
     return _lines([*rows, "}"])
 
 
-def mermaid(graph: Graph) -> str:
+def mermaid(graph: Graph, style: Style) -> str:
     """Return a graph as a Mermaid flowchart."""
     names = {one.id: f"n{at}" for at, one in enumerate(graph.vertices)}
     rows = ["flowchart LR"]
+    if style.nothing and not graph.vertices:
+        rows.append(f'  n0["{style.nothing}"]')
     for at, (group, members) in enumerate(_grouped(graph.vertices).items()):
         indent = "  "
         if group:
             rows.append(f'  subgraph g{at}["{_escaped(group)}"]')
             indent = "    "
         for one in members:
-            _, begin, end = _SHAPES[one.kind]
-            label = f'{begin}"{_escaped(one.label)}"{end}'
+            shape = style.shapes[one.kind]
+            label = f'{shape.left}"{_escaped(one.label)}"{shape.right}'
             rows.append(f"{indent}{names[one.id]}{label}")
         if group:
             rows.append("  end")
     for edge in graph.edges:
+        arrow = "-.->" if edge.delayed else "-->"
         label = f'|"{_escaped(edge.label)}"|' if edge.label else ""
-        rows.append(f"  {names[edge.source]} -->{label} {names[edge.target]}")
+        rows.append(f"  {names[edge.source]} {arrow}{label} {names[edge.target]}")
     return _lines(rows)
 
 
-def graph_text(graph: Graph) -> str:
+def graph_text(graph: Graph, style: Style) -> str:
     """Return a graph for people to read: each vertex with what its arrows lead to."""
+    if style.nothing and not graph.vertices:
+        return _lines([style.nothing])
     labels = {one.id: one.label for one in graph.vertices}
     led: dict[str, dict[str, list[str]]] = {one.id: {} for one in graph.vertices}
     ends = set()
@@ -98,12 +148,12 @@ _WIDTH = 80
 """How long the lines of a text are."""
 
 
-def graph_json(graph: Graph) -> str:
+def graph_json(graph: Graph, _style: Style) -> str:
     """Return a graph as JSON: its title, vertices and edges."""
     return json.dumps(msgspec.to_builtins(graph), indent=2, ensure_ascii=False) + "\n"
 
 
-WRITERS: Mapping[str, Callable[[Graph], str]] = {
+WRITERS: Mapping[str, Callable[[Graph, Style], str]] = {
     "dot": dot,
     "mermaid": mermaid,
     "json": graph_json,

@@ -101,7 +101,7 @@ def _more(loaded: Loaded) -> Iterator[str]:
     made += [effects_of(library, name) for name in library.raps]
     for graph in made:
         for name, write in drawn.WRITERS.items():
-            if not write(graph) and graph.vertices:
+            if not write(graph, drawn.LIBRARY) and graph.vertices:
                 yield f"{name} of {graph.title} is empty"
 
 

@@ -219,13 +219,16 @@ def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
     on = ("graph", "hall.rap", "--skills", "0.5", *WORLD, "--task", "(follow-hall)")
     done = rapc(*on, "--format", "json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    boxes = {box["key"]: box["kind"] for box in json.loads(done.stdout)["boxes"]}
+    vertices = json.loads(done.stdout)["vertices"]
+    boxes = {box["id"]: box["kind"] for box in vertices}
     assert boxes["track-hallway"] == boxes["detect-obstacles"] == "skill"
     assert boxes["end-o-hall of track-hallway"] == "event"
     assert "sensor" in boxes.values()
-    assert rapc(*on, cwd=tmp_path).stdout.startswith("digraph skills {\n")
+    assert rapc(*on, cwd=tmp_path).stdout.startswith('digraph "skills" {\n')
     done = rapc(*on, "--format", "mermaid", cwd=tmp_path)
     assert done.stdout.startswith("flowchart LR\n")
+    done = rapc(*on, "--format", "text", cwd=tmp_path)
+    assert "sonar\n  sonar detect-obstacles, track-hallway\n" in done.stdout
 
 
 @pytest.mark.parametrize(
@@ -239,7 +242,6 @@ def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
         (("--skills", "nan", *WORLD), "'nan' is not a finite number"),
         (("--skills", "inf", *WORLD), "'inf' is not a finite number"),
         (("--skills", "soon", *WORLD), "'soon' is not a valid number"),
-        (("--skills", "1", *WORLD, "--format", "text"), "--format is dot, mermaid or"),
         (("--skills", "1", *WORLD, "--task", "(gone)"), "no RAP is called `gone`"),
     ],
 )
@@ -260,7 +262,10 @@ def test_a_moment_at_which_nothing_is_on_says_so(tmp_path: Path) -> None:
     assert '  label="no skill is on";\n' in drawn[0].stdout
     assert drawn[1].stdout == 'flowchart LR\n  n0["no skill is on"]\n'
     done = rapc(*on, "--format", "json", cwd=tmp_path)
-    assert json.loads(done.stdout) == {"boxes": [], "edges": []}
+    nothing: dict[str, object] = {"title": "skills", "vertices": [], "edges": []}
+    assert json.loads(done.stdout) == nothing
+    done = rapc(*on, "--format", "text", cwd=tmp_path)
+    assert done.stdout == "no skill is on\n"
 
 
 def test_the_network_is_drawn_behind_faults(tmp_path: Path) -> None:

@@ -71,13 +71,13 @@ def test_a_figure_is_what_its_command_prints(name: str, tmp_path: Path) -> None:
             nodes[title] = " ".join(told)
         elif group.get("class") == "edge":
             edges[title, " ".join(told)] += 1
-    assert nodes == {box["key"]: box["label"] for box in network["boxes"]}
+    assert nodes == {box["id"]: box["label"] for box in network["vertices"]}
     assert edges == Counter(
-        (f"{edge['start']}->{edge['end']}", edge["channel"])
+        (f"{edge['source']}->{edge['target']}", edge["label"])
         for edge in network["edges"]
     )
     kinds: dict[str, set[str]] = {}
-    for box in network["boxes"]:
+    for box in network["vertices"]:
         kinds.setdefault(box["kind"], set()).add(box["label"].split()[0])
     skill, events = SKILLS[name]
     assert kinds == {

@@ -119,7 +119,7 @@ def test_the_network_of_figure_5_has_its_boxes() -> None:
     driver = Driver()
     driver.on(*FOLLOW_HALL, events=("end-o-hall", "hall-blocked"))
     drawing = draw(driver.sim.runtime)
-    kinds = {box.label: box.kind for box in drawing.boxes}
+    kinds = {box.label: box.kind for box in drawing.vertices}
     assert kinds == {
         "sonar": "sensor",
         "pose": "sensor",

@@ -24,11 +24,12 @@ from typing import Any, ClassVar, NoReturn
 import msgspec
 
 from rapc.base.code_places import place_of
+from rapc.base.graph import Graph
 from rapc.base.values import Atom, Fact, Number, number
 from rapc.errors import PortError
 from rapc.world import NOT_KNOWN, Offer, Refused, Signal, Time, World
 from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
-from rapc.worlds.skills.drawing import Drawing, draw
+from rapc.worlds.skills.drawing import draw
 from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 
 
@@ -178,7 +179,7 @@ class SkillWorld(World):
             for told in sent
         ]
 
-    def network(self) -> Drawing:
+    def network(self) -> Graph:
         """Return the network of skills that is active now, to be drawn."""
         return draw(self.runtime)
 

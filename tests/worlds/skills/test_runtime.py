@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from rapc.console.graphs import NETWORK, dot, mermaid
 from rapc.world import Refused
 from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.declarations import (
@@ -16,7 +17,7 @@ from rapc.worlds.skills.declarations import (
     Skill,
     SkillError,
 )
-from rapc.worlds.skills.drawing import draw, to_dot, to_mermaid
+from rapc.worlds.skills.drawing import draw
 from rapc.worlds.skills.runtime import SkillRuntime
 from tests.worlds.skills.tank import FLOW, GOAL, LIMIT, SMOOTH, Tank
 
@@ -355,7 +356,7 @@ def test_a_drawing_shows_sensors_skills_events_and_actuators() -> None:
     tank.runtime.activate(1, [HOLD_TWO], ["reached"])
     tank.runtime.activate(2, [SkillRequest("limit-flow", (0.5,))], [])
     drawing = draw(tank.runtime)
-    assert {(box.label, box.kind) for box in drawing.boxes} == {
+    assert {(box.label, box.kind) for box in drawing.vertices} == {
         ("level", "sensor"),
         ("smooth", "skill"),
         ("aim 2", "skill"),
@@ -365,7 +366,7 @@ def test_a_drawing_shows_sensors_skills_events_and_actuators() -> None:
         ("arbiter of limit", "arbiter"),
         ("flow", "actuator"),
     }
-    ends = {(edge.start, edge.end): edge.channel for edge in drawing.edges}
+    ends = {(edge.source, edge.target): edge.label for edge in drawing.edges}
     assert ends["level", "smooth"] == "level"
     assert ends["aim 2", "fill"] == GOAL.name
     assert ends["smooth", "reached of aim 2"] == SMOOTH.name
@@ -373,14 +374,14 @@ def test_a_drawing_shows_sensors_skills_events_and_actuators() -> None:
     assert ends["limit-flow 0.5", "arbiter of limit"] == "limit"
     assert ends["arbiter of limit", "fill"] == "limit"
     assert ends["fill", "flow (actuator)"] == "flow"
-    dot, mermaid = to_dot(drawing), to_mermaid(drawing)
-    assert '"aim 2" -> "fill" [label="goal"];' in dot
-    assert dot.count("->") == mermaid.count("-->") == len(drawing.edges)
+    graphviz, flowchart = dot(drawing, NETWORK), mermaid(drawing, NETWORK)
+    assert '"aim 2" -> "fill" [label="goal"];' in graphviz
+    assert graphviz.count("->") == flowchart.count("-->") == len(drawing.edges)
 
 
 def test_a_delayed_edge_is_drawn_dashed() -> None:
     runtime = SkillRuntime(_circle(delayed=True))
     runtime.activate(1, [SkillRequest("one"), SkillRequest("other")], [])
     drawing = draw(runtime)
-    assert '"other" -> "one" [label="right", style=dashed];' in to_dot(drawing)
-    assert "-.->|right|" in to_mermaid(drawing)
+    assert '"other" -> "one" [label="right", style=dashed];' in dot(drawing, NETWORK)
+    assert '-.->|"right"|' in mermaid(drawing, NETWORK)
