@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 import pytest
 
@@ -41,6 +42,41 @@ def test_each_test_is_an_item(pytester: pytest.Pytester) -> None:
             "*FAILED arms.test.rap::bad*",
         ]
     )
+
+
+REASON = "(grab box) was requested at time 0 by (fetch box) [1]"
+
+
+@pytest.mark.parametrize("how", [(), ("-q",), ("-rA", "--tb=no"), ("--tb=short",)])
+def test_the_summary_says_why(
+    how: tuple[str, ...], pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "150")
+    (pytester.path / "arms.test.rap").write_text(LIBRARY + BAD)
+    (pytester.path / "odd.test.rap").write_text("(define-rap (x) (succeed (y))")
+    result = _run(pytester, "--continue-on-collection-errors", *how)
+    told = result.stdout.str()
+    assert f"\nFAILED arms.test.rap::bad - {REASON}\n" in told
+    assert "\nERROR odd.test.rap - odd.test.rap:1:1: error[RAP" in told
+    assert told.count("what happened") == ("--tb=no" not in how)
+
+
+def test_a_line_for_each_failure_says_where_and_why(pytester: pytest.Pytester) -> None:
+    (pytester.path / "arms.test.rap").write_text(LIBRARY + BAD)
+    result = _run(pytester, "--tb=line")
+    row = len((LIBRARY + BAD).splitlines())
+    told = result.stdout.str()
+    assert f"\narms.test.rap:{row}: {REASON}\n" in told
+
+
+def test_junit_of_pytest_says_why(pytester: pytest.Pytester) -> None:
+    (pytester.path / "arms.test.rap").write_text(LIBRARY + BAD)
+    _run(pytester, "--junit-xml=out.xml")
+    text = (pytester.path / "out.xml").read_text()
+    found = ElementTree.fromstring(text)  # noqa: S314  # pytest wrote it
+    [failure] = found.iter("failure")
+    assert failure.get("message") == REASON
+    assert "what happened: (grab box)" in (failure.text or "")
 
 
 def test_items_are_chosen_by_name(pytester: pytest.Pytester) -> None:

@@ -21,6 +21,11 @@ def test_title(outcome: Outcome) -> str:
     return f"{outcome.case.test.name}{seed}"
 
 
+def reason(outcome: Outcome) -> str:
+    """Return in a line why a test did not pass."""
+    return outcome.failures[0].happened[0]
+
+
 def failure_lines(outcome: Outcome) -> Iterator[Line]:
     """All there is to say about a test that did not pass."""
     wrong = outcome.status is Status.ERROR

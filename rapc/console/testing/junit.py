@@ -41,8 +41,8 @@ def _case(suite: ElementTree.Element, outcome: Outcome) -> None:
     if outcome.status is Status.PASSED:
         return
     kind = "error" if outcome.status is Status.ERROR else "failure"
-    message = outcome.failures[0].happened[0]
-    told = ElementTree.SubElement(case, kind, {"message": legal(message)})
+    message = legal(explain.reason(outcome))
+    told = ElementTree.SubElement(case, kind, {"message": message})
     lines = (
         explain.test_title(outcome),
         *(line.text for line in explain.failure_lines(outcome)),

@@ -36,12 +36,22 @@ class RapFile(pytest.File):
         for case in found.cases:
             yield RapTest.from_parent(self, name=case.test.name, case=case)
 
+    def repr_failure(  # type: ignore[override]  # nobody gives a file a style
+        self, excinfo: pytest.ExceptionInfo[BaseException]
+    ) -> Any:
+        """Return what is wrong with the file; the summary has the first line of it."""
+        if not isinstance(excinfo.value, self.CollectError):
+            return super().repr_failure(excinfo)
+        first = str(excinfo.value).partition("\n")[0]
+        return _shown(excinfo, (str(self.path), 1), first)
+
 
 class RapTestFailure(Exception):
     """A test that did not pass, with its outcome."""
 
     def __init__(self, outcome: Outcome) -> None:
-        super().__init__(outcome.case.test.name)
+        lines = [line.text for line in explain.failure_lines(outcome)]
+        super().__init__("\n".join(lines))
         self.outcome = outcome
 
 
@@ -64,15 +74,34 @@ class RapTest(pytest.Item):
     def repr_failure(
         self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None
     ) -> Any:
-        """Return what `rapc test` would say of it."""
+        """Return what `rapc test` would say of it; the summary has the reason."""
         if not isinstance(excinfo.value, RapTestFailure):
             return super().repr_failure(excinfo, style)
-        return "\n".join(
-            line.text for line in explain.failure_lines(excinfo.value.outcome)
-        )
+        outcome = excinfo.value.outcome
+        span = outcome.failures[0].span
+        source = outcome.case.library.library.files.get(span.file)
+        row = 1 if source is None else source.row(span.start)
+        return _shown(excinfo, (span.file, row), explain.reason(outcome))
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """The file, the row of the test from 0, and its name."""
         span = self.case.test.span
         source = self.case.library.library.files[span.file]
         return self.path, source.position(span.start).row - 1, self.name
+
+
+def _shown(
+    excinfo: pytest.ExceptionInfo[BaseException], where: tuple[str, int], reason: str
+) -> Any:
+    """Return the text of an exception, without a traceback, and where and why in short.
+
+    Args:
+        excinfo: the exception.
+        where: the file and row of what is wrong, for `--tb=line`.
+        reason: a line for the summary and for JUnit.
+    """
+    shown = excinfo.getrepr(style="value")
+    if shown.reprcrash is not None:
+        shown.reprcrash.path, shown.reprcrash.lineno = where
+        shown.reprcrash.message = reason
+    return shown
