@@ -15,7 +15,7 @@ from rapc.base.interrupts import interrupts_held
 from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
-from rapc.cli.common import refuse_input
+from rapc.cli.common import PIPED_WIDTH, refuse_input
 from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.errors import reason
@@ -209,11 +209,12 @@ def _show(
 
     from rapc.console.show.live import LiveView  # noqa: PLC0415  # brings rich along
 
+    known = (80, 24) if sys.stdout.isatty() else (PIPED_WIDTH, 0)
     view = LiveView(
         interpreter,
         world.picture,
         sys.stdout,
-        shutil.get_terminal_size,
+        lambda: shutil.get_terminal_size(known),
         color=settings().colored(),
         every=every,
     )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import random
+import re
 from collections import Counter
 from pathlib import Path
 
+import msgspec
 import pytest
 
 import rapc
@@ -202,6 +204,25 @@ def test_a_small_screen_gets_a_list_with_what_is_wrong_first(
         "  (grab item-1) - lost",
         "= as believed   ≠ what …",
     ]
+
+
+KINDS = tuple(Thing(f"thing-{number}") for number in range(30))
+
+
+@pytest.mark.parametrize("width", [24, 60, 120])
+def test_where_there_is_no_screen_all_is_shown(width: int, memory: MemoryBench) -> None:
+    hand = Spot("hand", (Thing("rock", "blue"),), note="all of it outside")
+    full = msgspec.structs.replace(
+        YARD, spots=(*YARD.spots[:2], Spot("mill", KINDS, (1, 1)), hand, Spot("bag"))
+    )
+    frame = draw_frame(full, memory.memory, DOINGS, width, 0)
+    told = "\n".join(line.plain for line in frame)
+    assert {f"thing-{number}" for number in range(30)} <= {
+        *re.findall(r"thing-\d+", told)
+    }
+    assert "hand (all of it outside): blue rock ≠ nothing" in told
+    assert not re.search(r"…|more places", told)
+    assert "= as believed   ≠ what is believed instead" in told
 
 
 def test_a_frame_fits_where_it_is_drawn() -> None:

@@ -122,6 +122,18 @@ def test_a_place_that_cannot_be_said_is_not_drawn(
     assert "⇐" not in "".join(_drawn(memory))
 
 
+@pytest.mark.parametrize("width", [40, 120])
+def test_where_there_is_no_screen_a_plan_is_as_high_as_wide(
+    width: int, memory: MemoryBench
+) -> None:
+    doings = Activity(3, "[1] (go)", skills=("drive", "look-about"))
+    whole = [t.plain for t in draw_frame(PICTURE, memory.memory, doings, width, 0)]
+    screen = [t.plain for t in draw_frame(PICTURE, memory.memory, doings, width, 999)]
+    assert whole == screen
+    assert "skills: drive, look-about" in whole
+    assert "[ ] space believed" in whole[-1]
+
+
 @pytest.mark.parametrize("width", [30, 40, 80, 200])
 def test_a_frame_with_a_plan_fits(memory: MemoryBench, width: int) -> None:
     doings = Activity(3, "[1] (go)", skills=("drive", "look-about"))

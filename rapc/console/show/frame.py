@@ -13,6 +13,7 @@ import msgspec
 from rich.text import Text
 
 from rapc.base.values import format_atom
+from rapc.console.lines import wrapped
 from rapc.console.show.beliefs import (
     Contents,
     believed_contents,
@@ -82,7 +83,16 @@ class _SpotView(msgspec.Struct, frozen=True):
 def draw_frame(
     picture: Picture, memory: MemoryView, doings: Activity, width: int, height: int
 ) -> list[Text]:
-    """A picture beside memory as lines, at most `height` of at most `width` cells."""
+    """Return a picture beside memory as lines.
+
+    Args:
+        picture: what is true.
+        memory: what is believed.
+        doings: what is going on.
+        width: how many cells a line has.
+        height: how many lines there may be; what finds no room is left out. Where it is
+            0 there are as many as it takes, and what is told in words is told whole.
+    """
     believed = believed_contents(memory, picture)
     sights = [
         _SpotView(s, true_contents(s.things), believed.pop(s.name, Counter()))
@@ -91,15 +101,21 @@ def draw_frame(
     around = [sight for sight in sights if sight.spot.at is not None]
     aboard = [sight for sight in sights if sight.spot.at is None]
     head = [_head(picture, memory, doings)]
-    foot = [*_aboard(aboard, width), *_elsewhere(believed), *_doings(doings)]
+    foot = [
+        *_aboard(aboard, width, whole=not height),
+        *_elsewhere(believed),
+        *_doings(doings),
+    ]
     lines = _with_plan(picture, memory, head, doings, (width, height))
     if lines is None:
         foot.append(Text("= as believed   ≠ what is believed instead", "dim"))
-        room = max(height - len(head) - len(foot), 0)
-        lines = [*head, *_map(picture, around, width, room), *foot][:height]
+        room = max(height - len(head) - len(foot), 0) if height else None
+        lines = [*head, *_map(picture, around, width, room), *foot]
+    if not height:
+        return lines
     for line in lines:
         line.truncate(width, overflow="ellipsis")
-    return lines
+    return lines[:height]
 
 
 def _with_plan(
@@ -114,7 +130,7 @@ def _with_plan(
         return None
     width, height = size
     foot, signs = list(_doings(doings)), list(legend(width))
-    room = height - len(head) - len(foot) - len(signs)
+    room = height - len(head) - len(foot) - len(signs) if height else width
     drawn = draw_plan(picture.plan, memory, width, room)
     return None if drawn is None else [*head, *drawn, *foot, *signs]
 
@@ -143,12 +159,16 @@ def _otherwise(gauge: Gauge, memory: MemoryView) -> str:
 
 
 def _map(
-    picture: Picture, sights: Sequence[_SpotView], width: int, height: int
+    picture: Picture, sights: Sequence[_SpotView], width: int, height: int | None
 ) -> Iterator[Text]:
+    """Yield the places as a map, or as a list where there is no room for one.
+
+    Where there is no `height` it is as high as what is at the places takes.
+    """
     across = max((s.spot.at[0] for s in sights if s.spot.at), default=0)
     down = max((s.spot.at[1] for s in sights if s.spot.at), default=0)
     wide = int(width / (across + 1))
-    high = int(height / (down + 1))
+    high = _enough(sights, wide) if height is None else int(height / (down + 1))
     if wide < _LEAST_WIDE or high < _LEAST:
         yield from _list(picture, sights, height)
         return
@@ -193,12 +213,23 @@ def _place(
                 canvas.write(column + 2, row, line, drawn)
 
 
-def _list(picture: Picture, sights: Sequence[_SpotView], height: int) -> Iterator[Text]:
+def _enough(sights: Sequence[_SpotView], wide: int) -> int:
+    """Return how many lines a place takes so that no contents are cut."""
+    texts = [t for s in sights for t in (contents_in_words(s.true), s.belief()[0])]
+    most = max((len(wrapped(text, max(wide - 3, 1))) for text in texts), default=1)
+    return max(1 + 2 * most, _LEAST)
+
+
+def _list(
+    picture: Picture, sights: Sequence[_SpotView], height: int | None
+) -> Iterator[Text]:
     """The places as a list, where there is no room for a map; wrong beliefs first."""
     here = picture.here
     told = [s for s in sights if not s.empty or s.spot.name == here]
     told.sort(key=lambda s: (s.spot.name != here, s.right))
-    fitting = told if len(told) <= height else told[: max(height - 1, 0)]
+    fitting = told
+    if height is not None and len(told) > height:
+        fitting = told[: max(height - 1, 0)]
     for sight in fitting:
         name = sight.spot.name
         shown = f"[{_ARROWS.get(picture.heading, '')}{name}]" if name == here else name
@@ -221,9 +252,13 @@ def _row(sight: _SpotView, name: str) -> Text:
     return line
 
 
-def _aboard(sights: Sequence[_SpotView], width: int) -> Iterator[Text]:
-    """Arms and bays, two in a line."""
+def _aboard(sights: Sequence[_SpotView], width: int, *, whole: bool) -> Iterator[Text]:
+    """Yield arms and bays, two in a line; if `whole` only where none is cut so."""
     middle = width // 2
+    told = [_row(sight, sight.spot.name) for sight in sights]
+    if whole and any(line.cell_len >= middle for line in told):
+        yield from told
+        return
     rows = (len(sights) + 1) // 2
     for at in range(rows):
         pair = [_row(s, s.spot.name) for s in sights[at::rows]]

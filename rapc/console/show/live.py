@@ -45,7 +45,8 @@ class LiveView:
         interpreter: the run that is shown.
         picture: draws the truth as it is now.
         stream: where to; frames follow each other only if it is a terminal.
-        size: columns and rows of a frame, asked for each.
+        size: columns and rows of a frame, asked for each; 0 rows are as many as it
+            takes.
         color: whether to colour them.
         every: where it is no terminal, one in so many frames is written; 0: the last
             one alone.
