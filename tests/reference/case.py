@@ -263,6 +263,7 @@ def run_reference(case: Case) -> Trace:
         settings.futile_limit,
         settings.idle_cycles,
         settings.cycle_cost,
+        settings.query_steps,
     )
     world, solvers = _world(case, library), _solvers(case)
     reference = Reference(library, world, case.seed, limits, FUNCTIONS, solvers)

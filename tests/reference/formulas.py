@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from tests.reference.vocabulary import (
     METHODS,
@@ -20,6 +20,8 @@ from tests.reference.words import Datum, Words
 
 def formula(words: Words, depth: int = 2) -> Datum:
     """A formula, nested at most so deep."""
+    if words.among("deep", 0.15):
+        return deep(words)
     if words.queries and words.chance(0.25):
         return named(words)
     roll = words.rng.random()
@@ -49,17 +51,67 @@ def named(words: Words) -> Datum:
     return (name, *terms)
 
 
-def query(rng: random.Random, wild: float, name: str, below: Sequence[str]) -> Datum:
+def query(
+    rng: random.Random,
+    wild: float,
+    name: str,
+    below: Sequence[str],
+    forms: Collection[str],
+) -> Datum:
     """The definition of a named query, which may use those below it."""
     args = ["?i", "?x"][: QUERIES[name]]
     if args and rng.random() < 0.3:
         args[0] = "?u"
     words = Words(rng, wild, args)
-    words.queries = below
+    words.queries, words.forms = below, forms
+    if name == "wide" and "deep" in forms:
+        return ("define-query", (name, *args), wide(words))
     if args and rng.random() < 0.5:
         words.sets, words.counters = [args[-1]], [args[-1]]
     made = words.pick((formula, likely, watched))(words)
     return ("define-query", (name, *args), made)
+
+
+def deep(words: Words, depth: int = 2, count: int | None = None) -> Datum:
+    """A conjunction of parts most of which may have several solutions."""
+    words = words.inner()
+    words.free = [*words.free, "?d", "?e", "?f"]
+    least = words.pick((2, 3, 4, 5, 6)) if count is None else count
+    parts = [_deep_part(words, depth) for _ in range(least)]
+    if words.chance(0.6):
+        parts.append(words.pick(("nil", ("q", "nowhere"), ("=", "1", "2"))))
+    return ("and", *parts)
+
+
+def wide(words: Words) -> Datum:
+    """A formula of more parts than are written where a query is used."""
+    return ("or", *(deep(words, 1, 5) for _ in range(words.pick((3, 4, 6)))))
+
+
+def _deep_part(words: Words, depth: int) -> Datum:
+    roll = words.rng.random()
+    if depth > 0 and roll < 0.25:
+        few = words.pick((0, 1, 2, 2, 3))
+        return ("or", *(_deep_part(words, depth - 1) for _ in range(few)))
+    if depth > 0 and roll < 0.35:
+        return ("not", deep(words, depth - 1))
+    if words.queries and roll < 0.47:
+        return named(words)
+    variable, other = words.pick((*words.free, "?")), words.pick((*words.free, "?"))
+    if roll < 0.55:
+        return words.pick((("=", variable, "a"), ("n=", variable, other)))
+    if roll < 0.6:
+        return words.pick((("know-sensor-name", variable), ("last-result", variable)))
+    found = words.pick(
+        (
+            ("q", variable),
+            ("r", variable, words.pick((other, *SYMBOLS))),
+            ("p", variable, words.pick((other, "?"))),
+            ("p", words.pick(SYMBOLS), variable),
+            ("k", variable, words.pick((other, "a")), "?"),
+        )
+    )
+    return ("believe", found, words.pick(("9", "?w"))) if roll < 0.7 else found
 
 
 def _compound(words: Words, depth: int, roll: float) -> Datum:
@@ -72,6 +124,8 @@ def _compound(words: Words, depth: int, roll: float) -> Datum:
 
 def likely(words: Words) -> Datum:
     """A formula that holds more often than not."""
+    if words.among("deep", 0.2):
+        return deep(words)
     if words.queries and words.chance(0.2):
         return named(words)
     if words.chance(1 - words.wild * 0.5):
@@ -82,6 +136,8 @@ def likely(words: Words) -> Datum:
 
 def watched(words: Words) -> Datum:
     """A formula that what the script does makes true and false."""
+    if words.among("deep", 0.2):
+        return deep(words)
     if words.odd(0.3):
         return formula(words)
     if words.queries and words.chance(0.3):

@@ -15,7 +15,7 @@ from tests.reference.case import Case
 from tests.reference.formulas import query
 from tests.reference.nets import Sketch
 from tests.reference.raps import rap, rules
-from tests.reference.scripts import at, fact, host, rows, solvers, task, text
+from tests.reference.scripts import at, common, fact, host, rows, solvers, task, text
 from tests.reference.vocabulary import (
     DECLARATIONS,
     FORMS,
@@ -35,6 +35,7 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
     rng = random.Random(f"{seed}:case")
     wild = rng.choice((0.05, 0.2, 0.5, 1))
     sketches = [_sketch(rng, n) for n in range(rng.randrange(3, 8))]
+    many = [text(common(rng)) for _ in range(14 if "deep" in forms else 0)]
     tasks = rng.choice((3, 4, 5) if "claims" in forms else (1, 2, 2, 3, 4))
     made = [rap(rng, wild, sketches, n, forms) for n in range(len(sketches))]
     whole = (
@@ -52,7 +53,7 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
         agenda="day" if day else "",
         rows=rows(rng, wild, forms),
         at=tuple(at(rng) for _ in range(rng.randrange(9))),
-        facts=tuple(text(fact(rng)) for _ in range(rng.randrange(2, 9))),
+        facts=(*many, *(text(fact(rng)) for _ in range(rng.randrange(2, 9)))),
         tasks=tuple(task(rng, sketches, forms) for _ in range(tasks)),
         solvers=solvers(rng, wild, sketches, forms),
         host=tuple(host(rng, sketches) for _ in range(rng.choice((0, 0, 0, 1, 2)))),
@@ -62,8 +63,13 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
             futile_limit=rng.choice((1, 2, 2, 2, 3)),
             idle_cycles=rng.choice((15, 40, 40)),
             cycle_cost=rng.choice((0, 0, 0, 0, 1, 0.5)),
+            query_steps=rng.choice(STEPS if "deep" in forms else (1_000_000,)),
         ),
     )
+
+
+STEPS = (1, 1, 2, 2, 3, 4, 5, 7, 9, 14, 20, 35, 60, 100, 200, 1_000_000, 1_000_000)
+"""How often a question may go back in vain in programs whose questions may."""
 
 
 def _named(rng: random.Random, wild: float, forms: Collection[str]) -> list[Datum]:
@@ -73,7 +79,9 @@ def _named(rng: random.Random, wild: float, forms: Collection[str]) -> list[Datu
     if "queries" in forms:
         names = tuple(QUERIES)
         rest = [names[place + 1 :] for place in range(len(names))]
-        made += [query(rng, wild, *each) for each in zip(names, rest, strict=True)]
+        made += [
+            query(rng, wild, *each, forms) for each in zip(names, rest, strict=True)
+        ]
     return made
 
 

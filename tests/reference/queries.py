@@ -7,16 +7,15 @@ than walking the formula.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
-
-import msgspec
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Protocol
 
 from rapc.base.resources import Value
 from rapc.base.values import number
 from rapc.ir import nodes
 from rapc.world import Time
 from tests.reference.memory import Memory, is_short
+from tests.reference.searching import FREE, Before, GivenUp, is_own, spelled_out
 from tests.reference.terms import OWN, Bindings, Fault, Functions, Terms, members
 
 
@@ -51,52 +50,74 @@ class Asker(Terms):
     """Everything a query depends on but its bindings.
 
     `timers` collects the times at which what a `believe` saw goes stale; `faults`
-    what was unbound or ill-typed.
+    what was unbound or ill-typed. `steps` is how often it may go back in vain.
     """
 
     def __init__(
-        self, memory: Memory, functions: Functions, history: History | None
+        self,
+        memory: Memory,
+        functions: Functions,
+        history: History | None,
+        steps: int,
     ) -> None:
         super().__init__(memory, functions)
         self.history = history
+        self.steps = steps
+        self.left = steps
+        self.queries = memory.library.queries
         self.faults: list[Faulted] = []
         self.timers: list[Time] = []
 
     # --- formulas -----------------------------------------------------------------
 
     def first(self, formula: nodes.Formula, env: Bindings) -> Bindings | None:
-        """The first solution, or None."""
-        return next(self.solutions(formula, env), None)
+        """The first solution of a whole question, or None; it may be given up."""
+        self.left = self.steps
+        try:
+            return next(self.solutions(formula, env, Before(frozenset(env), 0)), None)
+        except GivenUp:
+            told = f"given up after {self.steps} steps back: see `rapc.query-steps`"
+            self.faults.append(Faulted("", told))
+            return None
 
-    def solutions(self, formula: nodes.Formula, env: Bindings) -> Iterator[Bindings]:
+    def solutions(
+        self, formula: nodes.Formula, env: Bindings, before: Before
+    ) -> Iterator[Bindings]:
         """All solutions in order; a part that faults has none, the fault is kept."""
         try:
             match formula:
                 case nodes.And(parts):
-                    yield from self.all_of(parts, env)
+                    yield from self.all_of(parts, env, before)
                 case nodes.Or(parts):
                     for part in parts:
-                        yield from self.solutions(part, env)
+                        yield from self.solutions(part, env, before)
                 case nodes.Not(part):
-                    if self.first(part, env) is None:
+                    if next(self.solutions(part, env, before), None) is None:
                         yield env
                 case nodes.Truth() | nodes.Compare() | nodes.SetTest():
                     if self.holds(formula, env):
                         yield env
+                case nodes.Proposition(name, args) if name in self.queries:
+                    yield from self.named(self.queries[name], args, env, before)
                 case _:
                     yield from self.facts(formula, env)
+            if before.searches >= FREE and before.search(self.memory.library, formula):
+                self.left -= 1
+                if self.left < 0:
+                    raise GivenUp
         except Fault as fault:
             self.faults.append(Faulted("", str(fault)))
 
     def all_of(
-        self, parts: Sequence[nodes.Formula], env: Bindings
+        self, parts: Sequence[nodes.Formula], env: Bindings, before: Before
     ) -> Iterator[Bindings]:
         """Left to right, with full backtracking."""
         if not parts:
             yield env
             return
-        for found in self.solutions(parts[0], env):
-            yield from self.all_of(parts[1:], found)
+        behind = before.behind(self.memory.library, parts[0])
+        for found in self.solutions(parts[0], env, before):
+            yield from self.all_of(parts[1:], found, behind)
 
     def holds(
         self, test: nodes.Truth | nodes.Compare | nodes.SetTest, env: Bindings
@@ -115,8 +136,6 @@ class Asker(Terms):
     def facts(self, formula: nodes.Formula, env: Bindings) -> Iterator[Bindings]:
         """What memory, a declared function or the task's past has to say."""
         match formula:
-            case nodes.Proposition(name, args) if name in self.memory.library.queries:
-                yield from self.named(self.memory.library.queries[name], args, env)
             case nodes.Proposition(name, args) if name in self.memory.library.functions:
                 values = [self.term(arg, env) for arg in args]
                 if self.functions[name](self.memory, *values):
@@ -139,23 +158,24 @@ class Asker(Terms):
     # --- named queries ------------------------------------------------------------
 
     def named(
-        self, query: nodes.DefineQuery, args: Sequence[nodes.Term], env: Bindings
+        self,
+        query: nodes.DefineQuery,
+        args: Sequence[nodes.Term],
+        env: Bindings,
+        before: Before,
     ) -> Iterator[Bindings]:
         """The formula of a query with terms put in; its own variables stay its own."""
         mark = f"{OWN}{next(_EXPANSIONS)}"
-        put: dict[str, nodes.Term] = {}
-        for argument, term in zip(query.args, args, strict=True):
-            bare = isinstance(term, nodes.Var) and term.anonymous
-            name = argument.variable.name
-            put[name] = nodes.Var(name + mark) if bare else term
-        inner = Asker(self.memory, self.functions, self.history)
-        inner.timers = self.timers
-        solutions = inner.solutions(put_in(query.formula, put, mark), env)
+        solutions = self.solutions(spelled_out(query, args, mark), env, before)
         while True:
-            found = next(solutions, None)
-            within = f"`{query.name}` in "
-            self.faults += [Faulted(f.within + within, f.message) for f in inner.faults]
-            inner.faults.clear()
+            known = len(self.faults)
+            try:
+                found = next(solutions, None)
+            finally:
+                within = f"`{query.name}` in "
+                self.faults[known:] = [
+                    Faulted(f.within + within, f.message) for f in self.faults[known:]
+                ]
             if found is None:
                 return
             yield {n: v for n, v in found.items() if not is_own(n, mark)}
@@ -298,26 +318,6 @@ class Asker(Terms):
             found = self.unify([slot], (result,), env)
             if found is not None:
                 yield found
-
-
-def put_in(part: Any, put: Mapping[str, nodes.Term], mark: str) -> Any:
-    """A part of a query with terms put in for its arguments, all else marked as own."""
-    if isinstance(part, tuple):
-        return tuple(put_in(each, put, mark) for each in part)
-    if not isinstance(part, nodes.Node) or (
-        isinstance(part, nodes.Var) and part.anonymous
-    ):
-        return part
-    if isinstance(part, nodes.Var):
-        return put.get(part.name, nodes.Var(part.name + mark))
-    names = part.__struct_fields__
-    made = {name: put_in(getattr(part, name), put, mark) for name in names}
-    return msgspec.structs.replace(part, **made)
-
-
-def is_own(name: str, mark: str) -> bool:
-    """Whether a variable is one that an expansion has made."""
-    return name.endswith(mark)
 
 
 def compare(op: str, left: Value, right: Value) -> bool:

@@ -6,7 +6,7 @@ import random
 from collections.abc import Collection, Sequence
 from typing import Any
 
-from tests.reference.formulas import formula, likely, watched
+from tests.reference.formulas import deep, formula, likely, watched
 from tests.reference.nets import Sketch, task_net
 from tests.reference.vocabulary import (
     METHODS,
@@ -139,6 +139,8 @@ def mild_method(words: Words, sketches: Sequence[Sketch], at: int) -> Datum:
     if sketch.outputs:
         wanted = ("p", words.pick((*SYMBOLS, *sketch.inputs * 3)), sketch.outputs[0])
         clauses.append(("context", wanted))
+    elif words.among("deep", 0.3):
+        clauses.append(("context", ("or", deep(own), "true")))
     if words.among("claims", 0.25):
         clauses.append(("claims", *(_thing(own) for _ in range(own.pick((1, 1, 2))))))
     if at < len(sketches) - 1 and words.chance(0.95 if at == 0 else 0.6):
@@ -156,6 +158,8 @@ def mild_method(words: Words, sketches: Sequence[Sketch], at: int) -> Datum:
 
 
 def _context(words: Words, sketch: Sketch) -> Datum:
+    if words.among("deep", 0.3):
+        return deep(words)
     if words.chance(0.2):
         return likely(words)
     variable = words.pick((*words.free, *sketch.outputs * 3))

@@ -32,12 +32,14 @@ class Limits:
         futile_limit: int = 2,
         idle_cycles: int = 100_000,
         cycle_cost: Time = 0,
+        query_steps: int = 1_000_000,
     ) -> None:
         self.until = until
         self.cycles = cycles
         self.futile_limit = futile_limit
         self.idle_cycles = idle_cycles
         self.cycle_cost = cycle_cost
+        self.query_steps = query_steps
 
 
 class Run:
@@ -117,7 +119,7 @@ class Run:
 
     def asker(self, task: Task | None) -> Asker:
         """Someone to ask, on behalf of a task."""
-        return Asker(self.memory, self.functions, task)
+        return Asker(self.memory, self.functions, task, self.limits.query_steps)
 
     def holds(
         self,

@@ -48,6 +48,13 @@ def fact(rng: random.Random, variables: Sequence[str] = ()) -> Datum:
     return (name, *index, rng.choice((*VALUES * 2, *WILD, *NUMBERS, *variables)))
 
 
+def common(rng: random.Random) -> Datum:
+    """A fact of those that questions with many solutions are about."""
+    items = (*SYMBOLS, *SYMBOLS, "b", "e", "1", "2")
+    name = rng.choice(("p", "q", "r", "r"))
+    return (name, *(rng.choice(items) for _ in range(1 if name == "q" else 2)))
+
+
 def _read(datum: Datum) -> Fact:
     return tuple(read_atom(part) for part in datum)
 

@@ -61,13 +61,14 @@ FORMS = (
     "refusals",
     "kinds",
     "agenda",
+    "deep",
 )
 """Kinds of forms that some programs use and others do not."""
 
 UNBROKEN = tuple([form for form in FORMS if form != "kinds"])
 """Those with which no run breaks off: a world's values of a wrong kind end a run."""
 
-QUERIES = {"near": 1, "fit": 2, "calm": 0, "sound": 1}
+QUERIES = {"near": 1, "wide": 2, "fit": 2, "calm": 0, "sound": 1}
 """Named queries, with the number of their arguments; each may use those behind it."""
 
 KINDS: tuple[tuple[object, ...], ...] = (

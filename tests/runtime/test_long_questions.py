@@ -50,6 +50,109 @@ def test_steps_back_are_counted_from_the_third_part_on() -> None:
     assert said(asked(f"(and {parts(2)} (p three))", 1)) == "no"
 
 
+def takes(
+    count: int, parts: str, before: str = "(p ?a) (p ?b)", queries: str = ""
+) -> bool:
+    """Whether it takes so many steps back to know that parts have no solution.
+
+    The fewest that may be allowed is one; what takes any here takes four.
+    """
+    formula = f"(and {before} {parts} (p three))"
+    if count > 0 and "given up" not in said(asked(formula, count - 1, queries)):
+        return False
+    told = said(asked(formula, max(count, 1), queries))
+    return told.startswith("no") and "given up" not in told
+
+
+@pytest.mark.parametrize(
+    ("part", "count"),
+    [
+        ("(p ?c)", 4),
+        ("(p ?)", 4),
+        ("(or (p one) (p two))", 4),
+        ("(or)", 4),
+        ("(color ?c unknown)", 4),
+        ("(believe (p ?c) 5)", 4),
+        ("(believe (p ?c) ?age)", 4),
+        ("(know-sensor-name ?c)", 4),
+        ("(p one)", 0),
+        ("(p ?a)", 0),
+        ("(color one ?value)", 0),
+        ("(believe (p one) ?age)", 0),
+        ("(know-sensor-name ?a)", 0),
+        ("(= ?a ?b)", 0),
+        ("(not (p four))", 0),
+        ("(last-result ?c)", 0),
+    ],
+)
+def test_which_parts_search(part: str, count: int) -> None:
+    """Four combinations of two parts of two stand before each of them."""
+    assert takes(count, part)
+
+
+@pytest.mark.parametrize(
+    ("parts", "count"),
+    [
+        ("(or (p ?c) (p ?c)) (p ?c)", 4 + 8),
+        ("(or (p ?c) (p ?d)) (p ?c)", 4 + 8 + 16),
+        ("(or (= ?a ?c) (p ?c)) (p ?c)", 4 + 4),
+        ("(or (p ?c) (p ?d)) (= ?c one) (p ?c)", 4 + 8),
+        ("(not (and (p ?c) (p three))) (p ?c)", 4 + 4),
+        ("(color one ?c) (color ?c unknown)", 0),
+    ],
+)
+def test_which_variables_have_a_value(parts: str, count: int) -> None:
+    """In one of them `?c` may be without one behind the `or`."""
+    assert takes(count, parts)
+
+
+@pytest.mark.parametrize(
+    ("before", "parts", "count"),
+    [
+        ("(p ?a) (and (p ?b))", "(and (and (p ?c)))", 4),
+        ("(p ?a)", "(or (p ?b) (p ?b)) (p ?c)", 8),
+        ("(p ?a)", "(or (and (p ?b) (p ?c)) (p ?d))", 4),
+        ("(or (p ?a) (p ?b))", "(p ?c) (p ?d)", 8),
+        ("(p ?a)", "(not (and (p ?b) (p ?c) (p three))) (p ?d)", 4),
+        ("(p ?a) (p one) (= ?a ?a)", "(p ?c)", 0),
+    ],
+)
+def test_what_stands_before_a_part(before: str, parts: str, count: int) -> None:
+    assert takes(count, parts, before)
+
+
+LONG = " ".join(["(p ?x)"] * 30)
+
+
+@pytest.mark.parametrize("more", ["", LONG])
+def test_a_query_counts_as_what_it_stands_for(more: str) -> None:
+    """Short ones, which are written where they are used, and long ones."""
+    queries = f"""
+    (define-query (some ?x) (and (p ?x) {more}))
+    (define-query (both ?x ?y) (and (some ?x) (some ?y)))
+    (define-query (either ?x ?y) (or (some ?x) (some ?y)))
+    """
+    assert takes(4, "(some ?c)", queries=queries)
+    assert takes(0, "(some ?a)", queries=queries)
+    assert takes(4, "(some ?)", "(both ?a ?b)", queries)
+    assert takes(0, "(some ?c)", "(both ?a ?a)", queries)
+    assert takes(4 + 8 + 16, "(either ?c ?d) (some ?c)", queries=queries)
+    assert takes(4 + 8, "(either ?c ?c) (some ?c)", queries=queries)
+
+
+def test_a_fault_in_a_long_query_tells_of_the_use_that_met_it() -> None:
+    """Both uses share their code; the second is not told as the first."""
+    queries = f"""
+    (define-query (large ?x) (and (p one) (< ?x 3) {LONG}))
+    (define-query (inner ?x) (large ?x))
+    """
+    told = said(asked("(or (inner ?c) (large ?d))", 9, queries))
+    assert "`large` in `inner` in context of method `#1`" in told
+    assert "?c is not bound" in told
+    assert " `large` in context of method `#1`" in told
+    assert "?d is not bound" in told
+
+
 def test_an_answer_that_is_found_at_once_takes_no_step_back() -> None:
     assert said(asked(f"(and {parts(40)})", 1)) == "yes"
 

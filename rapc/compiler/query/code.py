@@ -1,10 +1,11 @@
-"""The writers of generated code: lines, names, constants, functions.
+"""The writer of generated code: names, constants, functions, and its compilation.
 
 Nothing of a program's text is ever pasted into generated code: constants are handed to
 it, and the names of locals are made here. So formulas of one shape come to the same
 text, and that is compiled once.
 
-Not here: what is generated for which formula (`formulas`, `facts`, `term_code`).
+Not here: the lines of one function (`function`), and what is generated for which
+formula (`formulas`, `facts`, `term_code`).
 """
 
 from __future__ import annotations
@@ -19,13 +20,6 @@ from rapc.compiler.query import builtin
 from rapc.compiler.query.plan_steps import AccessPath, PlanStep
 from rapc.ir import nodes
 from rapc.library.signatures import Signatures
-
-MAX_LOOPS = 12
-"""Loops nested in one function; CPython allows 20 blocks."""
-
-FREE_LOOPS = 2
-"""Loops around each other whose turns are not counted: they do at worst as many as the
-square of the facts that there are."""
 
 SHAPES = 1024
 """How many shapes of queries a process keeps compiled."""
@@ -84,8 +78,10 @@ class CodeWriter:
         self._functions: list[str] = []
         self._made: dict[tuple[object, ...], str] = {}
         self._serial = 0
-        #: The constant for the clause's name.
+        #: The clause's name, and the constant for it.
+        self.clause = where
         self.where = self.constant(where)
+        self._places = {"": self.where}
 
     def note(self, formula: nodes.Formula, path: AccessPath, **rest: Any) -> None:
         """Note what is done for a part of the formula, before its code is written."""
@@ -105,6 +101,12 @@ class CodeWriter:
         if variable not in self.locals:
             self.locals[variable] = f"v{len(self.locals)}"
         return self.locals[variable]
+
+    def place(self, within: str) -> str:
+        """Return a constant for the clause's name with those of queries before it."""
+        if within not in self._places:
+            self._places[within] = self.constant(within + self.clause)
+        return self._places[within]
 
     def constant(self, value: object) -> str:
         """Return a name under which the code finds `value`."""
@@ -196,164 +198,3 @@ def made_of(source: str, namespace: dict[str, Any]) -> Any:
     namespace |= {"__name__": name, "__loader__": _Source(source)}
     exec(compile(source, name, "exec"), namespace)  # noqa: S102  # generated here
     return namespace["make"]
-
-
-class FunctionWriter:
-    """One generated function while it is written."""
-
-    def __init__(
-        self, code: CodeWriter, name: str, bound: Iterable[str], mode: ResultMode
-    ) -> None:
-        #: What all functions of the query share.
-        self.code = code
-        self.name = name
-        self.mode = mode
-        #: The constant for the clause's name, and for the query within it.
-        self.where = code.where
-        #: The variables that it is handed, in order.
-        self.parameters = tuple(bound)
-        #: Its first lines, unless it is called with its parameters.
-        self.head: list[str] = []
-        #: Whether it is what is called to ask, and sees to it that the question ends.
-        self.is_whole = False
-        #: The variables surely bound where the next line comes.
-        self.bound: set[str] = set(self.parameters)
-        #: Those bound in some branch of an `or` only: a local may hold UNBOUND.
-        self.maybe: set[str] = set()
-        #: How many loops the next line stands in.
-        self.loops = 0
-        #: How many loops the call of the function stands in.
-        self.outer = 0
-        self._indent = 1
-        self._lines: list[str] = []
-        self._loop_indents: list[int] = []
-        self._renamed: dict[str, str] = {}
-
-    @property
-    def known(self) -> list[str]:
-        """The variables that are or may be bound, in the order in which they came."""
-        return [name for name in self.code.locals if name in self.bound | self.maybe]
-
-    def local(self, variable: str) -> str:
-        """Return the Python local that holds `variable` here."""
-        return self._renamed.get(variable) or self.code.local(variable)
-
-    def rename(self, variable: str) -> str:
-        """Return a new local for `variable` from here on.
-
-        A variable that may be bound keeps its old local untouched, so that the next
-        candidate of a loop finds it as it was.
-        """
-        self._renamed[variable] = self.code.fresh("v_")
-        return self._renamed[variable]
-
-    def child(
-        self, prefix: str, needed: Iterable[str], mode: ResultMode
-    ) -> FunctionWriter:
-        """Begin another function, handed the `needed` variables as far as known."""
-        known = self.bound | self.maybe
-        inner = FunctionWriter(
-            self.code,
-            self.code.fresh(prefix),
-            [name for name in dict.fromkeys(needed) if name in known],
-            mode,
-        )
-        inner.where = self.where
-        inner.outer = self.outer + self.loops
-        inner.maybe = self.maybe & inner.bound
-        inner.bound -= inner.maybe
-        return inner
-
-    def line(self, text: str) -> None:
-        """Add a line at the present depth."""
-        self._lines.append("    " * self._indent + text)
-
-    def loop(self, head: str) -> None:
-        """Open a loop; all that follows is inside it."""
-        self.line(head)
-        self._loop_indents.append(self._indent)
-        self._indent += 1
-        self.loops += 1
-
-    @property
-    def skip(self) -> str:
-        """The statement that gives up the candidate at hand."""
-        return "continue" if self.loops else self.mode.value[1]
-
-    def skip_unless(self, condition: str) -> None:
-        """Give up the candidate unless `condition` holds."""
-        self.line(f"if not ({condition}): {self.skip}")
-
-    def skip_if(self, condition: str) -> None:
-        """Give up the candidate if `condition` holds."""
-        self.line(f"if {condition}: {self.skip}")
-
-    def call(self, inner: FunctionWriter) -> str:
-        """Return the expression that calls another function from here."""
-        return f"{inner.name}({', '.join(self.local(p) for p in inner.parameters)})"
-
-    def return_solution(self, solution: str) -> None:
-        """Write the statement for a solution, in the function's result mode."""
-        self.line(self.mode.value[0].format(solution))
-
-    def return_all_of(self, call: str) -> None:
-        """Return every solution of `call`, a function of the same result mode."""
-        if self.mode is ResultMode.EACH:
-            self.line(f"yield from {call}")
-        elif self.mode is ResultMode.ANY:
-            self.line(f"if {call}: return True")
-        elif self.mode is ResultMode.ALL:
-            self.line(f"found.extend({call})")
-        else:
-            answer = self.code.fresh("t")
-            self.line(f"{answer} = {call}")
-            self.line(f"if {answer} is not None: return {answer}")
-
-    def values(self, exports: Iterable[str]) -> str:
-        """Return the expression for a tuple of the values of `exports`."""
-        return f"({''.join(f'{self.local(name)}, ' for name in exports)})"
-
-    def close(self) -> None:
-        """Add the function to the code."""
-        names = ", ".join(self.code.local(p) for p in self.parameters)
-        opened = self.head or [f"def {self.name}({names}):"]
-        if self.mode is ResultMode.ALL:
-            opened = [*opened, "    found = []"]
-        self._count()
-        body = [*self._lines, f"    {self.mode.value[1]}"]
-        if self.is_whole and self.code.counts:
-            body = self._bounded(body)
-        self.code.add([*opened, *body])
-
-    def _count(self) -> None:
-        """Count a step back behind each loop that stands deep inside of others.
-
-        What is written here is reached where the loop has found nothing, so a question
-        that has its answer at once pays nothing for it.
-        """
-        for depth in range(self.loops, 0, -1):
-            if self.outer + depth > FREE_LOOPS:
-                self.code.counts = True
-                margin = "    " * self._loop_indents[depth - 1]
-                self._lines.append(f"{margin}ctx.steps_left -= 1")
-                self._lines.append(f"{margin}if ctx.steps_left < 0: raise TooManySteps")
-
-    def _bounded(self, body: Iterable[str]) -> list[str]:
-        """Return the lines of a whole question so that they end within its bound."""
-        return [
-            "    ctx.steps_left = ctx.most_steps",
-            "    try:",
-            *(f"    {line}" for line in body),
-            "    except TooManySteps:",
-            f"        ctx.give_up({self.code.where})",
-            f"        return{_NOTHING[self.mode]}",
-        ]
-
-
-_NOTHING = {
-    ResultMode.EACH: "",
-    ResultMode.FIRST: " None",
-    ResultMode.ANY: " False",
-    ResultMode.ALL: " []",
-}
-"""What a question returns that has no answer."""

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 
 import msgspec
 
-from rapc.compiler.query.code import FunctionWriter
+from rapc.compiler.query.function import FunctionWriter
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.compiler.query.term_code import (
     argument_code,
@@ -201,7 +201,7 @@ def _scan(fn: FunctionWriter, query: _Query) -> None:
         binds=_binds(fn, query),
     )
     fact = fn.code.fresh("f")
-    fn.loop(f"for {fact} in {_candidates(fn, query, places)}:")
+    fn.search(f"for {fact} in {_candidates(fn, query, places)}:")
     size = len(query.args)
     if query.relation.most is None:
         fn.skip_unless(f"len({fact}) == {size + 1}")

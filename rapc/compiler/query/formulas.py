@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 
 from rapc.base.values import is_number
 from rapc.compiler.query import facts, named
-from rapc.compiler.query.code import MAX_LOOPS, FunctionWriter, ResultMode
+from rapc.compiler.query.code import ResultMode
+from rapc.compiler.query.function import MAX_LOOPS, FunctionWriter
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.compiler.query.term_code import argument_code, attempt, known_value, match
 from rapc.compiler.watches import Watch, of_age, of_call, of_proposition, of_resources
@@ -49,20 +50,26 @@ def solve(
         solve(inner, branch, answer)
         fn.return_all_of(fn.call(inner))
     fn.code.depth -= 1
+    if fn.is_deep:
+        fn.step_back()
     fn.close()
 
 
 def write(fn: FunctionWriter, formula: nodes.Formula) -> None:
     """Append the code of a formula; what follows runs once for each solution."""
-    unsure = fn.maybe and type(formula) not in _CONNECTIVES
-    if unsure and not fn.maybe.isdisjoint(variables_in_order(formula)):
-        _in_either_case(fn, formula)
-        return
     query = named.query_of(fn.code.signatures, formula)
     if query is not None and isinstance(formula, nodes.Proposition):
         named.write_use(fn, formula, query, write)
-    else:
+        return
+    if type(formula) in _CONNECTIVES:
         _KINDS[type(formula)].write(fn, formula)
+        return
+    names = variables_in_order(formula)
+    if fn.maybe.isdisjoint(names):
+        _KINDS[type(formula)].write(fn, formula)
+    else:
+        _in_either_case(fn, formula)
+    fn.given.update(names)
 
 
 def variables_in_order(formula: nodes.Formula) -> tuple[str, ...]:
@@ -115,16 +122,16 @@ def conjuncts(formula: nodes.Formula) -> Iterator[nodes.Formula]:
 
 def _or(fn: FunctionWriter, formula: nodes.Or) -> None:
     fn.code.note(formula, AccessPath.EITHER)
-    _through(fn, "either", formula.parts)
+    if formula.parts:
+        _through(fn, "either", formula.parts)
+    else:
+        fn.search("for _ in ():")
 
 
 def _through(
     fn: FunctionWriter, prefix: str, branches: Sequence[nodes.Formula]
 ) -> None:
     """Write branches as one generator and loop over what it yields."""
-    if not branches:
-        fn.line(fn.skip)
-        return
     needed = [name for branch in branches for name in variables_in_order(branch)]
     inner = fn.child(prefix, needed, ResultMode.EACH)
     writers = [inner.child(prefix, inner.parameters, ResultMode.EACH) for _ in branches]
@@ -137,7 +144,7 @@ def _through(
         _export(writer, exports)
         inner.line(f"yield from {inner.call(writer)}")
     inner.close()
-    _loop(fn, fn.call(inner), exports, writers)
+    _loop(fn, fn.call(inner), exports, writers, prefix == "either")
 
 
 def _in_either_case(fn: FunctionWriter, formula: nodes.Formula) -> None:
@@ -147,7 +154,6 @@ def _in_either_case(fn: FunctionWriter, formula: nodes.Formula) -> None:
     """
     names = variables_in_order(formula)
     fn.code.note(formula, AccessPath.LATER)
-    fn.code.counts = True
     known = fn.bound | fn.maybe
     values = [fn.local(name) if name in known else "UNBOUND" for name in names]
     later = fn.code.constant(fn.code.later(formula))
@@ -157,9 +163,10 @@ def _in_either_case(fn: FunctionWriter, formula: nodes.Formula) -> None:
     for name in unsure:
         old = name in fn.maybe
         targets[name] = fn.rename(name) if old else fn.local(name)
-    fn.loop(
+    opened = fn.search if _searches(fn, formula) else fn.loop
+    opened(
         f"for {''.join(f'{t}, ' for t in targets.values())} "
-        f"in {later}.extended(ctx, ({listed})):"
+        f"in {later}.extended(ctx, {fn.where}, ({listed})):"
     )
     fn.bound.update(unsure)
     fn.maybe.difference_update(unsure)
@@ -176,17 +183,42 @@ def _exports(
     ]
 
 
+def _searches(fn: FunctionWriter, formula: nodes.Formula) -> bool:
+    """Whether a part may have several solutions, by the text before it [L 2.71]."""
+    if isinstance(formula, nodes.SensorName):
+        return fn.is_open(formula.item)
+    pattern = formula.pattern if isinstance(formula, nodes.Believe) else formula
+    if not isinstance(pattern, nodes.Proposition):
+        return False
+    relation = fn.code.signatures.relations.get(pattern.name)
+    if relation is None:
+        return False
+    args = relation.full(pattern.args)
+    index = args[:-1] if relation.is_property else args
+    return any(fn.is_open(arg) for arg in index)
+
+
 def _loop(
     fn: FunctionWriter,
     call: str,
     exports: Sequence[str],
     writers: Sequence[FunctionWriter],
+    is_or: bool,
 ) -> None:
-    """Loop over what generators yield, and take note of what they have bound."""
+    """Loop over what generators yield, and take note of what they have bound.
+
+    They are the branches of an `or`, or one that is the rest of an `and`.
+    """
     targets = "".join(
         f"{fn.rename(n) if n in fn.maybe else fn.local(n)}, " for n in exports
     )
-    fn.loop(f"for {f'({targets})' if targets else '_'} in {call}:")
+    head = f"for {f'({targets})' if targets else '_'} in {call}:"
+    if is_or:
+        fn.search(head)
+    else:
+        fn.loop(head)
+        fn.searches += writers[0].searches
+    fn.given |= set.intersection(*(writer.given for writer in writers))
     for name in exports:
         surely = all(name in writer.bound for writer in writers)
         (fn.bound if surely else fn.maybe).add(name)
@@ -268,7 +300,7 @@ def _sensor_name(fn: FunctionWriter, formula: nodes.SensorName) -> None:
     if item is None:
         fn.code.note(formula, AccessPath.ITEMS)
         local = fn.code.fresh("t")
-        fn.loop(f"for {local} in ctx.accessible_items():")
+        fn.search(f"for {local} in ctx.accessible_items():")
         match(fn, formula.item, local)
         match(fn, formula.value, fn.code.constant("true"))
         return

@@ -17,7 +17,8 @@ from typing import Any
 
 import msgspec
 
-from rapc.compiler.query.code import FREE_LOOPS, FunctionWriter, ResultMode
+from rapc.compiler.query.code import ResultMode
+from rapc.compiler.query.function import FREE_SEARCHES, FunctionWriter
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.ir import nodes
 from rapc.ir.fields import CHILDREN
@@ -47,9 +48,9 @@ def write_use(
     fn.code.note(use, AccessPath.NAMED)
     fn.code.depth += 1
     if _size(query.name, fn.code.signatures, ()) <= MOST_INLINE:
-        before, fn.where = fn.where, _place(fn, query)
+        before, fn.within = fn.within, f"`{query.name}` in {fn.within}"
         write(fn, _put_in(use, query, str(fn.code.serial())))
-        fn.where = before
+        fn.within = before
     else:
         _call(fn, use, query, write)
     fn.code.depth -= 1
@@ -86,8 +87,14 @@ class _Shape(msgspec.Struct, frozen=True):
     name: str
     #: What stands for each argument within the function.
     args: tuple[nodes.Term, ...]
-    #: The variables that have a value, which the function is handed.
-    bound: tuple[str, ...]
+    #: The variables that have or may have a value, which the function is handed.
+    handed: tuple[str, ...]
+    #: Those of them that may have none.
+    maybe: tuple[str, ...]
+    #: Those of them that have a value by the text [L 2.71].
+    given: tuple[str, ...]
+    #: How many searching parts stand before it, up to those that are free.
+    outer: int
 
 
 class _Made(msgspec.Struct, frozen=True):
@@ -96,6 +103,10 @@ class _Made(msgspec.Struct, frozen=True):
     call: str
     #: The variables it yields values of, and whether each surely has one.
     exports: tuple[tuple[str, bool], ...]
+    #: The variables that have a value behind it, by the text.
+    given: frozenset[str]
+    #: How many searching parts it has.
+    searches: int
 
 
 def _call(
@@ -110,23 +121,45 @@ def _call(
             handed[parameter] = fn.code.constant(arg.value)
             args.append(nodes.Var(parameter))
         elif isinstance(arg, nodes.Var):
-            name = arg.name
-            known = parameter if arg.anonymous else inner.setdefault(name, parameter)
+            own = parameter if arg.name in fn.bound else _shown(arg.name, len(inner))
+            known = parameter if arg.anonymous else inner.setdefault(arg.name, own)
             args.append(nodes.Var(known))
         else:
             for part in subterms(arg):
                 if isinstance(part, nodes.Var) and not part.anonymous:
-                    inner.setdefault(part.name, f"{part.name} given")
+                    inner.setdefault(part.name, _shown(part.name, len(inner)))
             args.append(_renamed(arg, {v: nodes.Var(n) for v, n in inner.items()}))
-    handed.update((inner[n], fn.local(n)) for n in inner if n in fn.bound)
-    shape = _Shape(query.name, tuple(args), tuple(handed))
+    valued = fn.bound | fn.maybe
+    handed.update((inner[n], fn.local(n)) for n in inner if n in valued)
     outer = {name: variable for variable, name in inner.items()}
-    made = _made(fn, shape, query, [n for n in outer if n not in handed], write)
-    targets = "".join(f"{fn.local(outer[name])}, " for name, _ in made.exports)
-    given = ", ".join(handed.values())
-    fn.loop(f"for {f'({targets})' if targets else '_'} in {made.call}({given}):")
+    shape = _Shape(
+        query.name,
+        tuple(args),
+        tuple(handed),
+        tuple([n for n in handed if outer.get(n) in fn.maybe]),
+        tuple([n for n in handed if n not in outer or outer[n] in fn.given]),
+        min(fn.outer + fn.searches, FREE_SEARCHES),
+    )
+    free = [n for n in outer if n not in handed or n in shape.maybe]
+    made = _made(fn, shape, query, free, write)
+    taken = ", ".join([_place(fn, query), *handed.values()])
+    targets = "".join(f"{_target(fn, outer[name])}, " for name, _ in made.exports)
+    fn.loop(f"for {f'({targets})' if targets else '_'} in {made.call}({taken}):")
+    fn.searches += made.searches
+    fn.given.update(outer[one] for one in made.given if one in outer)
     for name, surely in made.exports:
+        fn.maybe.discard(outer[name])
         (fn.bound if surely else fn.maybe).add(outer[name])
+
+
+def _shown(variable: str, number: int) -> str:
+    """Return a name that is nobody else's, told as `variable` where it has no value."""
+    return f"{variable.partition(' ')[0]}  {number}"
+
+
+def _target(fn: FunctionWriter, variable: str) -> str:
+    """Return the local that takes a value; a new one if there may be one before."""
+    return fn.rename(variable) if variable in fn.maybe else fn.local(variable)
 
 
 def _made(
@@ -137,23 +170,30 @@ def _made(
     if made is not None:
         return made
     name = fn.code.fresh("ask")
-    writer = FunctionWriter(fn.code, name, shape.bound, ResultMode.EACH)
-    writer.where = _place(fn, query)
-    writer.outer = FREE_LOOPS  # it is called from anywhere
+    writer = FunctionWriter(fn.code, name, shape.handed, ResultMode.EACH)
+    writer.bound.difference_update(shape.maybe)
+    writer.maybe.update(shape.maybe)
+    writer.given = set(shape.given)
+    writer.outer = shape.outer
+    writer.is_shared = True
     use = nodes.Proposition(query.name, shape.args)
     write(writer, _put_in(use, query, query.name))
     known = writer.bound | writer.maybe
     exports = tuple([(one, one in writer.bound) for one in free if one in known])
     writer.return_solution(writer.values([one for one, _ in exports]))
     writer.close()
-    made = fn.code.shared[shape] = _Made(name, exports)
+    made = fn.code.shared[shape] = _Made(
+        name, exports, frozenset(writer.given), writer.searches
+    )
     return made
 
 
 def _place(fn: FunctionWriter, query: Signature) -> str:
-    """Return a constant for the clause's name, with that of the query before it."""
-    where = fn.code.constants[int(fn.where[1:]) - 1]
-    return fn.code.constant(f"`{query.name}` in {where}")
+    """Return the expression for the clause's name, with that of the query before."""
+    before, fn.within = fn.within, f"`{query.name}` in {fn.within}"
+    place = fn.where
+    fn.within = before
+    return place
 
 
 def _parameters(query: Signature) -> list[str]:

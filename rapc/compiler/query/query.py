@@ -62,9 +62,10 @@ What uses the variable then is a query of its own, compiled for what turns out
 (`Query.extended`), since writing all cases out would take two to the number of such
 variables.
 
-A conjunction is a search, and may look at every combination of facts. So behind each
-loop that stands in two others a step back is counted, and a question that takes too
-many is given up (`TooManySteps`): [L 2.70].
+A conjunction is a search, and may look at every combination of facts. So behind the
+loop of each part with two searching parts before it a step back is counted, and a
+question that takes too many is given up (`TooManySteps`). Which parts search is said
+by the text [L 2.71]: loops that only the way of writing code needs do not count.
 
 What is written is also noted, step by step (`plan_steps`), for `rapc explain`.
 
@@ -82,12 +83,12 @@ from rapc.base.resources import Value
 from rapc.compiler.query import builtin, formulas
 from rapc.compiler.query.code import (
     CodeWriter,
-    FunctionWriter,
     ResultMode,
     compile_source,
     made_of,
 )
 from rapc.compiler.query.context import Bindings, QuestionContext
+from rapc.compiler.query.function import FunctionWriter
 from rapc.compiler.query.plan_steps import PlanStep
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
@@ -124,6 +125,7 @@ class Query:
 
     __slots__ = (
         "_beginnings",
+        "_elsewhere",
         "_is_whole",
         "_signatures",
         "_variants",
@@ -144,6 +146,7 @@ class Query:
         self.variables = formulas.variables_in_order(formula)
         self._signatures = signatures
         self._is_whole = is_whole
+        self._elsewhere: dict[str, Query] = {}
         self._beginnings: tuple[QueryPrefix, ...] | None = None
         self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
@@ -166,16 +169,19 @@ class Query:
         return ctx.bound[self].solutions(env)
 
     def extended(
-        self, ctx: QueryingContext, values: Sequence[Any]
+        self, ctx: QueryingContext, where: str, values: Sequence[Any]
     ) -> Iterator[list[Any]]:
         """Iterate over the values of all variables for each solution.
 
-        `values` are those known so far, in the order of `variables`, UNBOUND where one
-        is not known.
+        Args:
+            ctx: what is asked.
+            where: the clause's name for faults.
+            values: those known so far, in the order of `variables`, UNBOUND where one
+                is not known.
         """
         pairs = zip(self.variables, values, strict=True)
         env = {name: value for name, value in pairs if value is not builtin.UNBOUND}
-        for solution in self.solutions(ctx, env):
+        for solution in self._within(where).solutions(ctx, env):
             found = {**env, **solution}
             yield [found.get(name, builtin.UNBOUND) for name in self.variables]
 
@@ -241,6 +247,15 @@ class Query:
 
     def _later(self, part: nodes.Formula) -> Query:
         return Query(part, self._signatures, self.where, is_whole=False)
+
+    def _within(self, where: str) -> Query:
+        """Return the query as a part of another one, with another name for faults."""
+        if where == self.where:
+            return self
+        if where not in self._elsewhere:
+            made = Query(self.formula, self._signatures, where, is_whole=False)
+            self._elsewhere[where] = made
+        return self._elsewhere[where]
 
 
 def _head_by_place(fn: FunctionWriter) -> list[str]:

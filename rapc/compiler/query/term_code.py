@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rapc.compiler.query import builtin
-from rapc.compiler.query.code import FunctionWriter
+from rapc.compiler.query.function import FunctionWriter
 from rapc.ir import nodes
 
 

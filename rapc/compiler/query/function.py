@@ -1,0 +1,219 @@
+"""The writer of one function of generated code: loops, candidates given up, steps back.
+
+Not here: what all functions of a query share, and how its text is compiled (`code`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from rapc.compiler.query.code import CodeWriter, ResultMode
+from rapc.ir import nodes
+
+MAX_LOOPS = 12
+"""Loops nested in one function; CPython allows 20 blocks."""
+
+FREE_SEARCHES = 2
+"""Searching parts that stand before a part whose steps back are not counted [L 2.70]:
+they alone come to the square of the facts that there are, at worst."""
+
+
+class FunctionWriter:
+    """One generated function while it is written."""
+
+    def __init__(
+        self, code: CodeWriter, name: str, bound: Iterable[str], mode: ResultMode
+    ) -> None:
+        #: What all functions of the query share.
+        self.code = code
+        self.name = name
+        self.mode = mode
+        #: The names of the queries around, as a fault tells of them, up to those that
+        #: the function is handed.
+        self.within = ""
+        #: Whether it is handed the name of the clause and the queries around.
+        self.is_shared = False
+        #: The variables that it is handed, in order.
+        self.parameters = tuple(bound)
+        #: Its first lines, unless it is called with its parameters.
+        self.head: list[str] = []
+        #: Whether it is what is called to ask, and sees to it that the question ends.
+        self.is_whole = False
+        #: The variables surely bound where the next line comes.
+        self.bound: set[str] = set(self.parameters)
+        #: Those bound in some branch of an `or` only: a local may hold UNBOUND.
+        self.maybe: set[str] = set()
+        #: How many loops the next line stands in.
+        self.loops = 0
+        #: The variables that have a value there by the text [L 2.71].
+        self.given: set[str] = set(self.parameters)
+        #: How many searching parts stand before the next line, in this function.
+        self.searches = 0
+        #: How many stand before the call of the function, up to those that are free.
+        self.outer = 0
+        self._indent = 1
+        self._lines: list[str] = []
+        self._counted: list[int] = []
+        self._renamed: dict[str, str] = {}
+
+    @property
+    def known(self) -> list[str]:
+        """The variables that are or may be bound, in the order in which they came."""
+        return [name for name in self.code.locals if name in self.bound | self.maybe]
+
+    def local(self, variable: str) -> str:
+        """Return the Python local that holds `variable` here."""
+        return self._renamed.get(variable) or self.code.local(variable)
+
+    def rename(self, variable: str) -> str:
+        """Return a new local for `variable` from here on.
+
+        A variable that may be bound keeps its old local untouched, so that the next
+        candidate of a loop finds it as it was.
+        """
+        self._renamed[variable] = self.code.fresh("v_")
+        return self._renamed[variable]
+
+    def child(
+        self, prefix: str, needed: Iterable[str], mode: ResultMode
+    ) -> FunctionWriter:
+        """Begin another function, handed the `needed` variables as far as known."""
+        known = self.bound | self.maybe
+        inner = FunctionWriter(
+            self.code,
+            self.code.fresh(prefix),
+            [name for name in dict.fromkeys(needed) if name in known],
+            mode,
+        )
+        inner.within, inner.is_shared = self.within, self.is_shared
+        inner.outer = min(self.outer + self.searches, FREE_SEARCHES)
+        inner.given = set(self.given)
+        inner.maybe = self.maybe & inner.bound
+        inner.bound -= inner.maybe
+        return inner
+
+    def line(self, text: str) -> None:
+        """Add a line at the present depth."""
+        self._lines.append("    " * self._indent + text)
+
+    def loop(self, head: str) -> None:
+        """Open a loop; all that follows is inside it."""
+        self.line(head)
+        self._indent += 1
+        self.loops += 1
+
+    def search(self, head: str) -> None:
+        """Open the loop of a searching part; where it ends, that is a step back."""
+        if self.is_deep:
+            self._counted.append(self._indent)
+        self.loop(head)
+        self.searches += 1
+
+    @property
+    def is_deep(self) -> bool:
+        """Whether a searching part that stands here takes steps back that count."""
+        return self.outer + self.searches >= FREE_SEARCHES
+
+    def is_open(self, term: nodes.Term) -> bool:
+        """Whether a term is a variable that by the text need not have a value."""
+        return isinstance(term, nodes.Var) and (
+            term.anonymous or term.name not in self.given
+        )
+
+    def step_back(self, indent: int | None = None) -> None:
+        """Count a step back, at the present depth or at another."""
+        self.code.counts = True
+        margin = "    " * (self._indent if indent is None else indent)
+        self._lines.append(f"{margin}ctx.steps_left -= 1")
+        self._lines.append(f"{margin}if ctx.steps_left < 0: raise TooManySteps")
+
+    @property
+    def skip(self) -> str:
+        """The statement that gives up the candidate at hand."""
+        return "continue" if self.loops else self.mode.value[1]
+
+    def skip_unless(self, condition: str) -> None:
+        """Give up the candidate unless `condition` holds."""
+        self.line(f"if not ({condition}): {self.skip}")
+
+    def skip_if(self, condition: str) -> None:
+        """Give up the candidate if `condition` holds."""
+        self.line(f"if {condition}: {self.skip}")
+
+    @property
+    def where(self) -> str:
+        """The expression for the clause's name, and those of the queries around."""
+        if not self.is_shared:
+            return self.code.place(self.within)
+        return f"{self.code.constant(self.within)} + where" if self.within else "where"
+
+    def call(self, inner: FunctionWriter) -> str:
+        """Return the expression that calls another function from here."""
+        taken = [self.local(p) for p in inner.parameters]
+        return f"{inner.name}({', '.join(inner.place_and(taken))})"
+
+    def place_and(self, names: Sequence[str]) -> list[str]:
+        """Return parameters with that for the clause's name before them, if any."""
+        return [*(["where"] if self.is_shared else []), *names]
+
+    def return_solution(self, solution: str) -> None:
+        """Write the statement for a solution, in the function's result mode."""
+        self.line(self.mode.value[0].format(solution))
+
+    def return_all_of(self, call: str) -> None:
+        """Return every solution of `call`, a function of the same result mode."""
+        if self.mode is ResultMode.EACH:
+            self.line(f"yield from {call}")
+        elif self.mode is ResultMode.ANY:
+            self.line(f"if {call}: return True")
+        elif self.mode is ResultMode.ALL:
+            self.line(f"found.extend({call})")
+        else:
+            answer = self.code.fresh("t")
+            self.line(f"{answer} = {call}")
+            self.line(f"if {answer} is not None: return {answer}")
+
+    def values(self, exports: Iterable[str]) -> str:
+        """Return the expression for a tuple of the values of `exports`."""
+        return f"({''.join(f'{self.local(name)}, ' for name in exports)})"
+
+    def close(self) -> None:
+        """Add the function to the code."""
+        names = self.place_and([self.code.local(p) for p in self.parameters])
+        opened = self.head or [f"def {self.name}({', '.join(names)}):"]
+        if self.mode is ResultMode.ALL:
+            opened = [*opened, "    found = []"]
+        self._count()
+        body = [*self._lines, f"    {self.mode.value[1]}"]
+        if self.is_whole and self.code.counts:
+            body = self._bounded(body)
+        self.code.add([*opened, *body])
+
+    def _count(self) -> None:
+        """Count a step back behind the loop of each part that is deep.
+
+        What is written here is reached where the loop has found nothing, so a question
+        that has its answer at once pays nothing for it.
+        """
+        for indent in reversed(self._counted):
+            self.step_back(indent)
+
+    def _bounded(self, body: Iterable[str]) -> list[str]:
+        """Return the lines of a whole question so that they end within its bound."""
+        return [
+            "    ctx.steps_left = ctx.most_steps",
+            "    try:",
+            *(f"    {line}" for line in body),
+            "    except TooManySteps:",
+            f"        ctx.give_up({self.code.where})",
+            f"        return{_NOTHING[self.mode]}",
+        ]
+
+
+_NOTHING = {
+    ResultMode.EACH: "",
+    ResultMode.FIRST: " None",
+    ResultMode.ANY: " False",
+    ResultMode.ALL: " []",
+}
+"""What a question returns that has no answer."""
