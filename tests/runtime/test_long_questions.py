@@ -140,6 +140,20 @@ def test_a_query_counts_as_what_it_stands_for(more: str) -> None:
     assert takes(4 + 8, "(either ?c ?c) (some ?c)", queries=queries)
 
 
+@pytest.mark.parametrize("before", [9, 11])
+@pytest.mark.parametrize("depth", [8, 11, 20])
+def test_queries_in_queries_behind_many_parts_can_be_asked(
+    before: int, depth: int
+) -> None:
+    """Python nests twenty blocks; what a question is written as keeps within that."""
+    queries = "(define-query (q0 ?x) (p ?x))\n" + "\n".join(
+        f"(define-query (q{at} ?x) (and (q{at - 1} ?x) (p ?y)))"
+        for at in range(1, depth + 1)
+    )
+    formula = f"(and {parts(before)} (q{depth} ?z) (p three))"
+    assert "given up after 100" in said(asked(formula, 100, queries))
+
+
 def test_a_fault_in_a_long_query_tells_of_the_use_that_met_it() -> None:
     """Both uses share their code; the second is not told as the first."""
     queries = f"""

@@ -18,7 +18,7 @@ from typing import Any
 import msgspec
 
 from rapc.compiler.query.code import ResultMode
-from rapc.compiler.query.function import FREE_SEARCHES, FunctionWriter
+from rapc.compiler.query.function import FREE_SEARCHES, MAX_LOOPS, FunctionWriter
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.ir import nodes
 from rapc.ir.fields import CHILDREN
@@ -47,7 +47,7 @@ def write_use(
     """Append the code of a use of a query; what follows runs once per solution."""
     fn.code.note(use, AccessPath.NAMED)
     fn.code.depth += 1
-    if _size(query.name, fn.code.signatures, ()) <= MOST_INLINE:
+    if _fits(fn, query):
         before, fn.within = fn.within, f"`{query.name}` in {fn.within}"
         write(fn, _put_in(use, query, str(fn.code.serial())))
         fn.within = before
@@ -230,6 +230,24 @@ def _renamed(node: Any, put: Mapping[str, nodes.Term]) -> Any:
         elif part is not None:
             changed[field] = _renamed(part, put)
     return msgspec.structs.replace(node, **changed) if changed else node
+
+
+def _fits(fn: FunctionWriter, query: Signature) -> bool:
+    """Whether a query is written where it is used: short, with few loops in all."""
+    if _size(query.name, fn.code.signatures, ()) > MOST_INLINE:
+        return False
+    loops = fn.loops
+    stack = [query.formula]
+    while stack:
+        part = stack.pop()
+        inner = None if part is None else query_of(fn.code.signatures, part)
+        if isinstance(part, nodes.And):
+            stack.extend(part.parts)
+        elif inner is not None:
+            stack.append(inner.formula)
+        else:
+            loops += not isinstance(part, nodes.Not | nodes.Truth)
+    return loops <= MAX_LOOPS
 
 
 def _size(name: str, signatures: Signatures, above: tuple[str, ...]) -> int:
