@@ -9,12 +9,17 @@ and its edges lie half-way between the last open place and the first with wall:
 
     wall wall  .  open open  .  open open  .   .  wall      (. unknown)
               ^----------- the gap -----------^
+
+A robot that was stopped in the doorway has no such wall ahead. If it stands between two
+jambs (`jambs`) it goes on from there, and is through if it has a wall behind it then,
+which begins on both sides of the way.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from statistics import median
 
 import msgspec
 
@@ -30,7 +35,9 @@ from rapc.worlds.hallway.channels import (
     Trajectory,
 )
 from rapc.worlds.hallway.skills.halls import turned
+from rapc.worlds.hallway.skills.jambs import between_jambs
 from rapc.worlds.hallway.skills.moving import DIRECTION, SPEED
+from rapc.worlds.hallway.skills.passages import KEPT, Ring, is_walled
 from rapc.worlds.hallway.skills.sonar import (
     Point,
     Votes,
@@ -66,6 +73,9 @@ BEYOND = 0.8
 CLOSE = 0.4
 """So near to the wall the gap is not looked for any more, in metres."""
 
+AHEAD = (0.6, 1.5)
+"""Before a wall that is so far away the robot stands in no doorway, in metres."""
+
 LINE_UP = 0.4
 """How soon the robot is in line with the gap, in metres of way."""
 
@@ -92,6 +102,13 @@ class Passage(msgspec.Struct):
     bins: list[float] = msgspec.field(default_factory=lambda: [0.0] * (2 * BINS))
     #: The middle of the gap across the axis.
     middle: float | None = None
+    #: For each tick of looking in which the robot found itself between jambs: how far
+    #: along and across the axis the middle between them is, and how far apart they are.
+    jambs: list[tuple[float, float, float]] = []
+    #: How far apart the jambs are between which it found itself.
+    wide: float = 0.0
+    #: What was heard on the way from there, oldest first.
+    rings: list[Ring] = []
 
 
 class ThroughDoorway(Event):
@@ -139,7 +156,10 @@ class TrackDoorJambs(Skill):
         assert heading is not None
         along, across = _axes(pose.x - state.x, pose.y - state.y, heading)
         bearing = bearing_of(heading, pose)
-        if state.stage in {"looking", "going"}:
+        if state.stage == "between":
+            self._hear(pose, ranges)
+            self._look_back(along, heading)
+        elif state.stage in {"looking", "going"}:
             going = state.stage == "going"
             echoes = turned(echo_points(ranges), bearing)
             if self._far(along) if going else abs(bearing) < FACED:
@@ -153,7 +173,8 @@ class TrackDoorJambs(Skill):
     ) -> Trajectory:
         """Return where to go: face the wall, line up with the gap, go through, stop."""
         state = self.state
-        if state.stage != "going" or state.wall is None or state.middle is None:
+        led = state.stage in {"going", "between"}
+        if not led or state.wall is None or state.middle is None:
             return Trajectory(bearing, 0.0, turn=True)
         aside = math.atan2(state.middle - across, LINE_UP)
         left = max(0.0, state.wall + BEYOND - along)
@@ -173,6 +194,8 @@ class TrackDoorJambs(Skill):
         state.looks += 1
         if state.stage == "looking" and state.looks == 1:
             state.origin = across
+        if not _is_before(wall):
+            self._look_aside(echoes, along, across)
         if wall is not None and (state.wall is None or state.stage == "looking"):
             state.wall = along + wall
         if state.wall is None:
@@ -196,6 +219,8 @@ class TrackDoorJambs(Skill):
     def _judge(self, along: float) -> None:
         """Whether there is a gap, or the door is closed, or the robot is through."""
         state = self.state
+        if state.stage == "looking" and self._between():
+            return
         if state.wall is None:
             if state.looks > 3 * LOOKS:
                 state.stage = "closed"
@@ -210,6 +235,44 @@ class TrackDoorJambs(Skill):
             state.stage = "going"
         elif gap is None and state.looks >= LOOKS:
             state.stage = "closed"
+
+    def _look_aside(self, echoes: Sequence[Point], along: float, across: float) -> None:
+        """Note the jambs if there is one on both sides."""
+        found = between_jambs(echoes)
+        if found is not None:
+            ahead, aside, wide = found
+            self.state.jambs.append((along + ahead, across + aside, wide))
+
+    def _between(self) -> bool:
+        """Go on from between the jambs if most looks were; return whether it does."""
+        state = self.state
+        if state.looks < LOOKS // 2 or 2 * len(state.jambs) <= state.looks:
+            return False
+        state.wall, state.middle, state.wide = (
+            median(numbers) for numbers in zip(*state.jambs, strict=True)
+        )
+        state.stage = "between"
+        return True
+
+    def _hear(self, pose: Pose, ranges: Sequence[float]) -> None:
+        """Keep what is heard on the way from between the jambs."""
+        vote(self.state.votes, ranges, pose)
+        self.state.rings.append(Ring(pose, tuple([round(r, 3) for r in ranges])))
+        del self.state.rings[:-KEPT]
+
+    def _look_back(self, along: float, heading: float) -> None:
+        """Judge whether there is a wall behind, once the robot has gone so far."""
+        state = self.state
+        assert state.x is not None
+        assert state.wall is not None
+        assert state.middle is not None
+        if along <= state.wall + BEYOND - 0.05:
+            return
+        x, y = _axes(state.wall, state.middle, -heading)
+        place = state.x + x, state.y + y
+        square = square_to(state.votes, heading)
+        walled = is_walled(state.rings, place, square, state.wide)
+        state.stage = "through" if walled else "closed"
 
 
 def _axes(x: float, y: float, heading: float) -> Point:
@@ -227,6 +290,11 @@ def _plane(echoes: Sequence[Point]) -> float | None:
         if len(near) > best:
             best, found = len(near), sum(near) / len(near)
     return found
+
+
+def _is_before(wall: float | None) -> bool:
+    """Whether the robot stands before a wall ahead, too far from it to be in it."""
+    return wall is not None and AHEAD[0] < wall < AHEAD[1]
 
 
 def _gap(bins: Sequence[float]) -> float | None:

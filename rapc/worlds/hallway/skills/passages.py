@@ -24,6 +24,7 @@ import msgspec
 
 from rapc.base.values import Atom
 from rapc.worlds.hallway.channels import DIRECTIONS, PASSED, POSE, SONAR, SONARS, Pose
+from rapc.worlds.hallway.skills.jambs import WIDTH
 from rapc.worlds.hallway.skills.sonar import Point, Votes, vote
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
@@ -69,11 +70,11 @@ RUN = 8
 PIECES = 5
 """So many bins of a run have echoes at least, of a dozen beginning with the edge."""
 
+NEARLY = 0.25
+"""From wall to wall it is as far as between the jambs, but for this, in metres."""
+
 PLANES = 6
 """So many planes are tried, those with most bins first."""
-
-GAP = (0.55, 1.35)
-"""How wide a doorway can be, in metres."""
 
 
 class Ring(msgspec.Struct, frozen=True, array_like=True):
@@ -183,13 +184,32 @@ def _beams(rings: Sequence[Ring], place: Point, heading: float) -> Iterator[Beam
             yield x, y, x + far * (dx * cos - dy * sin), y + far * (dx * sin + dy * cos)
 
 
+def is_walled(rings: Sequence[Ring], place: Point, heading: float, wide: float) -> bool:
+    """Return whether one wall begins on both sides of where the robot came through.
+
+    Args:
+        rings: what was heard on the way on from there.
+        place: the middle between two jambs, in the frame of dead reckoning.
+        heading: along the way.
+        wide: how far it is from one jamb to the other, in metres.
+    """
+    beams = list(_beams(rings, place, heading))
+    for plane in range(-AWAY, AWAY + 1):
+        left, right = (_edge(votes) for votes in _votes(beams, plane * BIN))
+        if left is None or right is None:
+            continue
+        if abs((left + right) * BIN - wide) < NEARLY:
+            return True
+    return False
+
+
 def _gap_across(beams: Sequence[Beam]) -> Point | None:
     """Return the middle of a gap between two runs of one wall across the way."""
     for plane in _planes(beams):
         left, right = (_edge(votes) for votes in _votes(beams, plane * BIN))
         if left is not None and right is not None:
             wide = (left + right) * BIN
-            if GAP[0] <= wide <= GAP[1]:
+            if WIDTH[0] <= wide <= WIDTH[1]:
                 return plane * BIN, (left - right) / 2 * BIN
     return None
 
