@@ -131,8 +131,12 @@ class Kit(msgspec.Struct, frozen=True):
                 f"`handlers` of a Kit is Handlers, not {self.handlers!a:.60}"
             )
         for option in self.options:
-            if not isinstance(option, Option) or option.kind not in KINDS:
-                raise TypeError(f"`options` of a Kit has {option!a:.60}")
+            if not isinstance(option, Option):
+                raise TypeError(f"`options` of a Kit are Options, not {option!a:.60}")
+            if option.kind not in KINDS:
+                kinds = ", ".join(KINDS)
+                said = f"the kind of the option `{option.name}` is {option.kind!a:.60}"
+                raise TypeError(f"{said}, not one of {kinds}")
 
 
 class World(ABC):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, TextIO
@@ -36,7 +36,7 @@ Examples:
   rapc run rocks.rap --world truck --task '(wakeup)' \\
       --fault '(arm-grasp ?arm ?thing) arm-dropped p=0.3 from=100 until=200'
   rapc run my.rap --world truck --set truck.fuel=20 --set rapc.futile-limit=3 \\
-      --task '(patrol) :priority 4 :background true' --until 500
+      --task '(patrol) :priority 4' --until 500
 """
 
 
@@ -96,8 +96,7 @@ def run(
     library = load_checked(path)
     end = _time(until)
     ready = prepared(library, world_name, asked)
-    if end is None:
-        _tell_endless(ready.given.tasks, library.library)
+    _tell_what_ends_it(list(ready.given.tasks), library.library, end)
     interpreter, world = ready.interpreter, ready.world
     drawn = _drawable(world, world_name) if show else None
     report = RunReport()
@@ -121,15 +120,28 @@ def run(
         raise SystemExit(1)
 
 
-def _tell_endless(requests: Iterable[TaskRequest], library: Library) -> None:
+def _tell_what_ends_it(
+    asked: Sequence[TaskRequest], library: Library, end: Time | None
+) -> None:
+    """Say on standard error where a run is over at once, or goes on for good."""
+    if all(request.background for request in asked):
+        said = "note: a run does not go on for tasks in the background, and no others"
+        click.echo(f"{said} are given", err=True)
+    elif end is None:
+        _tell_endless(asked, library)
+
+
+def _tell_endless(asked: Sequence[TaskRequest], library: Library) -> None:
     """Say on standard error which tasks keep a run going that nothing else ends."""
-    asked = list(requests)
     never = endless(reached(library, (str(one.goal[0]) for one in asked)))
     for request in asked:
         if request.goal[0] in never and not request.background:
             goal = visible(format_list(request.goal))
             said = f"note: {goal} is never done, and nothing else ends the run"
-            click.echo(f"{said}: give --until, or `:background true` with it", err=True)
+            click.echo(
+                f"{said}: give --until, or `:background true` with it and another task",
+                err=True,
+            )
 
 
 def _went_well(result: TaskResult) -> bool:

@@ -101,7 +101,10 @@ def _form(
             "unknown-form",
             f"{kind_of(datum)} stands outside of any form",
             datum,
-            help="a form is a list that begins with a word such as `define-rap`",
+            help=(
+                "a form is a list that begins with a word such as `define-rap`; "
+                "a comment begins with `;`"
+            ),
         )
         return None
     if name not in forms:

@@ -16,11 +16,21 @@ from types import FrameType, FunctionType, MethodType
 from typing import NoReturn, TypeGuard
 
 from rapc.base.code_places import code_of, frames, place_of, said_by
+from rapc.base.names import plural
 from rapc.errors import PortError
 from rapc.world import Refused, Reply, Signal, Text, World
 
 Named = Mapping[str, Callable[..., object]]
 """Python code by the name under which a library knows it."""
+
+_GIVEN = {
+    "the handler of": ("memory", "request", "result"),
+    "the handler of the datum": ("memory", "datum"),
+    "the solver of": ("goal", "memory"),
+    "the comparator": ("one", "other"),
+    "the default function": ("memory", "index"),
+}
+"""What code is called with, by what it is."""
 
 _VARIADIC = 0x04
 """The flag of a function with `*args`."""
@@ -56,8 +66,9 @@ def wrong_arities(what: str, code: Named, given: int) -> Iterator[str]:
         if not callable(call):
             yield f"{what} `{name}` is no function"
         elif not takes(call, given):
-            count = "1 argument" if given == 1 else f"{given} arguments"
-            yield f"{what} `{name}`{place_of(call)} is called with {count}"
+            count = plural(given, "argument")
+            named = f" ({', '.join(_GIVEN[what])})" if what in _GIVEN else ""
+            yield f"{what} `{name}`{place_of(call)} is called with {count}{named}"
 
 
 def takes(call: Callable[..., object], given: int) -> bool:
@@ -161,7 +172,8 @@ def wrong_type(world: World, call: str, what: str, value: object) -> PortError:
     shown = ascii(value)
     shown = shown if len(shown) <= _MOST_SHOWN else f"{shown[:_MOST_SHOWN]}..."
     said = f"{what} of the world `{world.name}` is `{shown}`"
-    return PortError(f"{said}; see {_method(world, call)}")
+    wanted = _WANTED[what if what in _WANTED else call]
+    return PortError(f"{said}, not {wanted}; see {_method(world, call)}")
 
 
 def is_fact(value: object) -> bool:
@@ -195,6 +207,23 @@ def is_time(value: object) -> bool:
     """Whether `value` is a time: a number, neither negative nor infinite."""
     return type(value) in (int, float) and 0 <= value < inf  # type: ignore[operator]
 
+
+_A_FACT = "a tuple of a name and its arguments"
+_A_REPLY = f"a `Reply` whose data are each {_A_FACT}"
+_WANTED = {
+    "now": "a number from 0 on",
+    "usual_time": "a number from 0 on",
+    "next_time": "a number from 0 on, `None` or `NOT_KNOWN`",
+    "ended": "a text or `None`",
+    "perform": f"{_A_REPLY}, `None` or `Refused`",
+    "activate": "`None` or a `Refused` that has tickets",
+    "facts": "a list of facts",
+    "a first fact": _A_FACT,
+    "messages": "a list of messages",
+    "a message": f"a `Datum` or `Signal` that holds {_A_FACT}, or a `Finished`",
+    "the end of a request": _A_REPLY,
+}
+"""What should have come, by the method of the world or, first, by what it is called."""
 
 _ATOMS = (str, int, float, Text)
 _MOST_SHOWN = 60

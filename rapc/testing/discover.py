@@ -53,21 +53,19 @@ def find(paths: Iterable[str | Path]) -> FoundTests:
                 faults = _by_test(check_tests(linked, tests), tests)
                 cases += [Case(t, library, tuple(faults[t.span])) for t in tests]
     for source in loader.read_tests(sources):
-        there = _find_in(source)
-        cases += there.cases
-        reports += there.reports
+        cases += _find_in(source, reports)
     return FoundTests(tuple(cases), tuple(reports))
 
 
-def _find_in(source: SourceFile) -> FoundTests:
+def _find_in(source: SourceFile, reports: list[CheckReport]) -> list[Case]:
     """The tests of a file; those that require the same are checked together.
 
-    What is wrong with a test keeps that test alone from being run.
+    What is wrong with a test keeps that test alone from being run; what is wrong with
+    a library is added to `reports`, once.
     """
     file = load_tests(source)
     own = file.tests
     cases: dict[Span, Case] = {}
-    reports: list[CheckReport] = []
     for loaded in file.libraries:
         report = check_library(loaded, errors())
         faults = _by_test(report.findings, own)
@@ -80,8 +78,7 @@ def _find_in(source: SourceFile) -> FoundTests:
         program = Program(loaded.library, source.name)
         for test in loaded.library.tests:
             cases[test.span] = Case(test, program, tuple(faults[test.span]))
-    in_order = [cases[test.span] for test in own if test.span in cases]
-    return FoundTests(tuple(in_order), tuple(reports))
+    return [cases[test.span] for test in own if test.span in cases]
 
 
 def _tell(

@@ -127,7 +127,9 @@ def _installed(name: str) -> str:
         raise WorldError(
             f"several packages offer a world `{name}`", f"name one of {listed}"
         )
-    raise WorldError(f"unknown world `{name}`", did_you_mean(name, available()))
+    listed = ", ".join(f"`{known}`" for known in available())
+    known = f"known are {listed}; one of a module is named `module:Class`"
+    raise WorldError(f"unknown world `{name}`", did_you_mean(name, available(), known))
 
 
 def _load(name: str, place: str) -> object:

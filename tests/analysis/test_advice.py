@@ -73,6 +73,17 @@ def context(text: str) -> str:
             "unknown-annotation",
             "a time to end at is a second step, `(window now 30 30)`, and `until-end`",
         ),
+        (
+            "(define-test t (expect (method go-to 1)))",
+            "unknown-method",
+            "did you mean `#1`?",
+        ),
+        (
+            "//",
+            "unknown-form",
+            "a form is a list that begins with a word such as `define-rap`; a comment "
+            "begins with `;`",
+        ),
     ],
 )
 def test_advice_is_in_the_words_of_the_language(

@@ -211,3 +211,15 @@ def test_a_task_that_is_never_done_is_named_where_nothing_ends_the_run(
     for more in (("--until", "3"), ("--task", "(guard) :background true")):
         done = _run(bed, *more, task="(guard) :background true")
         assert "never done" not in done.stderr
+
+
+def test_tasks_in_the_background_alone_are_noted_for_the_run_is_over(
+    bed: Path,
+) -> None:
+    guard = "(define-rap (guard) (succeed nil) (monitor-state (rested)))"
+    (bed / "doze.rap").write_text(f"{LIBRARY}{guard}\n")
+    note = "note: a run does not go on for tasks in the background, and no others"
+    alone = _run(bed, "--until", "3", task="(guard) :background true")
+    assert alone.stderr.startswith(note)
+    beside = _run(bed, "--task", "(guard) :background true", task="(turn)")
+    assert note not in beside.stderr

@@ -99,6 +99,18 @@ def test_findings_in_the_library_are_told_once_and_nothing_is_run(
     assert done.returncode == 2
 
 
+def test_findings_in_a_library_of_several_files_of_tests_are_told_once(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "lib.rap").write_text("(declare-memory-property p (?x))")
+    for name in ("a", "b", "c"):
+        text = f'(require "lib")(define-test {name} (until 3))'
+        (tmp_path / f"{name}.test.rap").write_text(text)
+    done = rapc("test", ".", cwd=tmp_path)
+    assert done.stdout.count("has no default") == 1
+    assert done.returncode == 2
+
+
 @pytest.mark.parametrize(
     ("args", "message"),
     [

@@ -216,7 +216,10 @@ RAISING = {
 ARITIES = {
     "perform": (with_(perform=lambda self: None), "`perform`"),
     "messages": (with_(messages=lambda self, more: ()), "`messages`"),
-    "a handler": (handlers(one), "the handler of `look` .*called with 3"),
+    "a handler": (
+        handlers(one),
+        "the handler of `look` .*called with 3 arguments .memory, request, result.",
+    ),
     "a function": (with_kit(functions={"heavy": one}), "the function `heavy`"),
     "a default": (with_kit(functions={"usual-weight": one}), "`usual-weight`.*with 2"),
     "a solver": (with_kit(solvers={"stuck": one}), "the solver of `stuck`"),
@@ -230,20 +233,32 @@ NAME: Any = "a"
 NO_DATA: Any = ("spotted",)
 
 TYPES: dict[str, tuple[type[World], str]] = {
-    "a text as reply": (with_(perform=answers("okay")), r"the reply to \(look one\)"),
+    "a text as reply": (
+        with_(perform=answers("okay")),
+        r"the reply to \(look one\) of .*`'okay'`, not a `Reply` whose data are each a",
+    ),
     "no result": (with_(perform=answers(Reply(NONE))), "the reply"),
     "data that are none": (with_(perform=answers(Reply("okay", NONE))), "the reply"),
     "a datum that is none": (
         with_(perform=answers(Reply("okay", NO_DATA))),
         "the reply",
     ),
-    "a number of messages": (with_(messages=answers(3)), "what `messages` returns"),
-    "a text as message": (sends("spotted"), "a message"),
+    "a number of messages": (
+        with_(messages=answers(3)),
+        "what `messages` returns of .* is `3`, not a list of messages",
+    ),
+    "a text as message": (sends("spotted"), "a message .*, not a `Datum` or"),
     "an empty signal": (sends(Signal(())), "a message"),
     "an empty datum": (sends(Datum(())), "a message"),
     "a strange ticket": (sends(Finished(NAME, Reply("okay"))), "not under way: 'a'"),
-    "a time that is none": (with_(now=answers("noon")), "the time"),
-    "a next time that is none": (waits(next_time=answers("noon")), "the next time"),
+    "a time that is none": (
+        with_(now=answers("noon")),
+        "the time .*, not a number from 0 on;",
+    ),
+    "a next time that is none": (
+        waits(next_time=answers("noon")),
+        "the next time .*, not a number from 0 on, `None` or `NOT_KNOWN`",
+    ),
     "a next time that is no number": (waits(next_time=answers(nan)), "the next time"),
     "a next time that has been": (
         waits(next_time=answers(1), time=2, advance=answers(None)),
@@ -286,9 +301,15 @@ TYPES: dict[str, tuple[type[World], str]] = {
         "takes no arguments, not 1",
     ),
     "messages that are none": (with_(messages=answers(None)), "what `messages`"),
-    "an end that is no text": (with_(ended=answers(True)), "the end"),
+    "an end that is no text": (
+        with_(ended=answers(True)),
+        "the end .*, not a text or `None`",
+    ),
     "an end of nothing": (sends(Finished(3, Reply("okay"))), "not under way: 3"),
-    "facts that are none": (with_(facts=answers([3])), "a first fact"),
+    "facts that are none": (
+        with_(facts=answers([3])),
+        "a first fact .* is `3`, not a tuple of a name and its arguments",
+    ),
     "no list of facts": (with_(facts=answers(None)), "knows at first"),
     "a handler that returns no result": (
         handlers(answers("bang"), lambda m, d: None),

@@ -304,7 +304,7 @@ def test_an_offer_fits_its_options_and_handlers() -> None:
         "there are several options `one`",
         "the default of the option `one`, 'many', is no number",
         "the results of `look` must differ, with `okay` among them",
-        "the handler of `lok`: nothing on offer is called so",
+        "the handler of `lok`: nothing on offer is called so; did you mean `look`?",
         "the sensor `see`: nothing on offer is called so",
         "the datum `smelt` has no handler",
     )

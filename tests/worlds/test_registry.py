@@ -53,7 +53,6 @@ def test_the_truck_is_found_by_name_and_by_place() -> None:
     ("name", "message", "help_"),
     [
         ("trcuk", "unknown world `trcuk`", "did you mean `truck`?"),
-        ("moon", "unknown world `moon`", ""),
         ("no_such_module:World", "cannot be loaded: ModuleNotFoundError", ""),
         ("rapc.worlds.truck:Nothing", "cannot be loaded: AttributeError", ""),
         ("rapc.base.values:number", "is not a subclass of `rapc.World`", ""),
@@ -70,6 +69,14 @@ def test_what_is_no_world_is_refused_in_a_line(
     assert message in caught.value.message
     assert "\n" not in caught.value.message
     assert caught.value.help == help_
+
+
+def test_where_no_name_is_near_all_worlds_are_named() -> None:
+    with pytest.raises(WorldError, match="unknown world `moon`") as caught:
+        registry.find_world("moon")
+    for name in registry.available():
+        assert f"`{name}`" in caught.value.help
+    assert "`module:Class`" in caught.value.help
 
 
 def test_looking_for_a_world_leaves_the_path_as_it_was(

@@ -45,8 +45,9 @@ ENDLESS = Rule(
     why="""A run ends when all tasks have ended but those of the background. A task that
 is never done, for its RAP has `(succeed nil)` or a step that has, keeps the run going
 for good: nothing tells any more whether the work was done. Give it
-`:background true`. Where the run is ended by a time, as in a test, ignore the rule
-there.""",
+`:background true`, beside a task that is done one day: a run for which tasks in the
+background alone are given is over at once. Where the run is ended by a time, as in a
+test or with `--until`, ignore the rule there.""",
     fix="unsafe: writes `:background true`",
     ignore="where the run is ended by a time, or from outside",
     source="T 5.4",
@@ -159,7 +160,11 @@ def _run(run: Pass) -> set[int]:
         for task in agenda.tasks:
             cause = never_done.get(task.goal.name)
             if cause is not None and not task.background and task.deadline is None:
-                run.report(_endless(task, cause))
+                work = any(
+                    other.goal.name not in never_done and not other.background
+                    for other in agenda.tasks
+                )
+                run.report(_endless(task, cause, work))
     if run.complete and is_described(library):
         changed = _Changed(library, run.result(CENSUS), run.result(INDEX))
         idle = _never_asked_for(library, run.result(CENSUS), run.result(INDEX))
@@ -186,15 +191,23 @@ ANALYZER = Analyzer(
 )
 
 
-def _endless(task: nodes.GivenTask, cause: Span) -> Diagnostic:
+def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
+    """Return the finding about a task; `work` if its agenda gives others as work.
+
+    A run is over at once for which tasks in the background alone are given: without
+    other work nothing is mended by that.
+    """
     end = task.span.end - 1
+    help_ = "write `:background true`"
+    if not work:
+        help_ += ", and give a task that is done: a run lasts as long as that"
     edit = Edit(Span(task.span.file, end, end), " :background true")
     return Diagnostic(
         rule=ENDLESS.name,
         message=f"`{task.goal.name}` is never done, so a run with this task never ends",
         span=task.goal.span,
         labels=(Label(cause, "this never succeeds"),),
-        help="write `:background true`",
+        help=help_,
         fix=Fix(Applicability.UNSAFE, "let it stand by", (edit,)),
     )
 

@@ -91,12 +91,14 @@ def _look(
 ) -> None:
     """Report a method's name if the RAP does not have it."""
     if name not in known:
+        counted = f"#{name}"
+        meant = counted if counted in known else known.near(name)
         run.report(
             Diagnostic(
                 rule=UNKNOWN.name,
                 message=f"`{rap.name}` has no method called `{name}`",
                 span=place,
-                help=known.did_you_mean(name),
-                fix=renaming(run.library.files, name, known.near(name), [place]),
+                help=f"did you mean `{meant}`?" if meant else "",
+                fix=renaming(run.library.files, name, meant, [place]),
             )
         )

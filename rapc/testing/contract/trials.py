@@ -10,6 +10,7 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
@@ -158,7 +159,8 @@ def _offer(tried: _Tried) -> Iterator[str]:
     ):
         for name in listed:
             if name not in known:
-                yield f"{what} `{name}`: nothing on offer is called so"
+                meant = hint(name, known)
+                yield f"{what} `{name}`: nothing on offer is called so{meant}"
     for name in kit.offer.data:
         if name not in kit.handlers.data:
             yield f"the datum `{name}` has no handler"
