@@ -100,5 +100,5 @@ def test_the_truck_page_shows_a_frame_as_it_is_drawn() -> None:
     section = TRUCK.partition("## A run to look at\n")[2]
     [command] = re.findall(r"^```sh\nrapc (.*)\n```$", section, re.M)
     [frame] = re.findall(r"^```text\n(.*?)^```$", section, re.M | re.S)
-    done = rapc(*shlex.split(command), cwd=DOCS.parent)
+    done = rapc(*shlex.split(command), cwd=DOCS.parent, COLUMNS="80", LINES="24")
     assert done.stdout.partition("Run over")[0] == frame
