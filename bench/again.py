@@ -36,6 +36,7 @@ EDITS: Mapping[str, tuple[int, str, str]] = {
         "(at ?arm)",
     ),
     "a RAP that is not there": (4051, "(pickup-{half} ", "(pickup-none "),
+    "a parenthesis is missing": (4051, "(task-net", "task-net"),
     "a declaration": (0, "(okay road-closed)", "(okay road-closed lost)"),
 }
 """Changes: in which RAP, or in the declarations, and what for what."""

@@ -18,9 +18,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.affected import Affected, words_of
-from rapc.analysis.analyzer import never
 from rapc.analysis.census import CENSUS, Census
 from rapc.analysis.change import Change, change_of, requires_the_same
+from rapc.analysis.damage import Damage
 from rapc.analysis.driver import (
     Analysis,
     CheckReport,
@@ -60,8 +60,8 @@ class Again(msgspec.Struct, frozen=True):
     """What a check of a part has come to."""
 
     report: CheckReport
-    #: What to keep for the next check.
-    state: State
+    #: What to keep for the next check; None for what was kept before.
+    state: State | None
 
 
 @gc_paused()
@@ -87,44 +87,59 @@ def check_again(
     both = {one.name for one in old.files} & sources.keys()
     if not requires_the_same(old.required, sketched.required, both):
         return None
-    files = _files(old, sources, parser, digest)
-    change = None if files is None else change_of(old, files)
-    if files is None or change is None:
+    read = _read(old, sources, parser, digest)
+    change = None if read is None else change_of(old, read.files)
+    if read is None or change is None:
         return None
-    return _Part(old, files, change, sketched, parser).checked(chosen)
+    return _Part(old, read, change, sketched).checked(chosen)
 
 
-def _files(
+class _Read(msgspec.Struct, frozen=True):
+    """The files of a library as they are now."""
+
+    #: What each of them tells, in the order in which they are read.
+    files: Mapping[str, FileState]
+    #: Those with another text than before, by their names.
+    units: Mapping[str, SourceUnit]
+
+
+def _read(
     old: State,
     sources: Mapping[str, SourceFile],
     parser: Parse,
     digest: Callable[[SourceFile], str],
-) -> Mapping[str, FileState] | None:
-    """Return what the files tell now; None if they cannot be read without a slip."""
+) -> _Read | None:
+    """Return the files as they are now; None if there are tests in one."""
     known = {one.name: one for one in old.files}
     files: dict[str, FileState | None] = {}
-    units: dict[str, tuple[SourceUnit, str]] = {}
+    units: dict[str, SourceUnit] = {}
+    digests: dict[str, str] = {}
     for name, source in sources.items():
         told = digest(source)
         one = known.get(name)
         files[name] = one if one is not None and one.digest == told else None
         if files[name] is None:
             unit = parser(source)
-            if unit.diagnostics or unit.partial or unit.tests:
+            if unit.tests:
                 return None
-            units[name] = unit, told
-    written = Written.of(unit for unit, _ in units.values())
-    linked, _ = library.link([unit for unit, _ in units.values()])
+            units[name], digests[name] = unit, told
+    written = Written.of(units.values())
+    linked, _ = library.link([*units.values()])
     index = Index(linked)
     censuses = gather(linked, index, Places(index, ()))
     entangled = entangled_in(index)
-    return {
+    now = {
         name: one
         or file_state(
-            *units[name], censuses.get(name, FileCensus()), written, entangled
+            units[name],
+            digests[name],
+            censuses.get(name, FileCensus()),
+            written,
+            entangled,
         )
         for name, one in files.items()
     }
+    return _Read(now, units)
 
 
 class _Part:
@@ -132,26 +147,27 @@ class _Part:
 
     Args:
         old: the library as it was.
-        files: what its files tell now.
+        read: its files now.
         change: what has changed.
         sketched: the library now.
-        parser: makes units of files.
     """
 
     def __init__(
-        self,
-        old: State,
-        files: Mapping[str, FileState],
-        change: Change,
-        sketched: Loaded,
-        parser: Parse,
+        self, old: State, read: _Read, change: Change, sketched: Loaded
     ) -> None:
+        files = read.files
         self._old = old
         self._files = files
+        self._units = read.units
+        #: What is wrong with the texts: nothing was when the state was kept.
+        self._slips = [one for unit in read.units.values() for one in unit.diagnostics]
+        self._is_whole = not self._slips and not any(
+            unit.partial for unit in read.units.values()
+        )
+        self._damage = Damage(read.units.values())
         self._change = change
         self._sources = sketched.files
         self._required = sketched.required
-        self._parser = parser
         censuses = {name: one.census for name, one in files.items()}
         self._census = Census(censuses)
         self._affected = Affected(old, files, change, self._census, sketched.files)
@@ -178,11 +194,15 @@ class _Part:
             for name, kinds in self._old.inputs.items()
             if name in self._raps and name not in part.raps
         }
-        analysis = Analysis(part, True, never, self._required, known, raps)
+        unsure = self._damage.reaches
+        analysis = Analysis(part, True, unsure, self._required, known, raps)
         analysis.run(reporting(chosen.enabled))
         if not self._is_certain(analysis, dirty):
             return None
         found = [*self._kept(dirty), *self._new(analysis, dirty)]
+        report = self._report([one for _, one in found], chosen)
+        if not self._is_whole:
+            return Again(report, None)
         state = State(
             tuple(self._files.values()),
             tuple(found),
@@ -192,7 +212,7 @@ class _Part:
             self._required,
             analysis.result(PLACE_KINDS).inputs,
         )
-        return Again(self._report([one for _, one in found], chosen), state)
+        return Again(report, state)
 
     def _with_agendas(self, dirty: set[FormKey]) -> set[FormKey]:
         """Add all agendas to some forms if one of them is concerned."""
@@ -254,9 +274,8 @@ class _Part:
         starts = {one.start for one in wanted}
         if not starts:
             return SourceUnit(source)
-        if source.name in self._change.files:
-            whole = self._parser(source)
-        else:
+        whole = self._units.get(source.name)
+        if whole is None:
             pieces, at = [], 0
             for one in wanted:
                 pieces += [" " * (one.start - at), source.text[one.start : one.end]]
@@ -327,7 +346,8 @@ class _Part:
         for analyzer, one in analysis.found:
             there = one.span.file, form_at(ranges[one.span.file], one.span)
             owner = AGENDAS if analyzer.by_agendas else there
-            if owner in dirty:
+            silenced = self._damage.silences(one, analyzer.needs_whole)
+            if owner in dirty and not silenced:
                 yield owner, one
 
     def _report(self, found: Sequence[Diagnostic], chosen: Selection) -> CheckReport:
@@ -335,7 +355,9 @@ class _Part:
             {name: one.suppressions for name, one in self._files.items()},
             {name: one.wrong for name, one in self._files.items()},
         )
-        left = written.applied(found, self._sources, chosen, never)
+        left = written.applied(
+            [*self._slips, *found], self._sources, chosen, self._damage.lies_in
+        )
         raps = Counter(key[0] for key in self._raps.values())
         return reported(left, self._sources, raps, chosen)
 

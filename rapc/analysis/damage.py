@@ -16,6 +16,7 @@ such a form are withheld.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Iterable
 
 import msgspec
 
@@ -23,7 +24,6 @@ from rapc.analysis.analyzer import Whole
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
-from rapc.library.loader import Loaded
 from rapc.parser.context import PARENTHESES
 from rapc.parser.rules.forms import FORM_RULES
 from rapc.parser.rules.slips import SLIP_RULES
@@ -57,12 +57,12 @@ class Damage:
     """The forms of a library from which something was left out.
 
     Args:
-        loaded: the library as it was read.
+        units: its files as they were read, those at least that have slips.
     """
 
-    def __init__(self, loaded: Loaded) -> None:
+    def __init__(self, units: Iterable[SourceUnit]) -> None:
         self._forms: dict[str, list[_Damaged]] = {}
-        for unit in loaded.units:
+        for unit in units:
             if unit.partial:
                 self._forms[unit.file.name] = _damaged(unit)
 

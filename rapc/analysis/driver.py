@@ -90,7 +90,7 @@ class Examined(msgspec.Struct, frozen=True):
 @gc_paused()
 def examined(loaded: Loaded, chosen: Selection) -> Examined:
     """Check a loaded library; see `check_library`."""
-    damage = Damage(loaded)
+    damage = Damage(loaded.units)
     complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
     analysis = Analysis(loaded.library, complete, damage.reaches, loaded.required)
     analysis.run(reporting(chosen.enabled))

@@ -81,8 +81,7 @@ class State(msgspec.Struct, array_like=True, frozen=True):
 def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
     """Return what to keep of a check; None if the library is always checked as a whole.
 
-    That is so with slips of the pen, tests and skills, and where the rules chosen need
-    few passes.
+    That is so with slips of the pen, tests and skills.
 
     Args:
         examined: the check.
@@ -91,8 +90,6 @@ def state_of(examined: Examined, digest: Mapping[str, str]) -> State | None:
     loaded, analysis = examined.loaded, examined.analysis
     library = loaded.library
     if loaded.diagnostics or loaded.partial or library.tests or library.skills:
-        return None
-    if not analysis.has_run(CONSTANTS):
         return None
     censuses = analysis.result(CENSUS).files
     entangled = entangled_in(analysis.result(INDEX))
@@ -134,7 +131,7 @@ def file_state(
     """Return what the text of a file tells.
 
     Args:
-        unit: the file, read without a slip.
+        unit: the file.
         digest: what tells its text from others.
         census: what it tells of places and constants.
         written: the suppressions of this file, among others.
@@ -146,7 +143,12 @@ def file_state(
         digest,
         tuple(
             [
-                _form_state(unit.file, form, form_key(form) in entangled)
+                _form_state(
+                    unit.file,
+                    form,
+                    form_key(form) in entangled,
+                    is_whole=form not in unit.partial,
+                )
                 for form in unit.forms
             ]
         ),
@@ -212,14 +214,16 @@ _ENTANGLED: Sequence[type[nodes.Node]] = (
 
 
 def _form_state(
-    source: SourceFile, form: nodes.TopForm, is_entangled: bool
+    source: SourceFile, form: nodes.TopForm, is_entangled: bool, *, is_whole: bool
 ) -> FormState:
+    """Return what a form shows; one with a slip shows all, and is like no whole one."""
     start, end = form.span.start, form.span.end
-    digest = _told(source.text[start:end])
+    text = source.text[start:end]
+    digest = _told(text if is_whole else f"{text};")
     if not isinstance(form, nodes.DefineRap):
         sort = _SORTS.get(type(form), "")
         return FormState("", start, end, digest, digest, sort, is_entangled)
-    shown = _told("".join(_shown(source.text, form)))
+    shown = _told("".join(_shown(source.text, form))) if is_whole else digest
     return FormState(form.name, start, end, digest, shown, "", is_entangled)
 
 

@@ -238,7 +238,8 @@ def _with_another_name(dice: random.Random, text: str) -> str:
 
 
 def _with_another_word(dice: random.Random, text: str) -> str:
-    there: Sequence[str] = [word for word in (*WORDS, *VARIABLES) if word in text]
+    head, begin, body = text.partition("?other))")
+    there: Sequence[str] = [word for word in (*WORDS, *VARIABLES) if word in body]
     if not there:
         return text
-    return text.replace(dice.choice(there), dice.choice(WORDS), 1)
+    return head + begin + body.replace(dice.choice(there), dice.choice(WORDS), 1)

@@ -15,7 +15,7 @@ from rapc.analysis.again import Again, check_again
 from rapc.analysis.cache import Cache
 from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
-from rapc.analysis.selection import Selection, by_default, rule_names
+from rapc.analysis.selection import Selection, by_default, errors, rule_names
 from rapc.base.source import SourceFile
 from rapc.library.units import Units
 from rapc.parser.unit import SourceUnit
@@ -133,6 +133,9 @@ EDITS = {
     "an unknown name": ("p4.rap", "(pickup-14 ", "(pickup-400 ", ["p4.rap"]),
     "an argument more": ("p4.rap", "(pickup-14 ", "(pickup-14 box ", ["p4.rap"]),
     "another goal": ("p0.rap", "(arm-holding ?arm ?thing)", "(at ?arm)", ["p0.rap"]),
+    "a parenthesis": ("p4.rap", "(task-net", "task-net", ["p4.rap"]),
+    "a parenthesis of a form": ("p4.rap", "(define-rap", "define-rap", ["p4.rap"]),
+    "a word that is no clause": ("p4.rap", "(succeed", "(suceed", ["p4.rap"]),
     "a comment": ("p3.rap", ";;; Number 20", ";;; No. 20", ["p3.rap"]),
 }
 
@@ -150,6 +153,17 @@ def test_of_a_small_change_one_file_is_read_anew(
     assert _kept(seen) == _plain()
     assert parts == [True]
     assert sorted(set(seen.names)) == [f"lib/{file}" for file in read]
+
+
+def test_errors_alone_are_found_again_too(here: Path, parts: list[bool]) -> None:
+    rules = errors().enabled
+    _write(here, LIBRARY)
+    _kept(rules=rules)
+    text = LIBRARY["p4.rap"].replace("(go-to ?place)", "(go-to ?spot)", 1)
+    _write(here, {**LIBRARY, "p4.rap": text})
+    assert "`?spot` is not bound" in str(_kept(rules=rules))
+    assert _kept(rules=rules) == _plain(rules)
+    assert parts == [True]
 
 
 def test_files_may_come_and_go(here: Path, parts: list[bool]) -> None:
@@ -282,7 +296,6 @@ def test_what_kind_others_take_may_be_another(here: Path, parts: list[bool]) -> 
 
 WHOLE = {
     "a declaration": ("a.rap", "(?place) (okay road-closed)", "(?place) (okay)"),
-    "a parenthesis": ("p4.rap", "(task-net", "task-net"),
     "forms in another order": (
         "p4.rap",
         LIBRARY["p4.rap"],

@@ -33,7 +33,7 @@ OPTIONS: Mapping[str, Sequence[str]] = {
     "rules besides": ("--extend-select", "unused-declaration,singleton-variable"),
     "ignore": ("--ignore", "unbound-variable,RAP015"),
     "ignore by files": ("--per-file-ignores", "p1.rap:unbound-variable"),
-    "errors": ("--select", "unknown-rap,wrong-arguments,unbound-variable"),
+    "errors": ("--select", "unknown-rap,wrong-step-arity,unbound-variable"),
     "one rule": ("--select", "misspelt-constant"),
     "grave": ("--fail-level", "error", "-q"),
     "exit zero": ("--exit-zero", "--fail-level", "info"),
@@ -51,7 +51,7 @@ OPTIONS: Mapping[str, Sequence[str]] = {
 }
 
 OTHER = """\
-extend-select = ["unused-output"]
+ignore = ["unknown-result"]
 [per-file-ignores]
 "lib/p0*" = ["unknown-rap"]
 [severity]
