@@ -3,6 +3,7 @@
 In a tick people, doors and the lift live, the active skills read what the sensors say,
 and the body does what the motors are told; then whatever touches is a collision. All
 chance comes from streams made of one; the whole state can be saved and taken up again.
+Doors and lift move in `entrances`, the body in `driving`, people in `people`.
 """
 
 from __future__ import annotations
@@ -32,12 +33,13 @@ from rapc.worlds.hallway.channels import (
     Pose,
     Tag,
 )
-from rapc.worlds.hallway.doors import Lift
+from rapc.worlds.hallway.driving import move_robot, people_around, space_under
+from rapc.worlds.hallway.entrances import Entrances
 from rapc.worlds.hallway.map import Map, Opening, Sign, openings, signs
 from rapc.worlds.hallway.people import Surroundings
-from rapc.worlds.hallway.plan import door_box, floor_plans
+from rapc.worlds.hallway.plan import floor_plans
 from rapc.worlds.hallway.robot import TICK, Robot
-from rapc.worlds.hallway.state import Collision, HallwaySettings, HallwayState, Push
+from rapc.worlds.hallway.state import HallwaySettings, HallwayState, Push
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 
@@ -92,7 +94,8 @@ class Simulation:
             CURRENT.name: self._current,
             LIFT.name: self._lift_floor,
         }
-        self._close_doors()
+        self._entrances = Entrances(map, self.plans, self.openings, settings)
+        self._entrances.close(self.state)
 
     @property
     def now(self) -> float:
@@ -106,14 +109,16 @@ class Simulation:
         """
         state = self.state
         state.ticks += 1
-        self._move_doors()
-        self._move_lift()
+        self._entrances.move_doors(state, self.now, self._chance["doors"])
+        self._entrances.move_lift(state, self.now, self._chance["lift"])
         self._move_people()
         told = self.runtime.tick(self.now, self._sensors)
         state.called = self.runtime.value(CALL)
         self._speak()
         self._charge()
-        bumped = self._move_robot()
+        drive, plan = self.runtime.value(DRIVE), self.plans[state.robot.floor]
+        bumped = move_robot(state, drive, plan, self.now, self._chance["motion"])
+        state.space = space_under(state, self.map.space)
         return [*told, EventTold("bump", (), ())] if bumped else told
 
     def push(self, x: float, y: float, seconds: float) -> None:
@@ -156,7 +161,7 @@ class Simulation:
             raise ValueError("the state is that of a hallway with other options")
         self.runtime.restore(bytes(read.skills))
         self.state, self._chance = read.state, streams
-        self._close_doors()
+        self._entrances.close(self.state)
 
     def _digest(self) -> str:
         return hashlib.sha256(msgspec.json.encode(self.map)).hexdigest()
@@ -189,7 +194,10 @@ class Simulation:
     def _sonar(self) -> tuple[float, ...]:
         body = self.state.robot
         return robot.sonar(
-            body, self.plans[body.floor], self._circles(), self._chance["sonar"]
+            body,
+            self.plans[body.floor],
+            people_around(self.state),
+            self._chance["sonar"],
         )
 
     def _tags(self) -> tuple[Tag, ...]:
@@ -198,7 +206,7 @@ class Simulation:
             body,
             self.plans[body.floor],
             self.signs,
-            self._circles(),
+            people_around(self.state),
             self._chance["laser"],
         )
 
@@ -215,87 +223,15 @@ class Simulation:
         cabin = self.state.lift
         return cabin.floor if cabin is not None and cabin.towards is None else -1
 
-    def _circles(self) -> list[robot.Circle]:
-        floor = self.state.robot.floor
-        return [
-            (walker.x, walker.y, people.GIRTH)
-            for walker in self.state.walkers
-            if walker.floor == floor
-        ]
-
-    def _spots(self) -> list[doors.Spot]:
-        body = self.state.robot
-        walkers = [(w.floor, w.x, w.y) for w in self.state.walkers]
-        return [(body.floor, body.x, body.y), *walkers]
-
     def _move_people(self) -> None:
         body, rng = self.state.robot, self._chance["people"]
         for walker in self.state.walkers:
             here = (body.x, body.y, RADIUS) if body.floor == walker.floor else None
             people.walk(walker, self._around, here, rng, TICK)
 
-    def _move_doors(self) -> None:
-        moved, rng = False, self._chance["doors"]
-        for door in self.state.doors:
-            if door.changes is not None and self.now >= door.changes:
-                gap, every = self.openings[door.doorway], self.settings.doors
-                moved |= doors.swing(door, gap, self.now, self._spots(), every, rng)
-        if moved:
-            self._close_doors()
-
-    def _move_lift(self) -> None:
-        cabin, state = self.state.lift, self.state
-        if cabin is None:
-            return
-        inside = state.space == self._cabin
-        if cabin.towards is not None:
-            if doors.arrive(cabin, self.now):
-                if inside:
-                    state.robot.floor = cabin.floor
-                self._close_doors()
-            return
-        called = state.called
-        if called is not None:
-            cabin.free_from = self.now + doors.DWELL
-            if called != cabin.floor and called in self.plans:
-                self._send(cabin, called)
-        elif cabin.wanted is not None and self.now >= cabin.wanted:
-            rng = self._chance["lift"]
-            if self.now >= cabin.free_from and not inside:
-                other = rng.choice([f for f in sorted(self.plans) if f != cabin.floor])
-                self._send(cabin, other)
-            cabin.wanted = self.now + rng.expovariate(1 / self.settings.lift)
-
-    def _send(self, cabin: Lift, floor: int) -> None:
-        """Let the cabin go, unless somebody stands in its door."""
-        gaps = [g for g in self.openings.values() if self._cabin in g.doorway.joins]
-        if not any(doors.occupied(gap, self._spots()) for gap in gaps):
-            doors.send(cabin, floor, self.now)
-            self._close_doors()
-
-    @property
-    def _cabin(self) -> str:
-        return next(space.name for space in self.map.space if space.kind == "lift")
-
     def shut(self) -> frozenset[str]:
         """Return the doorways whose doors are closed now, the lift's among them."""
-        closed = {door.doorway for door in self.state.doors if door.closed}
-        cabin = self.state.lift
-        if cabin is not None:
-            closed |= {
-                name
-                for name, gap in self.openings.items()
-                if self._cabin in gap.doorway.joins
-                and (cabin.towards is not None or gap.floor != cabin.floor)
-            }
-        return frozenset(closed)
-
-    def _close_doors(self) -> None:
-        """Let the plans have the doors that are closed now."""
-        closed = sorted(self.shut())
-        for floor, plan in self.plans.items():
-            gaps = (self.openings[name] for name in closed)
-            plan.close([door_box(gap) for gap in gaps if gap.floor == floor])
+        return self._entrances.shut(self.state)
 
     def _speak(self) -> None:
         text = self.runtime.value(VOICE)
@@ -315,64 +251,3 @@ class Simulation:
         x, y = sign.front(STANDOFF)
         away = math.hypot(body.x - x, body.y - y)
         return body.floor == sign.floor and away <= DOCKED
-
-    def _move_robot(self) -> bool:
-        """Move the body by a tick; return whether it has come to touch something."""
-        body = self.state.robot
-        drive = self.runtime.value(DRIVE) if body.battery > 0 else None
-        robot.set_speeds(body, drive)
-        turned = body.turn * TICK
-        vx, vy, pushed = self._velocity(body.heading + turned / 2)
-        x, y = body.x + vx * TICK, body.y + vy * TICK
-        far, away_x, away_y, what = self._touch(x, y)
-        towards = -(vx * away_x + vy * away_y)
-        bumped = False
-        if far < RADIUS and towards > 0:
-            bumped = not body.touching
-            self._collide(bumped, towards, "push" if pushed else what)
-            x, y = body.x, body.y
-        body.touching = far < RADIUS
-        robot.move(body, x, y, turned, self.state.wear, self._chance["motion"])
-        self._find_space()
-        return bumped
-
-    def _velocity(self, heading: float) -> tuple[float, float, bool]:
-        """Return the body's speeds to the right and up, and whether it is pushed."""
-        state = self.state
-        if state.push is not None and self.now > state.push.until:
-            state.push = None
-        if state.push is not None:
-            return state.push.x, state.push.y, True
-        speed = state.robot.speed
-        return speed * math.cos(heading), speed * math.sin(heading), False
-
-    def _collide(self, new: bool, speed: float, what: str) -> None:
-        body = self.state.robot
-        body.speed = 0.0
-        if new:
-            self.state.collisions.append(
-                Collision(self.now, speed, body.x, body.y, what)
-            )
-
-    def _touch(self, x: float, y: float) -> tuple[float, float, float, str]:
-        """The nearest thing: its distance, the way from it to the robot, its kind."""
-        far, px, py = self.plans[self.state.robot.floor].nearest(x, y, RADIUS + 0.05)
-        what = "wall"
-        for cx, cy, radius in self._circles():
-            away = math.hypot(cx - x, cy - y) - radius
-            if away < far:
-                far, px, py, what = away, cx, cy, "person"
-        gone = math.hypot(x - px, y - py) or 1.0
-        return far, (x - px) / gone, (y - py) / gone, what
-
-    def _find_space(self) -> None:
-        """Note the space under the robot; in a doorway it is the one before."""
-        body = self.state.robot
-        for space in self.map.space:
-            left, bottom, right, top = space.box
-            if (
-                left <= body.x <= right
-                and bottom <= body.y <= top
-                and body.floor in space.floors
-            ):
-                self.state.space = space.name

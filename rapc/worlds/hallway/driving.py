@@ -1,0 +1,98 @@
+"""What becomes of the robot's body in a tick: it drives or is pushed, until it touches.
+
+How the wheels slip and what dead reckoning makes of it is the body's (`robot`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from random import Random
+
+from rapc.worlds.hallway import robot
+from rapc.worlds.hallway.channels import RADIUS, Drive
+from rapc.worlds.hallway.map import Space
+from rapc.worlds.hallway.people import GIRTH
+from rapc.worlds.hallway.plan import FloorPlan
+from rapc.worlds.hallway.robot import TICK, Circle
+from rapc.worlds.hallway.state import Collision, HallwayState
+
+
+def move_robot(
+    state: HallwayState, drive: Drive | None, plan: FloorPlan, now: float, rng: Random
+) -> bool:
+    """Move the body by a tick; return whether it has come to touch something.
+
+    Args:
+        state: of the hallway; its robot is moved, and a collision is noted.
+        drive: what the wheels are told; None if nothing.
+        plan: the robot's floor.
+        now: the time in seconds.
+        rng: the stream of the wheels' slipping.
+    """
+    body = state.robot
+    robot.set_speeds(body, drive if body.battery > 0 else None)
+    turned = body.turn * TICK
+    vx, vy, pushed = _velocity(state, body.heading + turned / 2, now)
+    x, y = body.x + vx * TICK, body.y + vy * TICK
+    far, away_x, away_y, what = _touch(x, y, plan, people_around(state))
+    towards = -(vx * away_x + vy * away_y)
+    bumped = False
+    if far < RADIUS and towards > 0:
+        bumped = not body.touching
+        body.speed = 0.0
+        if bumped:
+            hit = "push" if pushed else what
+            state.collisions.append(Collision(now, towards, body.x, body.y, hit))
+        x, y = body.x, body.y
+    body.touching = far < RADIUS
+    robot.move(body, x, y, turned, state.wear, rng)
+    return bumped
+
+
+def people_around(state: HallwayState) -> list[Circle]:
+    """Return the people on the robot's floor."""
+    floor = state.robot.floor
+    return [
+        (walker.x, walker.y, GIRTH) for walker in state.walkers if walker.floor == floor
+    ]
+
+
+def space_under(state: HallwayState, spaces: Sequence[Space]) -> str:
+    """Return the space under the robot; in a doorway it is the one before."""
+    body, found = state.robot, state.space
+    for space in spaces:
+        left, bottom, right, top = space.box
+        if (
+            left <= body.x <= right
+            and bottom <= body.y <= top
+            and body.floor in space.floors
+        ):
+            found = space.name
+    return found
+
+
+def _velocity(
+    state: HallwayState, heading: float, now: float
+) -> tuple[float, float, bool]:
+    """Return the body's speeds to the right and up, and whether it is pushed."""
+    if state.push is not None and now > state.push.until:
+        state.push = None
+    if state.push is not None:
+        return state.push.x, state.push.y, True
+    speed = state.robot.speed
+    return speed * math.cos(heading), speed * math.sin(heading), False
+
+
+def _touch(
+    x: float, y: float, plan: FloorPlan, people: Sequence[Circle]
+) -> tuple[float, float, float, str]:
+    """Return how far the nearest thing is, which way the robot is from it, its kind."""
+    far, px, py = plan.nearest(x, y, RADIUS + 0.05)
+    what = "wall"
+    for cx, cy, radius in people:
+        away = math.hypot(cx - x, cy - y) - radius
+        if away < far:
+            far, px, py, what = away, cx, cy, "person"
+    gone = math.hypot(x - px, y - py) or 1.0
+    return far, (x - px) / gone, (y - py) / gone, what
