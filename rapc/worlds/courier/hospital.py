@@ -2,7 +2,8 @@
 
 Whatever takes time ends by a message, so the robot could do several things at once, and
 drive off in the middle of any. What happens by itself happens in `advance`, which goes
-from one event to the next; `_due` says what is next.
+from one event to the next; `_due` says what is next. What follows from the state alone,
+like what the battery holds, is in `robot`.
 """
 
 from __future__ import annotations
@@ -14,26 +15,20 @@ from functools import partial
 import msgspec
 
 from rapc.base.chance import Stream, stream_in, stream_state
-from rapc.base.values import Fact
 from rapc.world import OKAY, Refused, Reply, Time
+from rapc.worlds.courier import robot
 from rapc.worlds.courier.building import BASE, CORRIDOR, DEPTH, ROOMS, SOLD, WARDS
+from rapc.worlds.courier.robot import CHARGE, FULL
 from rapc.worlds.courier.state import (
     DriveUnderWay,
     HandOver,
     HospitalState,
     Nurse,
-    Sent,
     Work,
 )
 
-FULL = 100
-"""What a full battery holds: so long a way."""
-
 STEP = 10
 """The battery is told of whenever it has changed by so much."""
-
-CHARGE = 2
-"""What the dock gives in a time unit."""
 
 PATIENCE = 20
 """How long a nurse stands at the door."""
@@ -63,15 +58,15 @@ class Hospital:
         self._rng = rng
         #: All that changes.
         self.state = HospitalState(battery=options["battery"])
-        self._tell(self._position(), self._level())
+        robot.tell(self.state, robot.position(self.state), robot.level(self.state))
         self._plan_call()
 
     def leave_off(self, ticket: int) -> None:
         """Stop the drive, or leave off the work, that is under way for a ticket."""
         state = self.state
         if state.drive is not None and state.drive.ticket == ticket:
-            self._stop()
-            self._tell(self._position(), self._level())
+            robot.stop(state)
+            robot.tell(state, robot.position(state), robot.level(state))
         state.work = [work for work in state.work if work.ticket != ticket]
 
     def next_time(self) -> Time | None:
@@ -120,16 +115,16 @@ class Hospital:
         if state.drive is not None:
             return Refused((state.drive.ticket,))
         if room not in ROOMS:
-            return Reply("blocked", (self._position(),))
+            return Reply("blocked", (robot.position(state),))
         if state.room == room:
-            return Reply(OKAY, (self._position(),))
-        self._leave_behind()
-        self._meter()
+            return Reply(OKAY, (robot.position(state),))
+        robot.leave_behind(state)
+        robot.meter(state)
         state.docked = False
         depth = 0 if state.room == CORRIDOR else DEPTH
         state.drive = DriveUnderWay(ticket, room, state.now, state.along, depth)
         state.room = CORRIDOR
-        self._tell(self._position())
+        robot.tell(state, robot.position(state))
         return None
 
     def take_on(self, ticket: int, goods: str, ward: str) -> Reply | None:
@@ -173,9 +168,9 @@ class Hospital:
         self.advance(self.state.now + DOCK_TIME)
         if self.state.room != BASE:
             return Reply("not-here")
-        self._meter()
+        robot.meter(self.state)
         self.state.docked = True
-        return Reply(OKAY, (self._level(),))
+        return Reply(OKAY, (robot.level(self.state),))
 
     def help(self, ticket: int, ward: str) -> Reply | None:
         """Begin to help in a ward that has called."""
@@ -215,15 +210,15 @@ class Hospital:
 
     def _run_down(self) -> None:
         """Stop on the way with an empty battery."""
-        self._end_drive("battery-empty")
+        robot.end_drive(self.state, "battery-empty")
         self.state.ended = "the battery is empty"
 
     def _arrive(self) -> None:
         room = self.state.drive.room if self.state.drive else CORRIDOR
         if self._happens("blocked"):
-            self._end_drive("blocked")
+            robot.end_drive(self.state, "blocked")
         else:
-            self._end_drive(OKAY, room)
+            robot.end_drive(self.state, OKAY, room)
 
     def _finish(self, work: Work) -> None:
         state = self.state
@@ -233,7 +228,7 @@ class Hospital:
             state.tray.append((what, rest[0]))
         if work.result == OKAY and name == "help":
             state.calls.remove(what)
-        self._answer(work.ticket, work.result)
+        robot.answer(state, work.ticket, work.result)
 
     def _come(self, nurse: Nurse) -> None:
         """Let a nurse come to the door, and see whether the robot is there."""
@@ -241,7 +236,7 @@ class Hospital:
         state.nurses.remove(nurse)
         if state.room == nurse.ward:
             state.nurse = Nurse(nurse.ward, nurse.time + PATIENCE)
-            self._tell((":nurse", nurse.ward))
+            robot.tell(state, (":nurse", nurse.ward))
         else:
             state.in_vain += 1
 
@@ -250,44 +245,14 @@ class Hospital:
         ward = self._rng.choice(WARDS)
         if ward not in state.calls:
             state.calls.append(ward)
-        self._tell(("call", ward))
+        robot.tell(state, ("call", ward))
         self._plan_call()
 
     def _tell_level(self) -> None:
-        self._meter()
+        robot.meter(self.state)
         if self.state.drive is not None:
-            self._tell(self._position())
-        self._tell(self._level())
-
-    # --- parts of these -------------------------------------------------------------
-
-    def _leave_behind(self) -> None:
-        """The robot sets off: who does something with it is left standing."""
-        state = self.state
-        for work in state.work:
-            self._answer(work.ticket, "robot-left")
-        state.in_vain += len(state.work) + (state.nurse is not None)
-        state.work, state.nurse = [], None
-
-    def _meter(self) -> None:
-        """Bring the battery up to date."""
-        self.state.battery = self.charge()
-        self.state.metered = self.state.now
-
-    def _stop(self) -> DriveUnderWay | None:
-        """Stop the robot in the corridor, beside where it has got to."""
-        self._meter()
-        state = self.state
-        drive, state.drive = state.drive, None
-        if drive is not None:
-            state.along, _ = drive.place(state.now)
-        return drive
-
-    def _end_drive(self, result: str, room: str = CORRIDOR) -> None:
-        drive = self._stop()
-        self.state.room = room
-        if drive is not None:
-            self._answer(drive.ticket, result, self._position(), self._level())
+            robot.tell(self.state, robot.position(self.state))
+        robot.tell(self.state, robot.level(self.state))
 
     def _plan_call(self) -> None:
         """Settle when the next ward will call."""
@@ -298,25 +263,3 @@ class Hospital:
     def _happens(self, option: str) -> bool:
         """Whether something happens that does so in so many of a hundred cases."""
         return self._rng.randrange(FULL) < self._options[option]
-
-    def _position(self) -> Fact:
-        state = self.state
-        along = state.drive.place(state.now)[0] if state.drive else state.along
-        return ("position", state.room, along)
-
-    def _level(self) -> Fact:
-        return ("battery", self.charge())
-
-    def charge(self) -> int:
-        """Return what the battery holds now."""
-        state = self.state
-        passed = state.now - state.metered
-        driven = passed if state.drive is not None else 0
-        gained = CHARGE * passed if state.docked else 0
-        return max(0, min(FULL, state.battery - driven + gained))
-
-    def _tell(self, *contents: Fact) -> None:
-        self.state.sent.extend(Sent(content) for content in contents)
-
-    def _answer(self, ticket: int, result: str, *data: Fact) -> None:
-        self.state.sent.append(Sent((result,), ticket, data))

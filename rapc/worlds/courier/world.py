@@ -29,10 +29,11 @@ from rapc.world import (
     Time,
     World,
 )
-from rapc.worlds.courier import building
+from rapc.worlds.courier import building, robot
 from rapc.worlds.courier.building import CORRIDOR, ROOMS
 from rapc.worlds.courier.handlers import HANDLERS, way
-from rapc.worlds.courier.hospital import FULL, Hospital
+from rapc.worlds.courier.hospital import Hospital
+from rapc.worlds.courier.robot import FULL
 from rapc.worlds.courier.state import HospitalState, Sent
 
 _OPTIONS = (
@@ -163,7 +164,7 @@ class CourierWorld(World):
         tray = tuple(Thing(goods, ward) for goods, ward in state.tray)
         gauges = (
             Gauge("at", state.room, ("robot-at",)),
-            Gauge("battery", self._hospital.charge(), ("battery",)),
+            Gauge("battery", robot.charge(state), ("battery",)),
         )
         corridor = Spot(CORRIDOR, at=(state.along / 2, 1))
         return Picture(
