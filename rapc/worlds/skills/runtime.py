@@ -4,9 +4,7 @@ An activation is a set of skills that came on together and the events that are t
 told for it [S 3]. A skill that several activations have with the same arguments runs
 once, until the last of them has ended; what its events tell belongs to each of them.
 
-An activation must be complete by itself: each input that is not optional is written by
-a sensor or by a skill of the same activation. So one that ends never leaves another
-with an input that nothing writes.
+What skills an activation is, and whether it can come on, is in `activations`.
 """
 
 from __future__ import annotations
@@ -18,16 +16,16 @@ import msgspec
 
 from rapc.base.code_places import place_of
 from rapc.base.names import plural
-from rapc.base.values import Atom, Text, number
+from rapc.base.values import Atom
 from rapc.errors import PortError
 from rapc.world import Refused
+from rapc.worlds.skills.activations import ActiveSkills, members_of, refusal
 from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.declarations import Channel, Event, Skill, SkillError
 from rapc.worlds.skills.network import (
     Arbitration,
     Member,
     Network,
-    WiringError,
     late,
     wire,
 )
@@ -45,15 +43,6 @@ class EventTold(msgspec.Struct, frozen=True):
     arguments: tuple[Atom, ...]
     #: The activations under which the event arose, in the order they came on.
     tickets: tuple[int, ...]
-
-
-class ActiveSkills(msgspec.Struct, frozen=True):
-    """Skills that came on together."""
-
-    ticket: int
-    skills: tuple[SkillRequest, ...]
-    #: The events that are told for it.
-    events: tuple[str, ...]
 
 
 class _Saved(msgspec.Struct):
@@ -99,7 +88,7 @@ class SkillRuntime:
         if ticket in self.activations:
             raise ValueError(f"the activation {ticket} is under way already")
         new = ActiveSkills(ticket, tuple(skills), tuple(dict.fromkeys(events)))
-        refused = self._fault(new) or self._conflict(new)
+        refused = refusal(self.catalogue, self.activations.values(), new)
         if refused is None:
             self.activations[ticket] = new
             self._rebuild()
@@ -184,58 +173,13 @@ class SkillRuntime:
                 value = saved.before[late(channel)]
                 self._before[late(channel)] = msgspec.convert(value, channel.type)
 
-    def _fault(self, new: ActiveSkills) -> Refused | None:
-        """Return why an activation could never come on, whatever is under way."""
-        may: set[str] = set()
-        for request in new.skills:
-            if wrong := self.catalogue.fault(request):
-                return Refused(reason=wrong)
-            may.update(self.catalogue.describe(request.skill).events)
-        for event in new.events:
-            if event not in may:
-                return Refused(reason=f"none of these skills tells `{event}`")
-        try:
-            self._check(self._made([new], {}))
-        except WiringError as error:
-            return Refused(reason=str(error))
-        return None
-
-    def _conflict(self, new: ActiveSkills) -> Refused | None:
-        """In whose way an activation would be, if in anybody's."""
-        try:
-            self._check(self._made([*self.activations.values(), new], {}))
-        except WiringError as error:
-            own = set(self._made([new], {}))
-            others = set(error.skills) - own
-            tickets = tuple(
-                ticket
-                for ticket, activation in self.activations.items()
-                if others & set(self._made([activation], {}))
-            )
-            return Refused(tickets, str(error))
-        return None
-
-    def _check(self, members: Mapping[str, Member]) -> None:
-        """Raise WiringError if skills use one thing or cannot be wired."""
-        users: dict[str, str] = {}
-        for member in members.values():
-            if isinstance(member.node, Skill):
-                for thing in member.node.uses:
-                    other = users.setdefault(thing, member.key)
-                    if other != member.key:
-                        raise WiringError(
-                            f"`{other}` and `{member.key}` both use `{thing}`",
-                            (other, member.key),
-                        )
-        wire(self.catalogue, list(members.values()))
-
     def _rebuild(self) -> None:
         """Wire what is under way now; skills that stay keep their state."""
         old = self._members
-        self._members = self._made(self.activations.values(), old)
+        self._members = members_of(self.catalogue, self.activations.values(), old)
         hearers: dict[str, list[int]] = {}
         for activation in self.activations.values():
-            for key, member in self._made([activation], old).items():
+            for key, member in members_of(self.catalogue, [activation], old).items():
                 if isinstance(member.node, Event):
                     hearers.setdefault(key, []).append(activation.ticket)
         self._hearers = {key: tuple(tickets) for key, tickets in hearers.items()}
@@ -246,38 +190,6 @@ class SkillRuntime:
         self.network = wire(self.catalogue, list(self._members.values()))
         kept = {late(channel) for channel in self.network.delayed}
         self._before = {s: v for s, v in self._before.items() if s in kept}
-
-    def _made(
-        self, activations: Iterable[ActiveSkills], old: Mapping[str, Member]
-    ) -> dict[str, Member]:
-        """The skills and events of activations by key; those in `old` go on."""
-        members: dict[str, Member] = {}
-        for activation in activations:
-            for request in activation.skills:
-                entry = self.catalogue.entries[request.skill]
-                names = [parameter.name for parameter in entry.parameters]
-                given = dict(zip(names, request.arguments, strict=True))
-                for part in self.catalogue.parts(request.skill):
-                    self._make(part, given, activation.events, old, members)
-        return members
-
-    def _make(
-        self,
-        part: type[Skill],
-        given: Mapping[str, Atom],
-        events: Sequence[str],
-        old: Mapping[str, Member],
-        members: dict[str, Member],
-    ) -> None:
-        """Put a single skill and its events among the members, unless it is there."""
-        arguments = {p.name: given[p.name] for p in part.parameters}
-        key = " ".join([part.name, *map(written, arguments.values())])
-        if key not in members:
-            members[key] = old.get(key) or Member(key, part(arguments))
-        for event in part.events:
-            told = f"{event.name} of {key}"
-            if event.name in events and told not in members:
-                members[told] = old.get(told) or Member(told, event(arguments), key)
 
     def _arbitrate(self, work: Arbitration, values: dict[str, Any]) -> None:
         given = [values[slot] for slot in work.slots if slot in values]
@@ -342,10 +254,3 @@ def _check_carried(event: Event, said: object) -> None:
             f"`test` of the class {type(event).__name__} returns {fault}"
             f"{place_of(event.test)}"
         )
-
-
-def written(value: Atom) -> str:
-    """Return an argument of a skill as it stands in keys and drawings."""
-    if isinstance(value, Text):
-        return f'"{value.value}"'
-    return value if isinstance(value, str) else str(number(value))
