@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -11,8 +12,14 @@ from rapc.analysis import config
 from rapc.analysis.config import Configured
 from rapc.analysis.selection import PerFile, Selection, by_default, rule_names
 from rapc.base.diagnostics import Severity
+from rapc.base.later import later
 from rapc.cli.common import FORMATS
 from rapc.cli.options import fail, say
+
+if TYPE_CHECKING:
+    from rapc.analysis import config_file
+else:
+    config_file = later("rapc.analysis.config_file")
 
 
 class Options(msgspec.Struct, frozen=True, kw_only=True):
@@ -107,9 +114,7 @@ def _configured(options: Options) -> Configured:
     said = options.config
     files = config.files(Path(options.paths[0])) if said is None else [Path(said)]
     for file in files:
-        from rapc.analysis.config_file import read_config  # noqa: PLC0415  # brings tomllib
-
-        found = read_config(file)
+        found = config_file.read_config(file)
         if found is not None:
             return found
     if said is not None:

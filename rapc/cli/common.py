@@ -13,15 +13,27 @@ import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import click
 
 from rapc.analysis.driver import CheckReport
 from rapc.base.files import path_of, write_whole
+from rapc.base.later import later
 from rapc.cli.options import USAGE, fail, say, settings
 from rapc.errors import WriteError
 from rapc.library.loader import Loaded, load
+
+if TYPE_CHECKING:
+    import difflib
+    import shutil
+
+    from rapc.console import findings, formats
+else:
+    difflib = later("difflib")
+    shutil = later("shutil")
+    findings = later("rapc.console.findings")
+    formats = later("rapc.console.formats")
 
 PIPED_WIDTH = 120
 """How wide output is that goes to no terminal."""
@@ -31,8 +43,6 @@ def width_of(stream: TextIO) -> int:
     """Return how many columns there are for what is written to a stream."""
     if not stream.isatty():
         return PIPED_WIDTH
-    import shutil  # noqa: PLC0415  # brings zlib and others along
-
     return shutil.get_terminal_size().columns
 
 
@@ -119,20 +129,16 @@ def print_findings(
     """
     if not report.findings and output_format in (*FOR_PEOPLE, "github", "json-lines"):
         return
-    from rapc.console import findings as render  # noqa: PLC0415  # brings rich along
-
     stream = sys.stderr if err else sys.stdout
     if output_format == "full" and not statistics:
-        lines = render.full(report, width_of(stream))
-        render.write_lines(lines, stream, color=settings().colored())
+        lines = findings.full(report, width_of(stream))
+        findings.write_lines(lines, stream, color=settings().colored())
         return
     click.echo(findings_text(report, output_format, statistics), nl=False, err=err)
 
 
 def findings_text(report: CheckReport, output_format: str, statistics: bool) -> str:
     """Return a report's findings as plain text, see `print_findings`."""
-    from rapc.console import findings, formats  # noqa: PLC0415  # brings rich along
-
     if statistics:
         return formats.statistics(report, output_format)
     if output_format == "full":
@@ -143,10 +149,8 @@ def findings_text(report: CheckReport, output_format: str, statistics: bool) -> 
 
 def diff(name: str, before: str, after: str) -> str:
     """Return how a text changes, as a unified diff."""
-    from difflib import unified_diff  # noqa: PLC0415  # for few
-
     old, new = (text.splitlines(keepends=True) for text in (before, after))
     return "".join(
         line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n"
-        for line in unified_diff(old, new, name, name)
+        for line in difflib.unified_diff(old, new, name, name)
     )

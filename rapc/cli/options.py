@@ -9,11 +9,17 @@ import math
 import os
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import click
 
+from rapc.base.later import later
 from rapc.base.visible import visible
+
+if TYPE_CHECKING:
+    import traceback
+else:
+    traceback = later("traceback")
 
 C = TypeVar("C", bound=click.Command)
 
@@ -125,8 +131,6 @@ def fail(message: str, *more: str | None) -> NoReturn:
 def show_traceback(error: Exception) -> None:
     """Show where an error came from, if `RAPC_DEBUG=1` asks for it."""
     if os.environ.get("RAPC_DEBUG") == "1":
-        import traceback  # noqa: PLC0415  # for few
-
         traceback.print_exception(error)
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from rapc.base.later import later
 from rapc.base.values import typed
 from rapc.cli.checked import load_checked
 from rapc.cli.common import width_of
@@ -29,6 +30,11 @@ from rapc.repl.shell import Shell
 from rapc.runtime.prepare import PreparedRun
 from rapc.worlds.registry import find_world
 from rapc.worlds.scripted import ScriptedWorld
+
+if TYPE_CHECKING:
+    from rapc.repl import prompt
+else:
+    prompt = later("rapc.repl.prompt")
 
 RECORDED = ".jsonl"
 """What the names of recorded runs end with."""
@@ -91,9 +97,8 @@ def repl(
         shell = Shell(_session(ready), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
-        from rapc.repl.prompt import Prompt, history_file  # noqa: PLC0415  # slow
-
-        Prompt(shell, color=color, history=history_file()).run()
+        history = prompt.history_file()
+        prompt.Prompt(shell, color=color, history=history).run()
         return
     texts = given or inputs(sys.stdin)
     width = width_of(sys.stdout)

@@ -6,12 +6,13 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
 from rapc.analysis.endless import endless, reached
 from rapc.base.interrupts import interrupts_held
+from rapc.base.later import later
 from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
@@ -27,6 +28,14 @@ from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Drawable, Time, World
+
+if TYPE_CHECKING:
+    import shutil
+
+    from rapc.console.show import live
+else:
+    shutil = later("shutil")
+    live = later("rapc.console.show.live")
 
 EXAMPLES = """\b
 Examples:
@@ -217,12 +226,8 @@ def _show(
     stack: ExitStack, interpreter: Interpreter, world: Drawable, every: int
 ) -> None:
     """Draw the run while it goes on."""
-    import shutil  # noqa: PLC0415  # brings zlib and others along
-
-    from rapc.console.show.live import LiveView  # noqa: PLC0415  # brings rich along
-
     known = (80, 24) if sys.stdout.isatty() else (PIPED_WIDTH, 0)
-    view = LiveView(
+    view = live.LiveView(
         interpreter,
         world.picture,
         sys.stdout,

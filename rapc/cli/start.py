@@ -6,8 +6,15 @@ Apart from `rapc.cli.main` for that reason alone.
 from __future__ import annotations
 
 import signal
+from typing import TYPE_CHECKING
 
 from rapc.base.gc_paused import gc_spared
+from rapc.base.later import later
+
+if TYPE_CHECKING:
+    from rapc.cli import main as command_line
+else:
+    command_line = later("rapc.cli.main")
 
 
 def main() -> None:
@@ -16,7 +23,7 @@ def main() -> None:
     if wanted:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     with gc_spared():
-        from rapc.cli.main import main as run  # noqa: PLC0415  # takes its time
+        run = command_line.main
 
     if wanted:
         signal.signal(signal.SIGINT, signal.default_int_handler)
