@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
+from rapc.analysis import suite
 from rapc.analysis.affected import Affected, words_of
 from rapc.analysis.census import CENSUS, Census
 from rapc.analysis.change import Change, change_of, requires_the_same
@@ -123,7 +124,7 @@ def _read(
             if unit.tests:
                 return None
             units[name], digests[name] = unit, told
-    written = Written.of(units.values())
+    written = Written.of(units.values(), suite.rules())
     linked, _ = library.link([*units.values()])
     index = Index(linked)
     censuses = gather(linked, index, Places(index, ()))

@@ -13,17 +13,18 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from types import MappingProxyType
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
 
-from rapc.analysis import suite, suppressions
+from rapc.analysis import grave, suppressions
 from rapc.analysis.analyzer import Analyzer, Pass, T, never
 from rapc.analysis.damage import Damage
 from rapc.analysis.file_census import FormKey
-from rapc.analysis.selection import Selection, by_default, errors
+from rapc.analysis.selection import Selection, by_default
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.gc_paused import gc_paused
+from rapc.base.later import later
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
@@ -33,6 +34,11 @@ from rapc.library.requiring import UNRESOLVED
 from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
+
+if TYPE_CHECKING:
+    from rapc.analysis import suite
+else:
+    suite = later("rapc.analysis.suite")
 
 
 class Finding(msgspec.Struct, frozen=True):
@@ -99,7 +105,7 @@ def examined(loaded: Loaded, chosen: Selection) -> Examined:
         for analyzer, diagnostic in analysis.found
         if not damage.silences(diagnostic, analyzer.needs_whole)
     ]
-    written = Written.of(loaded.units)
+    written = Written.of(loaded.units, _rules(chosen.enabled))
     found = [*loaded.diagnostics, *sure]
     left = written.applied(found, loaded.files, chosen, damage.lies_in)
     forms = loaded.library.forms
@@ -122,7 +128,7 @@ def reported(
         raps: how many RAPs stand in each file that has some.
         chosen: the rules that may report.
     """
-    rules = suite.rules()
+    rules = _rules(chosen.enabled)
     order = {name: at for at, name in enumerate(files)}
     findings = [
         Finding(chosen.graded(rules[d.rule]), d) for d in found if chosen.chooses(d)
@@ -137,9 +143,8 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     The library may be a compiled one: a RAP is read only where a test names it.
     """
     alone = msgspec.structs.replace(library, forms=(), tests=tuple(tests))
-    rules = suite.rules()
-    analysis = Analysis(alone, True, never, {}).run(reporting(errors().enabled))
-    found = [Finding(rules[d.rule], d) for _, d in analysis.found]
+    analysis = Analysis(alone, True, never, {}).run(reporting(grave.errors()))
+    found = [Finding(grave.rules()[d.rule], d) for _, d in analysis.found]
     return [finding for finding in found if finding.severity is Severity.ERROR]
 
 
@@ -149,9 +154,20 @@ def passes() -> tuple[Analyzer[Any], ...]:
     return ordered(suite.ANALYZERS)
 
 
+@cache
+def _passes_for_errors() -> tuple[Analyzer[Any], ...]:
+    return ordered(grave.ANALYZERS)
+
+
+def _rules(enabled: Collection[str]) -> Mapping[str, Rule]:
+    """Return all rules, or fewer where none but errors may report."""
+    return grave.rules() if grave.errors().issuperset(enabled) else suite.rules()
+
+
 def reporting(enabled: Collection[str]) -> list[Analyzer[Any]]:
     """Return the passes that report by one of the enabled rules, in their order."""
-    return [one for one in passes() if any(r.name in enabled for r in one.rules)]
+    among = _passes_for_errors() if grave.errors().issuperset(enabled) else passes()
+    return [one for one in among if any(r.name in enabled for r in one.rules)]
 
 
 def ordered(analyzers: Sequence[Analyzer[Any]]) -> tuple[Analyzer[Any], ...]:
@@ -278,9 +294,8 @@ class Written(msgspec.Struct, frozen=True):
     wrong: Mapping[str, Sequence[Diagnostic]]
 
     @classmethod
-    def of(cls, units: Iterable[SourceUnit]) -> Written:
-        """Return what is written in some files."""
-        rules = suite.rules()
+    def of(cls, units: Iterable[SourceUnit], rules: Mapping[str, Rule]) -> Written:
+        """Return what is written in some files; `rules` are those that are known."""
         found = {
             unit.file.name: suppressions.find_suppressions(unit, rules)
             for unit in units

@@ -11,14 +11,21 @@ from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import PurePath
+from typing import TYPE_CHECKING
 
 import msgspec
 
-from rapc.analysis import suite
+from rapc.analysis import grave
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.files import seen_from
+from rapc.base.later import later
 from rapc.base.names import nearest
 from rapc.errors import Error
+
+if TYPE_CHECKING:
+    from rapc.analysis import suite
+else:
+    suite = later("rapc.analysis.suite")
 
 
 class UnknownRuleError(Error):
@@ -78,9 +85,7 @@ def by_default() -> frozenset[str]:
 
 def errors() -> Selection:
     """Return what chooses the rules that keep a library from being run."""
-    rules = suite.rules()
-    grave = (n for n in by_default() if rules[n].severity is Severity.ERROR)
-    return Selection(frozenset(grave))
+    return Selection(grave.errors())
 
 
 def rule_names(words: Iterable[str]) -> frozenset[str]:

@@ -102,7 +102,8 @@ def find_suppressions(
 
     Args:
         unit: the file.
-        rules: all rules by name.
+        rules: the rules that are known, by name: all, or without those about
+            suppressions, and then nothing is said of a name that is not among them.
     """
     source = unit.file
     if not unit.comments:
@@ -116,6 +117,7 @@ def find_suppressions(
     names = Suggestions(rules)
     found: list[Suppression] = []
     wrong: list[Diagnostic] = []
+    told = BAD.name in rules
     for comment, what in meant:
         form = _form().match(what)
         words = [w.strip() for w in form["rules"].split(",")] if form else []
@@ -127,9 +129,9 @@ def find_suppressions(
         covers = covers if whole else _covered(source, comment, starts, below)
         for word in words:
             rule = by_word.get(word) or by_word.get(word.upper())
-            if rule is None:
+            if rule is None and told:
                 wrong.append(_unknown(comment, word, names))
-            else:
+            elif rule is not None:
                 found.append(
                     Suppression(rule.name, comment.span, covers, len(words) == 1)
                 )

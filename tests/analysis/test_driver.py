@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 import rapc
-from rapc.analysis import suite
+from rapc.analysis import grave, suite
 from rapc.analysis.analyzer import Analyzer, Pass, never
 from rapc.analysis.driver import (
     Analysis,
@@ -143,6 +143,26 @@ def test_passes_that_find_no_errors_are_left_out_where_only_errors_count(
     every = check_library(loaded, Selection(frozenset(suite.rules()))).findings
     grave = [one for one in every if one.severity is Severity.ERROR]
     assert list(check_library(loaded, errors()).findings) == grave
+
+
+def test_the_passes_for_errors_are_those_that_find_some_and_what_they_need() -> None:
+    every = suite.rules().values()
+    names = {r.name for r in every if r.severity is Severity.ERROR and not r.opt_in}
+    assert grave.errors() == names
+    wanted = [one for one in passes() if any(r.name in names for r in one.rules)]
+    needed = dict.fromkeys(wanted)
+    for one in wanted:  # it grows meanwhile, and so it ends with all that is needed
+        wanted += [need for need in one.needs if need not in needed]
+        needed |= dict.fromkeys(one.needs)
+    assert set(grave.ANALYZERS) == set(needed)
+
+
+def test_errors_are_silenced_beside_rules_that_are_not_known_then() -> None:
+    text = (
+        "; rapc: ignore[singleton-variable, unknown-rap] later\n(define-rap (a ?x) {})"
+    )
+    loaded = load_text(text.format("(method (task-net (t1 (gone))))"))
+    assert not check_library(loaded, errors()).findings
 
 
 def test_a_pass_runs_if_one_of_its_rules_is_enabled_or_its_result_is_asked_for() -> (

@@ -22,7 +22,10 @@ RUNNING = ("host", "compiler", "experiments", "repl", "runtime", "testing", "wor
 CHECKOUT = Path(__file__).parents[2]
 CHECKING = ("analysis", "ir", "loader", "parser", "render")
 FOR_FEW = ("importlib.metadata", "difflib", "shutil")
-SELDOM = ("library.saved", "runtime.saving.save", "runtime.strict", "testing.faults")
+SELDOM = (
+    *("library.saved", "runtime.saving.save", "runtime.strict", "testing.faults"),
+    *("analysis.suite", "analysis.passes.threats"),
+)
 
 
 def test_help_lists_the_commands_with_examples() -> None:
