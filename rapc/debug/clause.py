@@ -86,12 +86,12 @@ def ask(
         env: what is bound beforehand.
     """
     context = machine.noting
-    context.task = asker
+    context.begin(asker)
     parts: list[ConjunctAsked] = []
     solutions: list[dict[str, Value]] = [{}]
     beginnings = query.beginnings()
     for part, up_to_it, text in beginnings:
-        context.noted = ""
+        context.go_on()
         found = list(islice(up_to_it.solutions(context, env), MOST))
         place = machine.library.compiler.row(part.span)
         parts.append(ConjunctAsked(text, place, len(found)))

@@ -219,7 +219,7 @@ def _of_success(machine: Machine, task: Task) -> list[Support]:
 
 
 def _noting(machine: Machine, task: Task) -> Any:
-    machine.noting.task = task
+    machine.noting.begin(task)
     return machine.noting
 
 

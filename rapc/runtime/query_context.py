@@ -16,6 +16,10 @@ from rapc.runtime.settings import Settings
 from rapc.runtime.state.task import Env, Task
 from rapc.world import Time
 
+MOST_EXPLAINED = 2_000
+"""How often the questions that explain a clause may go back in vain, together: some
+hundredths of a second."""
+
 
 class QueryContext:
     """What `rapc.compiler.query.query` asks of a run: there is one for each.
@@ -43,9 +47,13 @@ class QueryContext:
         self.view = MemoryView(memory, recorder)
         self.task: Task | None = None
         self.horizon: list[Time] | None = None
+        #: How often a question of the run may go back in vain.
+        self.bound_of_a_run = most_steps
         self.most_steps = self.steps_left = most_steps
         #: How many faults there have been.
         self.faults = 0
+        #: The clauses that were given up in a cycle, by name, each with its last one.
+        self.given_up: dict[str, int] = {}
         self._memory = memory
         self._recorder = recorder
 
@@ -58,10 +66,13 @@ class QueryContext:
 
     def give_up(self, where: str) -> None:
         """Trace that a question went back too often in vain [L 2.70]."""
-        self.fault(
-            where,
-            f"given up after {self.most_steps} steps back: see `rapc.query-steps`",
-        )
+        self.given_up[where] = self._recorder.cycle
+        self.fault(where, told_of_giving_up(self.bound_of_a_run))
+
+    def told_if_given_up(self, where: str) -> str:
+        """Return what is said of a clause that this cycle has given up, or nothing."""
+        given_up = self.given_up.get(where) == self._recorder.cycle
+        return told_of_giving_up(self.bound_of_a_run) if given_up else ""
 
     def unfit(self, where: str, value: object, wanted: str) -> None:
         """Trace that a value is not what a clause needs: `a number`, say."""
@@ -113,6 +124,11 @@ class QueryContext:
         return self.view.count(str(kind), place)
 
 
+def told_of_giving_up(steps: int) -> str:
+    """Return what is said of a question that was given up after so many steps back."""
+    return f"given up after {steps} steps back: see `rapc.query-steps`"
+
+
 class HostContext(QueryContext):
     """What the queries of a host see: they leave no mark on the run."""
 
@@ -125,10 +141,36 @@ class NotingContext(QueryContext):
 
     #: The fault met last, without the clause's name.
     noted: str = ""
+    #: How often the questions of one explanation may still go back in vain, together.
+    left: int = MOST_EXPLAINED
+
+    def begin(self, asker: Task | None) -> None:
+        """Begin an explanation of what a task asked, or a user."""
+        self.task, self.noted = asker, ""
+        self.left, self.most_steps = MOST_EXPLAINED, self._allowed(MOST_EXPLAINED)
+        self.steps_left = self.most_steps
+
+    def go_on(self) -> None:
+        """Go on to the next question of an explanation, with what steps are left."""
+        self.noted = ""
+        self.left -= self.most_steps - self.steps_left
+        self.most_steps = self.steps_left = self._allowed(self.left)
 
     def fault(self, where: str, what: str) -> None:
         """Note what was wrong, for whoever asks."""
         self.noted = what
+
+    def give_up(self, where: str) -> None:
+        """Note that a question was given up, for good or as one to be explained."""
+        steps = self.bound_of_a_run
+        if self.most_steps < steps:
+            most = f"given up after {MOST_EXPLAINED} steps back"
+            self.noted = f"{most}: an explanation takes no more"
+        else:
+            self.noted = told_of_giving_up(steps)
+
+    def _allowed(self, left: int) -> int:
+        return max(min(left, self.bound_of_a_run), 0)
 
 
 def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rapc.debug.clause import ask
+from rapc.parser.parse import parse_formula
 from rapc.runtime.events import events
 from rapc.runtime.settings import Settings
 from tests.runtime.helpers import Play, play
@@ -217,6 +219,33 @@ def test_each_question_has_all_its_steps() -> None:
     """
     ran = play(text, "(ask)", facts=FACTS, settings=Settings(query_steps=12))
     assert said(ran) == "no"
+
+
+def test_an_explanation_tells_after_how_many_steps_a_clause_was_given_up() -> None:
+    """It goes back less often itself: the cause names the part at which it stopped."""
+    text = f"""
+    (define-rap (ask)
+      (method (context (and {parts(12)} (p three))) (primitive (act yes))))
+    """
+    for most, note in (
+        (3_000, "given up after 3000 steps back: see `rapc.query-steps`"),
+        (300, "given up after 300 steps back: see `rapc.query-steps`"),
+        (9_000, "given up after 2000 steps back: an explanation takes no more"),
+    ):
+        ran = play(text, "(ask)", facts=FACTS, settings=Settings(query_steps=most))
+        cause = ran.of(events.TaskFailed)[0].because
+        assert (cause.methods[0].part, cause.methods[0].note) == ("(p three)", note)
+
+
+def test_a_debugger_that_asks_why_takes_no_more_steps_either() -> None:
+    ran = asked("true", 1_000_000)
+    machine = ran.interpreter.machine
+    formula = parse_formula(f"(and {parts(14)} (p three) (p ?y))")
+    query = machine.library.compiler.query(formula, "question", formula.span)
+    told = ask(machine, "question", query, None, {})
+    assert told.note == "given up after 2000 steps back: an explanation takes no more"
+    assert [part.solutions for part in told.parts][-1] == 0
+    assert not told.holds
 
 
 def test_a_host_that_asks_too_much_has_no_answer_and_no_trace() -> None:

@@ -306,7 +306,7 @@ def _of_query(
     context = context_of(machine, asker)
     bound: Mapping[str, object] = env
     for part, up_to_it, text in query.beginnings():
-        context.noted = ""
+        context.go_on()
         found = up_to_it.first(context, env)
         if found is None:
             names = [n for n in Query.names(part) if n in bound]
@@ -315,7 +315,7 @@ def _of_query(
                 place=file_and_line(machine, part.span)
                 or file_and_line(machine, query.formula.span),
                 part=text,
-                note=context.noted,
+                note=machine.context.told_if_given_up(query.where) or context.noted,
                 bindings=told_of(bound, names),
             )
         bound = {**env, **found}
@@ -325,7 +325,7 @@ def _of_query(
 def context_of(machine: Machine, asker: Task | None) -> NotingContext:
     """Return what asks as a task would, and tells nobody."""
     context = machine.noting
-    context.task, context.noted = asker, ""
+    context.begin(asker)
     return context
 
 
