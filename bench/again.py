@@ -24,6 +24,9 @@ from bench.parse import DECLARATIONS, DEFINITION
 IN_A_FILE = 100
 """How many RAPs stand in a file."""
 
+AGENDA = "(define-agenda day (task (pickup-2 left-arm box) :priority 2))\n"
+"""What stands behind the declarations."""
+
 EDITS: Mapping[str, tuple[int, str, str]] = {
     "a number in a context": (4051, "(> ?size {n})", "(> ?size 7)"),
     "the same, of what others ask for": (51, "(> ?size {n})", "(> ?size 7)"),
@@ -37,6 +40,7 @@ EDITS: Mapping[str, tuple[int, str, str]] = {
     ),
     "a RAP that is not there": (4051, "(pickup-{half} ", "(pickup-none "),
     "a parenthesis is missing": (4051, "(task-net", "task-net"),
+    "the priority of a task": (0, ":priority 2", ":priority 4"),
     "a declaration": (0, "(okay road-closed)", "(okay road-closed lost)"),
 }
 """Changes: in which RAP, or in the declarations, and what for what."""
@@ -73,7 +77,7 @@ def measure(raps: int, rounds: int) -> Iterator[tuple[str, Cost]]:
 
 def _write(folder: Path, raps: int) -> None:
     folder.mkdir()
-    (folder / "a.rap").write_text(DECLARATIONS, encoding="utf-8")
+    (folder / "a.rap").write_text(DECLARATIONS + AGENDA, encoding="utf-8")
     for first in range(1, raps + 1, IN_A_FILE):
         numbers = range(first, min(first + IN_A_FILE, raps + 1))
         forms = [DEFINITION.format(n=n, other=n // 2) for n in numbers]

@@ -67,6 +67,9 @@ class Affected:
         for one in (*self._labelled(), *self._old.watched):
             found.update(self._change.now(one))
         found.update(self._believing())
+        changed = (*self._change.gone.values(), *self._change.fresh.values())
+        if any(one.sort == "agenda" for one in changed):
+            found.add(AGENDAS)
         found.update(self._by_constants())
         found.update(self._by_places())
         crowded = {file for file, _ in found}.intersection(self._old.watched_files)
@@ -138,9 +141,16 @@ class Affected:
         """Yield the forms that ask how old a belief is, if it is sensed otherwise."""
         was, now = (
             {
-                one.asked()
-                for name in self._change.files & files.keys()
-                for one in files[name].census.asking
+                *(
+                    one.asked()
+                    for name in self._change.files & files.keys()
+                    for one in files[name].census.asking
+                ),
+                *(
+                    one
+                    for name in self._change.files & files.keys()
+                    for one in files[name].census.given
+                ),
             }
             for files in (self._before, self._files)
         )

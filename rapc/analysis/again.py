@@ -185,6 +185,8 @@ class _Part:
         if dirty is None or below is None:
             return None
         part = self._library(below, agendas=AGENDAS in dirty)
+        if part is None:
+            return None
         self._census.unmarked = frozenset(
             [(key, name) for key, name in self._unmarked() if key not in dirty]
         )
@@ -254,8 +256,11 @@ class _Part:
             waiting += new
         return found
 
-    def _library(self, raps: set[FormKey], *, agendas: bool) -> Library:
-        """Return the library of some RAPs and of all declarations and rules."""
+    def _library(self, raps: set[FormKey], *, agendas: bool) -> Library | None:
+        """Return the library of some RAPs and of all declarations and rules.
+
+        None if two forms have one name.
+        """
         units = []
         for name, file in self._files.items():
             wanted = [
@@ -267,8 +272,8 @@ class _Part:
             if all(one.sort == "require" for one in wanted):
                 wanted = []
             units.append(self._unit(self._sources[name], wanted))
-        linked, _ = library.link(units)
-        return linked
+        linked, wrong = library.link(units)
+        return None if wrong else linked
 
     def _unit(self, source: SourceFile, wanted: Sequence[FormState]) -> SourceUnit:
         """Return a unit with some forms of a file, each in its place."""

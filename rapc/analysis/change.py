@@ -1,7 +1,7 @@
 """What has become of the forms of a library since it was checked.
 
-Only changes of RAPs are told apart: where a declaration, an agenda, a rule, what files
-require or the order of forms is another, there is no answer.
+Only changes of RAPs, and of one agenda, are told apart: where a declaration, a rule,
+what files require or the order of forms is another, there is no answer.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Change(msgspec.Struct, frozen=True):
 
 
 def change_of(old: State, files: Mapping[str, FileState]) -> Change | None:
-    """Return what has changed; None if it is more than the texts of some RAPs.
+    """Return what has changed; None if it is more than RAPs and one agenda.
 
     Args:
         old: the library as it was.
@@ -67,20 +67,36 @@ def change_of(old: State, files: Mapping[str, FileState]) -> Change | None:
         fresh.update(((name, one.start), one) for one in now if id(one) not in kept)
     if any(one.is_entangled for one in (*gone.values(), *fresh.values())):
         return None
-    was_in = {one.rap: key[0] for key, one in gone.items() if one.rap}
-    if any(key[0] != was_in.get(one.rap, key[0]) for key, one in fresh.items()):
+    if _is_elsewhere(gone, fresh) or max(_agendas(gone), _agendas(fresh)) > 1:
         return None
     return Change(frozenset(changed), gone, fresh, moved)
 
 
 def _in_both(forms: Iterable[FormState], others: Iterable[FormState]) -> list[str]:
-    """Return the names of the RAPs among some forms that others have, too, in order."""
-    names = {one.rap for one in others}
-    return [one.rap for one in forms if one.rap and one.rap in names]
+    """Return what forms are called that others are called, too, in order."""
+    names = {_called(one) for one in others}
+    return [name for one in forms if (name := _called(one)) and name in names]
+
+
+def _called(form: FormState) -> str:
+    """Return the name of a RAP, a word for an agenda, nothing for all else."""
+    return form.rap or ("(agenda)" if form.sort == "agenda" else "")
+
+
+def _agendas(forms: Mapping[FormKey, FormState]) -> int:
+    return sum(one.sort == "agenda" for one in forms.values())
+
+
+def _is_elsewhere(
+    gone: Mapping[FormKey, FormState], fresh: Mapping[FormKey, FormState]
+) -> bool:
+    """Whether a form that has changed stands in another file than before."""
+    was_in = {name: key[0] for key, one in gone.items() if (name := _called(one))}
+    return any(key[0] != was_in.get(_called(one), key[0]) for key, one in fresh.items())
 
 
 def _declared(forms: Iterable[FormState]) -> Iterator[bytes]:
-    return (one.digest for one in forms if not one.rap and one.sort != "require")
+    return (one.digest for one in forms if not one.rap and not one.sort)
 
 
 def requires_the_same(

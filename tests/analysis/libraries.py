@@ -127,7 +127,7 @@ def edited(
 ) -> dict[str, str]:
     """Return a library with a change in one of its files."""
     texts = dict(files)
-    if dice.random() < _SELDOM / 2:
+    if dice.random() < _SELDOM:
         return _with_other_files(dice, maker, texts)
     name = dice.choice([name for name in texts if name != "a.rap"])
     forms = _forms(texts[name])
@@ -183,9 +183,9 @@ def _with_other_files(
     dice: random.Random, maker: Maker, texts: dict[str, str]
 ) -> dict[str, str]:
     """Change declarations or the agenda, or have a file come or go."""
-    kind = dice.randrange(4)
-    if kind == 0:
-        before, after = dice.choice(_DECLARED)
+    kind = dice.randrange(6)
+    if kind in (0, 4, 5):
+        before, after = dice.choice(_DECLARED if kind == 0 else _GIVEN)
         texts["a.rap"] = texts["a.rap"].replace(before, after, 1)
     elif kind == 1:
         before = f":priority {dice.randrange(3, 5)}"
@@ -205,6 +205,24 @@ _DECLARED = (
     ("?state) unknown", "?state) shut"),
     (" :on (okay (seen box))", " :on (okay (seen box) (at hall))"),
     ("(seen ?thing)", "(seen ?thing ?place)"),
+)
+
+_GIVEN = (
+    ("(task (r4 back", "(task (r5 back"),
+    ("(task (r5 back", "(task (r4 back"),
+    ("(task (r5 back", "(task (r77 back"),
+    ("(task (r77 back", "(task (r3 shutt"),
+    ("(task (r3 shutt", "(task (r4 back"),
+    ("  (task (r4 back", "  (task (r1 shelf boxes))\n  (task (r4 back"),
+    ("  (task (r1 shelf boxes))\n", ""),
+    (" :background true)", ")"),
+    ("(r0 front hall)", "(r0 hall front)"),
+    ("(r0 hall front)", "(r0 front hall)"),
+    (
+        "(define-agenda day",
+        "(define-agenda night\n  (task (r6 box hall)))\n(define-agenda day",
+    ),
+    ("(define-agenda night\n  (task (r6 box hall)))\n", ""),
 )
 
 _RULES = ("misspelt-constant", "swapped-arguments", "unbound-variable")

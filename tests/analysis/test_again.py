@@ -155,6 +155,45 @@ def test_of_a_small_change_one_file_is_read_anew(
     assert sorted(set(seen.names)) == [f"lib/{file}" for file in read]
 
 
+AGENDA = """\
+(define-agenda day
+  (task (pickup-2 left box) :priority 2 :background true)
+  (task (pickup-3 left box) :priority 4))
+"""
+TASKS = {
+    "a priority": (":priority 4", ":priority 1"),
+    "another task": ("(pickup-3 ", "(pickup-30 "),
+    "a task that is not there": ("(pickup-3 ", "(pickup-3000 "),
+    "a task with an argument more": ("(pickup-3 ", "(pickup-3 box "),
+    "a parenthesis": ("(task (pickup-3", "(task pickup-3"),
+    "no agenda": (AGENDA, ""),
+}
+
+
+@pytest.mark.parametrize("edit", TASKS)
+def test_of_an_agenda_one_file_is_read_anew(
+    edit: str, here: Path, parts: list[bool]
+) -> None:
+    before, after = TASKS[edit]
+    assert before in AGENDA
+    _write(here, {**LIBRARY, "z.rap": AGENDA})
+    _kept()
+    _write(here, {**LIBRARY, "z.rap": AGENDA.replace(before, after)})
+    seen = Seen()
+    assert _kept(seen) == _plain()
+    assert parts == [True]
+    assert {*seen.names} == {"lib/z.rap"}
+
+
+def test_two_agendas_of_one_name_are_told(here: Path, parts: list[bool]) -> None:
+    _write(here, {**LIBRARY, "y.rap": AGENDA, "z.rap": AGENDA.replace("day", "night")})
+    _kept()
+    _write(here, {**LIBRARY, "y.rap": AGENDA, "z.rap": AGENDA})
+    assert "`day` is defined already" in str(_kept())
+    assert _kept() == _plain()
+    assert parts == [False]
+
+
 def test_errors_alone_are_found_again_too(here: Path, parts: list[bool]) -> None:
     rules = errors().enabled
     _write(here, LIBRARY)
