@@ -11,7 +11,6 @@ be those of the same run that nobody has asked anything.
 
 from __future__ import annotations
 
-import argparse
 import random
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -40,8 +39,9 @@ from rapc.debug.session import Session
 from rapc.errors import Error
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.events import Event
+from rapc.runtime.task_request import TaskRequest
 from rapc.world import Adjustable, Drawable, Truthful
-from tests.debug.moments import RUNS
+from tests.debug.moments import RUNS, asked_for
 
 _QUESTIONS_EACH = 10
 """How many questions are asked at a moment."""
@@ -96,12 +96,15 @@ def _formulas(session: Session) -> Iterator[str]:
 def _formula(one: Asker) -> None:
     text = one.dice.choice(one.formulas)
     question = one.session.run.question(text)
+    assert question.given == ()
     question.first(), question.all(), question.holds()
     one.session.question(text).all()
 
 
 def _memory(one: Asker) -> None:
     memory, (name, *args) = one.session.run.memory, one.fact()
+    assert memory.now == one.session.run.now
+    assert memory.place is None or memory.place != ""
     memory.query(name, *args[:-1], None)
     memory.age(name, *args)
     memory.spread(str(name), 1)
@@ -113,6 +116,22 @@ def _memory(one: Asker) -> None:
         memory.query(relation)
         memory.spread(relation)
         look.beliefs(one.session.run, relation)
+
+
+def _results(one: Asker) -> None:
+    run = one.session.run
+    given = [task.goal for task in run.results()]
+    run.check([TaskRequest((goal.name, *goal.inputs)) for goal in given])
+    assert run.succeeded >= 0
+    assert run.reason is None or run.settings.patience
+
+
+def _stand(one: Asker) -> None:
+    session = one.session
+    assert session.stand().startswith(f"cycle {session.moment.cycle}, time ")
+    assert session.seen >= session.cycle
+    assert session.now == session.run.now
+    assert session.over == bool(session.reason)
 
 
 def _what_if(one: Asker) -> None:
@@ -152,7 +171,7 @@ OF_RUNS: Mapping[str, Callable[[Asker], object]] = {
     "agenda": lambda one: one.session.run.agenda(),
     "goals": lambda one: one.session.run.goals(),
     "waiting": lambda one: one.session.run.waiting(),
-    "results": lambda one: one.session.run.results(),
+    "results": _results,
     "check_fact": lambda one: one.session.run.check_fact(*one.fact()),
     "question": _formula,
     "memory": _memory,
@@ -191,6 +210,7 @@ QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
     "history of an item": lambda one: history.of_item(one.session, str(one.fact()[1])),
     "retries": lambda one: history.retries(one.session),
     "deadlines": lambda one: history.deadlines(one.session),
+    "stand": _stand,
     "scan": lambda one: one.session.scan(first=one.cycle()),
     "find": _find_before,
     "there and back": _there_and_back,
@@ -266,10 +286,7 @@ def check(make: Callable[[int], Session], cycles: int, points: int) -> Asked:
 
 def main() -> None:
     """Ask in all runs and tell what came of it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--points", type=int, default=100)
-    parser.add_argument("--cycles", type=int, default=1000)
-    given = parser.parse_args()
+    given = asked_for(__doc__, points=100, cycles=1000)
     failed = False
     for name, make in RUNS.items():
         found = check(make, given.cycles, given.points)

@@ -108,12 +108,17 @@ def check(session: Session, points: int, seed: int = 0) -> Checked:
     return Checked(last, points, differ)
 
 
+def asked_for(doc: str | None, *, points: int, cycles: int) -> argparse.Namespace:
+    """Return how many moments and cycles the command line wants; or these."""
+    parser = argparse.ArgumentParser(description=doc)
+    parser.add_argument("--points", type=int, default=points)
+    parser.add_argument("--cycles", type=int, default=cycles)
+    return parser.parse_args()
+
+
 def main() -> None:
     """Check both runs and tell what came of them."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--points", type=int, default=1000)
-    parser.add_argument("--cycles", type=int, default=3000)
-    given = parser.parse_args()
+    given = asked_for(__doc__, points=1000, cycles=3000)
     failed = False
     for name, make in RUNS.items():
         start = process_time()

@@ -1,0 +1,73 @@
+"""Whatever asks a run is among the questions that are asked at random moments.
+
+What a run, a session and the memory offer is asked for by `tests.debug.asking`, acts or
+is said below to need no asking. A new way to ask belongs there: nobody else would see
+that it leaves a mark.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from rapc.debug.session import Session
+from rapc.runtime.host_query import HostQuery
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.memory.view import MemoryView
+from tests.debug import asking
+
+ACTS: Mapping[str, str] = {
+    "Interpreter.assert_fact": "changes memory",
+    "Interpreter.call_at": "has the host called",
+    "Interpreter.call_at_end": "has the host called",
+    "Interpreter.call_when_waiting": "has the host called",
+    "Interpreter.cancel": "ends tasks",
+    "Interpreter.come_to_choice": "runs on",
+    "Interpreter.end": "ends the run",
+    "Interpreter.erase": "changes memory",
+    "Interpreter.extend": "changes the library",
+    "Interpreter.move": "changes memory",
+    "Interpreter.record": "listens from then on",
+    "Interpreter.remade": "makes another run, and only one of the two may go on",
+    "Interpreter.restore": "takes up another state",
+    "Interpreter.run": "runs on",
+    "Interpreter.run_ready": "runs on",
+    "Interpreter.signal": "tells tasks something",
+    "Interpreter.start": "begins the run",
+    "Interpreter.submit": "gives a task",
+    "Interpreter.watch_contexts": "listens from then on",
+    "Session.act": "does something to the run",
+    "Session.aside": "lets something be done that is undone: `what_if` is asked",
+    "Session.branch_off": "begins a branch",
+    "Session.elsewhere": "stands in the past for a while: `why` is asked",
+    "Session.goto_time": "goes to a cycle, as `goto` does",
+    "Session.last": "reads `scan`, which is asked",
+    "Session.open": "begins a run",
+    "Session.pause": "stops the run",
+    "Session.step": "runs on",
+    "Session.switch": "goes on in another branch",
+    "Session.take_up": "changes the library",
+}
+"""What a host or user does to a run and its session, and what it comes to."""
+
+DOORS = (Interpreter, Session, MemoryView, HostQuery)
+
+
+def _named() -> set[str]:
+    """Return the attributes that the questions name."""
+    text = Path(asking.__file__).read_text(encoding="utf-8")
+    return {n.attr for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Attribute)}
+
+
+def _offered(door: type) -> set[str]:
+    return {name for name in dir(door) if not name.startswith("_")}
+
+
+@pytest.mark.parametrize("door", DOORS, ids=lambda door: str(door.__name__))
+def test_all_that_asks_is_asked_at_random_moments(door: type) -> None:
+    acts = {one.partition(".")[2] for one in ACTS if one.startswith(door.__name__)}
+    assert acts <= _offered(door)
+    assert _offered(door) - acts - _named() == set()
