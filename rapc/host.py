@@ -29,7 +29,7 @@ from rapc.ir.printer import format_node
 from rapc.library import loader
 from rapc.library.loader import Loaded
 from rapc.parser.parse import parse, parse_fact
-from rapc.runtime.arguments import kind, need_time
+from rapc.runtime.arguments import kind, need_count, need_program, need_time
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
@@ -75,6 +75,7 @@ class CheckedLibrary:
     program: Program
 
     def __init__(self, program: Program) -> None:
+        need_program(program, "`program`")
         self.name = program.name
         self.program = program
 
@@ -141,6 +142,8 @@ class CheckedLibrary:
             FactError: for a fact that the declarations do not allow.
             PortError: if the world breaks.
         """
+        if agenda is not None and not isinstance(agenda, str):
+            raise ArgumentError(f"`agenda` is {kind(agenda)}, no name")
         first = () if agenda is None else of_agenda(self.program.library, agenda)
         requests = [_request(task) for task in _listed(tasks, "tasks")]
         known = [_fact(fact) for fact in _listed(facts, "facts")]
@@ -214,6 +217,8 @@ def loads(text: str, name: str = "<text>") -> CheckedLibrary:
         LoadError: for what it requires and cannot be read.
         CheckError: if anything of severity error is found.
     """
+    if not isinstance(name, str):
+        raise ArgumentError(f"`name` is {kind(name)}, no text")
     return checked(loader.load_text(_text(text), name), name)
 
 
@@ -259,6 +264,8 @@ def run(
         raise ArgumentError(f"`library` is {kind(library)}, no library", wanted)
     if until is not None:
         need_time(until, "`until`")
+    if cycles is not None:
+        need_count(cycles, "`cycles`")
     going = library.start(world, agenda=agenda, tasks=tasks, **more)
     reason = going.run(until=until, cycles=cycles)
     return RunResult(reason, going.now, going.results(), going)
@@ -273,6 +280,10 @@ def rap_text(run: Interpreter, name: str) -> str:
     Raises:
         RefusedError: if the library has no such RAP.
     """
+    if not isinstance(run, Interpreter):
+        raise ArgumentError(f"`run` is {kind(run)}, no run")
+    if not isinstance(name, str):
+        raise ArgumentError(f"`name` is {kind(name)}, no text")
     rap = run.machine.library.library.raps.get(name)
     if rap is None:
         raise RefusedError([f"there is no RAP `{name}`"])

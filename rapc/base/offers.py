@@ -35,12 +35,7 @@ class Offer(msgspec.Struct, frozen=True):
 
     def __post_init__(self) -> None:
         """See that the parts are what they should be; raises TypeError."""
-        for name, offered in self.primitives.items():
-            match offered:
-                case [int(), [*results]] if all(type(r) is str for r in results):
-                    continue
-            wanted = "a number of arguments and a tuple of results"
-            raise TypeError(f"an Offer has {wanted} for `{name}`, not {offered!a}")
+        _look_at(self.primitives)
         for counts in (self.data, self.skills, self.events):
             for name, count in counts.items():
                 if type(count) is not int:
@@ -61,6 +56,18 @@ class Offer(msgspec.Struct, frozen=True):
             if len(called) not in self.counts(name) or len({*called}) < len(called):
                 given = ", ".join(called) or "()"
                 raise TypeError(f"an Offer has no `{name}` with arguments {given}")
+
+
+def _look_at(primitives: object) -> None:
+    """See that the primitives of an Offer are what they should be."""
+    if not isinstance(primitives, Mapping):
+        raise TypeError(f"an Offer has a dict of primitives, not {primitives!a}")
+    for name, offered in primitives.items():
+        match offered:
+            case [int(), [*results]] if all(type(r) is str for r in results):
+                continue
+        wanted = "a number of arguments and a tuple of results"
+        raise TypeError(f"an Offer has {wanted} for `{name}`, not {offered!a}")
 
 
 def _is_name(value: object) -> bool:

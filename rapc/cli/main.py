@@ -12,10 +12,12 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import TextIO
 
 import click
 
+from rapc.base.code_places import frames, said_by
 from rapc.base.gc_paused import gc_spared
 from rapc.base.names import hint
 from rapc.base.visible import visible
@@ -102,6 +104,9 @@ def main(args: Sequence[str] | None = None) -> None:
         sys.exit(USAGE)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(INTERRUPTED)
+    except SystemExit as error:
+        _refuse_foreign(error)
+        raise
     except Error as error:
         _say(error)
         sys.exit(USAGE)
@@ -119,6 +124,16 @@ def main(args: Sequence[str] | None = None) -> None:
         _internal_fault(error)
         sys.exit(USAGE)
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _refuse_foreign(error: SystemExit) -> None:
+    """End with status 2 if other code than rapc's, a world's say, ended the process."""
+    *_, (frame, row) = frames(error)
+    if str(frame.f_globals.get("__name__")).partition(".")[0] in ("rapc", "click"):
+        return
+    place = f"{Path(frame.f_code.co_filename).name}:{row}"
+    _tell(f"error: {place} ends the process: {said_by(error)}")
+    sys.exit(USAGE)
 
 
 def _escape_unprintable() -> None:

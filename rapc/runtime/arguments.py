@@ -6,8 +6,11 @@ from math import isnan
 
 import msgspec
 
+from rapc.base.values import Text
+from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, SettingError
 from rapc.runtime.settings import Settings
+from rapc.world import World
 
 
 def need_call(value: object, what: str) -> None:
@@ -18,8 +21,44 @@ def need_call(value: object, what: str) -> None:
 
 def need_time(value: object, what: str) -> None:
     """Raise ArgumentError unless `value`, told of as `what`, is a number."""
-    if type(value) not in (int, float) or isnan(value):  # type: ignore[arg-type]
+    if type(value) not in (int, float) or value != value:  # nan  # noqa: PLR0124
         raise ArgumentError(f"{what} is {kind(value)}, no time")
+
+
+def need_count(value: object, what: str) -> None:
+    """Raise ArgumentError unless `value`, told of as `what`, is a whole number."""
+    if type(value) is not int:
+        raise ArgumentError(f"{what} is {kind(value)}, no whole number")
+
+
+def need_atoms(values: object, what: str) -> None:
+    """Raise ArgumentError unless `values` are a name and what follows it.
+
+    Args:
+        values: what a caller hands over as a fact, the front of one, or a goal.
+        what: what it is told of as.
+    """
+    if not isinstance(values, tuple):
+        raise ArgumentError(f"{what} is {kind(values)}, no tuple", '("name", arg...)')
+    if not values or not isinstance(values[0], str):
+        found = kind(values[0]) if values else "missing"
+        raise ArgumentError(f"the name of {what} is {found}")
+    for value in values[1:]:
+        if value is not None and not isinstance(value, str | int | float | Text):
+            raise ArgumentError(f"an argument of {what} is {kind(value)}")
+
+
+def need_program(value: object, what: str) -> None:
+    """Raise ArgumentError unless `value`, told of as `what`, can be executed."""
+    if not isinstance(value, Program):
+        raise ArgumentError(f"{what} is {kind(value)}", "it takes `library.program`")
+
+
+def need_world(value: object) -> None:
+    """Raise ArgumentError unless `value` is a world that was made."""
+    if not isinstance(value, World):
+        wanted = "it takes one that was made: `rapc.open_world(name)`"
+        raise ArgumentError(f"`world` is {kind(value)}, no world", wanted)
 
 
 def need_settings(settings: object) -> None:

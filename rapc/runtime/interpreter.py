@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 import heapq
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
 from rapc.base.values import Atom, Fact
@@ -18,7 +18,16 @@ from rapc.ir.nodes import Formula, Node
 from rapc.parser.parse import parse_formula
 from rapc.runtime import snapshot
 from rapc.runtime.admission import refuse_extension, refuse_tasks
-from rapc.runtime.arguments import kind, need_call, need_settings, need_time
+from rapc.runtime.arguments import (
+    kind,
+    need_atoms,
+    need_call,
+    need_count,
+    need_program,
+    need_settings,
+    need_time,
+    need_world,
+)
 from rapc.runtime.authors import blame
 from rapc.runtime.begin_and_end import end_run, tell_start
 from rapc.runtime.events.events import Event, Goal, TaskResult
@@ -70,6 +79,8 @@ class Interpreter:
         comparators: Mapping[str, Callable[..., Any]] | None = None,
         fast: bool = True,
     ) -> None:
+        need_program(library, "`library`")
+        need_world(world)
         self.seed = seed
         self._registered = (functions, solvers, comparators)
         self._world = world
@@ -115,6 +126,9 @@ class Interpreter:
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
         """Call `listener` with every event from now on, or with those of `kinds`."""
         need_call(listener, "a listener")
+        for one in kinds:
+            if not isinstance(one, type):
+                raise ArgumentError(f"a kind of events is {kind(one)}, no class")
         self._machine.recorder.listen(listener, *kinds)
 
     def record(self) -> Recording:
@@ -168,6 +182,7 @@ class Interpreter:
         Raises:
             FactError: if no event is called so, or it has other arguments.
         """
+        need_atoms(content, "the signal")
         self._machine.port.check_signal(content)
         signal(self._machine, self._machine.memory.canonical(content))
 
@@ -230,11 +245,17 @@ class Interpreter:
 
         Its variables (`?x`, `?`) match anything.
         """
+        need_atoms(goal, "`goal`")
         return cancel_matching(self._machine, goal)
 
     def check(self, tasks: Sequence[TaskRequest]) -> None:
         """Look at tasks without running anything. Raises RefusedError as `submit`."""
-        refuse_tasks(self._machine.library, [task.goal for task in tasks])
+        goals = []
+        for task in tasks if isinstance(tasks, Iterable) else [tasks]:
+            if not isinstance(task, TaskRequest):
+                raise ArgumentError(f"a task is {kind(task)}, no `rapc.TaskRequest`")
+            goals.append(task.goal)
+        refuse_tasks(self._machine.library, goals)
 
     def extend(self, library: Program) -> None:
         """Go on with more RAPs than before, made by `rapc.extend` (T 4.10.1).
@@ -244,6 +265,7 @@ class Interpreter:
         Raises:
             RefusedError: if the library is not the one that runs with some RAPs added.
         """
+        need_program(library, "`library`")
         refuse_extension(self._machine.library.library, library.library)
         self._machine.library = library
 
@@ -261,6 +283,8 @@ class Interpreter:
         """
         if until is not None:
             need_time(until, "`until`")
+        if cycles is not None:
+            need_count(cycles, "`cycles`")
         self._machine.state.until = until
         self.start()
         if self._machine.state.reason is None:
@@ -380,6 +404,8 @@ class Interpreter:
         Raises:
             StateError: if `saved` is no such run; then nothing has changed.
         """
+        if not isinstance(saved, bytes):
+            raise ArgumentError(f"`saved` is {kind(saved)}, no bytes of `save`")
         self.seed = restore(self._machine, saved)
 
     def fork(self, world: World | None = None) -> Interpreter:
@@ -462,6 +488,9 @@ class Interpreter:
             formula = parse_formula(formula)
         if not isinstance(formula, Node):
             raise ArgumentError(f"a question is {kind(formula)}, no formula")
+        for name in given:
+            if not isinstance(name, str):
+                raise ArgumentError(f"a variable is {kind(name)}", 'as text: "?x"')
         return HostQuery(self._machine, formula, given)
 
     def waiting(self) -> tuple[str, ...]:

@@ -235,3 +235,26 @@ def test_the_command_line_says_it_in_a_line_with_status_2(
     assert done.stderr.startswith("error: the world")
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_a_name_that_ends_the_process_does_not_end_it_well(tmp_path: Path) -> None:
+    (tmp_path / "ends.py").write_text(
+        "from rapc.world import Offer, Kit, World\n"
+        "class Name(str):\n"
+        "    __hash__ = str.__hash__\n"
+        "    def __eq__(self, other):\n"
+        "        raise SystemExit(0)\n"
+        "class Any(World):\n"
+        "    name = 'any'\n"
+        "    kit = Kit(Offer({Name('look'): (0, ('okay',))}))\n"
+        "    def __init__(self, rng, options): ...\n"
+        "    now = perform = next_time = advance = messages = lambda *given: None\n"
+    )
+    (tmp_path / "a.rap").write_text(
+        "(declare-primitive look () (okay))\n"
+        "(define-rap (go) (method (primitive (look))))\n"
+    )
+    words = ("run", "a.rap", "--world", "ends:Any", "--task", "(go)")
+    done = command(*words, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "error: ends.py:5 ends the process: SystemExit: 0\n"

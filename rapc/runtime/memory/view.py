@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rapc.base.values import Atom, Fact
+from rapc.runtime.arguments import need_atoms
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.store import NEVER
@@ -31,11 +32,19 @@ class MemoryView:
 
         Defaults are not consulted, and `external` is what is stored as such.
         """
-        return self._memory.facts.matching(self._memory.canonical(pattern))
+        try:
+            return self._memory.facts.matching(self._memory.canonical(pattern))
+        except (IndexError, TypeError):
+            need_atoms(pattern, "the pattern")
+            raise
 
     def value(self, *index: Atom) -> Atom | None:
         """The asserted value of a property for an index, or None."""
-        fact = self._memory.facts.asserted(self._memory.canonical(index))
+        try:
+            fact = self._memory.facts.asserted(self._memory.canonical(index))
+        except (IndexError, TypeError):
+            need_atoms(index, "the property")
+            raise
         return None if fact is None else fact[-1]
 
     def count(self, kind: str, place: Atom) -> int:
@@ -43,6 +52,7 @@ class MemoryView:
 
         Of an indistinct class it is the size of its expectation set.
         """
+        need_atoms((kind, place), "the count")
         memory = self._memory
         here = memory.place if place == EXTERNAL else None
         size = memory.expected_at(
@@ -64,11 +74,16 @@ class MemoryView:
 
         Places count from 1; without any, how many facts of that name there are.
         """
+        need_atoms((name, *places), "the facts")
         facts = self._memory.facts.table(name).stamps
         kinds = {tuple([fact[at : at + 1] for at in places]) for fact in facts}
         return len(facts) / len(kinds) if kinds else 0
 
     def age(self, *fact: Atom) -> Time | None:
         """Time units since a fact was last asserted, or None."""
-        stamp = self._memory.facts.stamp(self._memory.canonical(fact))
+        try:
+            stamp = self._memory.facts.stamp(self._memory.canonical(fact))
+        except (IndexError, TypeError):
+            need_atoms(fact, "the fact")
+            raise
         return None if stamp is None or stamp == NEVER else self.now - stamp
