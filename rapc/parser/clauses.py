@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES
 from rapc.parser.context import Context, head_of, kind_of
+from rapc.parser.fields import Slots, put
 from rapc.parser.syntax import Datum, List, Symbol
 
 
@@ -70,17 +71,17 @@ def single(
 
 
 def read_clauses(
-    ctx: Context, kept: Mapping[str, Sequence[List]], group: str
-) -> dict[str, list[Any]]:
-    """Return what the readers of a group make of clauses, by name; None if lost."""
-    read: dict[str, list[Any]] = {}
+    ctx: Context, kept: Mapping[str, Sequence[List]], group: str, into: Slots
+) -> list[Any]:
+    """Return the fields that clauses fill, read by the readers of a group."""
+    fields = list(into.unsaid)
     if not kept:
-        return read
+        return fields
     readers = ctx.readers.group(group)
     outer = ctx.clause
     for name, rows in kept.items():
-        reader = readers[name]
+        read = readers[name]
         ctx.clause = name
-        read[name] = [reader(ctx, row) for row in rows]
+        put(fields, into, name, [read(ctx, row) for row in rows])
     ctx.clause = outer
-    return read
+    return fields

@@ -93,36 +93,26 @@ class Context:
     room: int
     #: Whether the reader had to guess at something: then only words that print has had
     #: for others are told, for all other faults might be due to the guess.
-    damaged: bool
+    damaged: bool = False
     #: Whether a parenthesis too many stands behind the form: then only slips whose
     #: meaning is clear are told, for the first of the pair may have been lost.
-    surplus: bool
+    surplus: bool = False
     #: What has been found in the form.
     diagnostics: list[Diagnostic]
     #: The names of the clauses from which something had to be left out, so that what
     #: others miss there may not be the author's fault; `ANY_CLAUSE` for all of them.
-    lost: set[str]
+    lost: list[str]
     #: The name of the clause that is being read.
     clause: str
 
-    def __init__(
-        self,
-        source: SourceFile,
-        room: int,
-        readers: Readers,
-        *,
-        damaged: bool = False,
-        surplus: bool = False,
-    ) -> None:
+    def __init__(self, source: SourceFile, room: int, readers: Readers) -> None:
         self.source = source
         self.file = source.name
         self.room = room
-        self.damaged = damaged
-        self.surplus = surplus
         self.readers = readers
         self.formulas = readers.formulas
         self.diagnostics = []
-        self.lost = set()
+        self.lost = []
         self.clause = ANY_CLAUSE
 
     def span(self, datum: Datum) -> Span:
@@ -137,7 +127,7 @@ class Context:
         self, rule: str, message: str, at: Datum, **more: Unpack[Details]
     ) -> None:
         """Report a fault for which something of the form is left out."""
-        self.lost.add(self.clause)
+        self.lost.append(self.clause)
         if not self.surplus:
             self.report_fixable(rule, message, at, **more)
 
@@ -204,7 +194,7 @@ class Context:
             )
             return printed
         if len(self.diagnostics) >= self.room:
-            self.lost.add(self.clause)
+            self.lost.append(self.clause)
             return None
         slips = {slip: right for slip, right in SLIPS.items() if right in options}
         meant = nearest(word.name, (*options, *slips))

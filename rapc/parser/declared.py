@@ -49,6 +49,8 @@ class Declaration(msgspec.Struct, frozen=True):
     #: The options that may stand more than once.
     many: frozenset[str]
     slots: Slots
+    #: What the fields of its options hold where nothing is said.
+    unsaid: Mapping[str, Any]
 
 
 @cache
@@ -72,6 +74,7 @@ def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
         )
         for at, (name, shape) in enumerate(rows, start=1)
     ]
+    filled_by = slots(rule, kind)
     return Declaration(
         kind=kind,
         colon=wanted[0] in ("SKILL", "SIGNAL"),
@@ -79,7 +82,8 @@ def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
         operands=tuple(operands),
         options={heads(str(p.shape))[0]: str(p.shape) for p in known if p.field},
         many=often(rule),
-        slots=slots(rule, kind),
+        slots=filled_by,
+        unsaid=dict(zip(filled_by.names, filled_by.unsaid, strict=True)),
     )
 
 
@@ -91,21 +95,31 @@ def declaration(rule: str, kind: type[nodes.Node]) -> Read:
         name = name_of(ctx, form, colon=told.colon)
         if name is None:
             return None
-        known = {w: ctx.readers.option(one) for w, one in told.options.items()}
-        counts = {word: option.values for word, option in known.items()}
-        owner = f"`{head_of(form)}`"
-        others, options = split(
-            ctx, form.items[2:], owner, counts, told.many, "malformed-form", True
-        )
-        doc, operands = explained(ctx, form, others)
-        given = _operands(ctx, form, name, operands, told)
-        found = {w: [known[w].read(ctx, o) for o in row] for w, row in options.items()}
-        given |= filled(told.slots, found)
+        data: Sequence[Datum] = form.items[2:]
+        given: dict[str, Any] = dict(told.unsaid)
+        if Keyword in map(type, data):
+            data, options = _options(ctx, form, data, told)
+            given.update(options)
+        doc, operands = explained(ctx, form, data)
+        _add_operands(ctx, form, name, operands, told, given)
         if told.explained:
             given["doc"] = doc
         return kind(name=name, span=ctx.span(form), **given)
 
     return read
+
+
+def _options(
+    ctx: Context, form: List, data: Sequence[Datum], told: Declaration
+) -> tuple[list[Datum], dict[str, Any]]:
+    """The data that are no options, and the fields of options by their names."""
+    known = {w: ctx.readers.option(one) for w, one in told.options.items()}
+    counts = {word: option.values for word, option in known.items()}
+    owner = f"`{head_of(form)}`"
+    others, options = split(ctx, data, owner, counts, told.many, "malformed-form", True)
+    found = {w: [known[w].read(ctx, o) for o in row] for w, row in options.items()}
+    fields = filled(told.slots, found)
+    return others, dict(zip(told.slots.names, fields, strict=True))
 
 
 def name_of(ctx: Context, form: List, *, colon: bool) -> str | None:
@@ -139,7 +153,8 @@ def explained(
             docs.append(one)
         else:
             operands.append(one)
-    _surplus(ctx, form, docs[1:])
+    if len(docs) > 1:
+        _surplus(ctx, form, docs[1:])
     return docs[0].value if docs else "", operands
 
 
@@ -150,12 +165,15 @@ def _surplus(ctx: Context, form: List, data: Iterable[Datum]) -> None:
         ctx.report("malformed-form", message, extra)
 
 
-def _operands(
-    ctx: Context, form: List, name: str, found: Sequence[Datum], told: Declaration
-) -> dict[str, Any]:
-    """The operands by their fields; reports the first that is missing."""
-    given: dict[str, Any] = {}
-    data = list(found)
+def _add_operands(
+    ctx: Context,
+    form: List,
+    name: str,
+    data: list[Datum],
+    told: Declaration,
+    given: dict[str, Any],
+) -> None:
+    """Put the operands into `given` by their fields; reports the first missing."""
     last, missed = form.items[1], False
     for one in told.operands:
         value = None
@@ -171,8 +189,8 @@ def _operands(
         if value is None and not one.optional:
             value = MISSING[one.leaf].assumed
         given[one.field] = value
-    _surplus(ctx, form, data)
-    return given
+    if data:
+        _surplus(ctx, form, data)
 
 
 def _missing(ctx: Context, place: Datum, name: str, leaf: str, last: Datum) -> None:

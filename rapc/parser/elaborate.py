@@ -267,7 +267,7 @@ def _own_word(rule: str) -> str:
 def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
     """The reader of a list with a fixed number of operands."""
     count = len(parts) + 1
-    reads = [part.read for part in parts]
+    reads = [(at, part.read) for at, part in enumerate(parts, 1)]
     told = rule in MISFITS and MISFITS[rule].whole
     strict = [(at, p.fits) for at, p in enumerate(parts, 1) if p.strict or told]
     own = _own_word(rule)
@@ -280,7 +280,7 @@ def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
         if not fitting:
             wrong(ctx, rule, datum)
             return None
-        values = [one(ctx, item) for one, item in zip(reads, items[1:], strict=True)]
+        values = [one(ctx, items[at]) for at, one in reads]
         for value in values:
             if value is None:
                 return None

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from itertools import chain
-from operator import itemgetter
 from typing import Any
 
 import msgspec
@@ -17,50 +16,55 @@ from rapc.language.heads import heads
 
 
 class Slots(msgspec.Struct, frozen=True):
-    """The fields of a node that clauses and options fill."""
+    """The fields of a node that clauses and options fill, in the order of the node."""
 
-    #: Fields that hold one thing, by the words of their clauses.
-    single: Mapping[str, str]
-    #: Fields that hold a tuple of them.
-    rows: Mapping[str, str]
+    #: The names of the fields.
+    names: tuple[str, ...]
     #: What the fields hold where nothing is said.
-    unsaid: Mapping[str, Any]
-    #: Gives the values of all fields, in their order, of a mapping by name.
-    in_order: Callable[[Mapping[str, Any]], tuple[Any, ...]]
+    unsaid: tuple[Any, ...]
+    #: The places of fields that hold one thing, by the words of their clauses.
+    single: Mapping[str, int]
+    #: The places of fields that hold a tuple of them.
+    rows: Mapping[str, int]
 
 
 @cache
 def slots(rule: str, kind: type[nodes.Node]) -> Slots:
     """Return the fields that the clauses and options of a rule fill in its node."""
-    single: dict[str, str] = {}
-    rows: dict[str, str] = {}
-    empty: dict[str, Any] = {}
-    for part in parts(rule, kind):
-        if part.field:
-            clause = str(part.shape)
-            many = declared(kind, part.field).startswith("tuple[")
-            (rows if many else single)[heads(clause)[0]] = part.field
-            empty[part.field] = unsaid(clause, kind, part.field)
-    return Slots(single, rows, empty, itemgetter(*kind.__struct_fields__))
+    known = [part for part in parts(rule, kind) if part.field]
+    empty = {p.field: unsaid(str(p.shape), kind, p.field) for p in known}
+    names = tuple([name for name in kind.__struct_fields__ if name in empty])
+    single: dict[str, int] = {}
+    rows: dict[str, int] = {}
+    for part in known:
+        many = declared(kind, part.field).startswith("tuple[")
+        word = heads(str(part.shape))[0]
+        (rows if many else single)[word] = names.index(part.field)
+    return Slots(names, tuple([empty[name] for name in names]), single, rows)
 
 
-def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
-    """Return the fields by name, of what was read of each clause or option by its word.
+def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> list[Any]:
+    """Return what the fields hold, of what was read of options by their words."""
+    fields = list(into.unsaid)
+    for word, values in read.items():
+        put(fields, into, word, values)
+    return fields
+
+
+def put(fields: list[Any], into: Slots, word: str, values: Sequence[Any]) -> None:
+    """Put what was read of the clauses or options of a word where it belongs.
 
     What could not be read is None. Of several things for a field that holds one the
     first counts; rows are joined.
     """
-    made = dict(into.unsaid)
-    for word, values in read.items():
-        field = into.single.get(word)
-        if field is None:
-            field = into.rows[word]
-            rows = [_row(value, field) for value in values if value is not None]
-            if rows:
-                made[field] = (*(made[field] or ()), *chain.from_iterable(rows))
-        elif values[0] is not None:
-            made[field] = values[0]
-    return made
+    at = into.single.get(word)
+    if at is None:
+        at = into.rows[word]
+        rows = [_row(value, into.names[at]) for value in values if value is not None]
+        if rows:
+            fields[at] = (*(fields[at] or ()), *chain.from_iterable(rows))
+    elif values[0] is not None:
+        fields[at] = values[0]
 
 
 def _row(value: Any, field: str) -> Iterable[Any]:

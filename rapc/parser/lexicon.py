@@ -128,9 +128,9 @@ class Lexicon:
         return re.compile(self._string)
 
 
-def maker(kind: str, value: Number | str | None) -> Callable[[Any, int, int], Datum]:
-    """Return what makes a datum of an atom of this kind and value."""
-    return Arrow if value == ARROW else MAKERS[kind]
+def maker(kind: str, raw: str) -> Callable[[Any, int, int], Datum]:
+    """Return what makes a datum of an atom of this kind, as it is written."""
+    return Arrow if raw == ARROW else MAKERS[kind]
 
 
 def atom_value(kind: str, raw: str) -> Number | str | None:
@@ -190,7 +190,7 @@ class ReadLog:
         kind = (match and match.lastgroup) or "WORD"
         value = atom_value(kind, raw)
         if value is not None:
-            return maker(kind, value)(value, start, end)
+            return maker(kind, raw)(value, start, end)
         if kind == "NUMBER":
             self._too_long("number", MAX_NUMBER, start, end)
             return Numeral(0, start, end)

@@ -61,7 +61,8 @@ def parse(source: SourceFile) -> SourceUnit:
     partial: Partial = NodeMap()
     for top in reading.forms:
         room = MAX_FINDINGS - len(found)
-        ctx = Context(source, room, known, damaged=top.damaged, surplus=top.surplus)
+        ctx = Context(source, room, known)
+        ctx.damaged, ctx.surplus = top.damaged, top.surplus
         form = _form(ctx, top.datum, known_forms)
         if isinstance(form, DefineTest):
             if form.name:
@@ -75,7 +76,7 @@ def parse(source: SourceFile) -> SourceUnit:
             forms.append(form)
         found.extend(ctx.diagnostics)
         if form is not None and (top.damaged or ctx.lost):
-            lost = {ANY_CLAUSE, PARENTHESES} if top.damaged else ctx.lost
+            lost = (ANY_CLAUSE, PARENTHESES) if top.damaged else ctx.lost
             partial[form] = frozenset(lost)
     found.sort(key=lambda d: d.span.start)
     if len(found) >= MAX_FINDINGS:

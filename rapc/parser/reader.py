@@ -174,7 +174,7 @@ class _Words(dict[str, _Word]):
         start, end = found.span(kind)
         raw = piece[start:end]
         value = atom_value(kind, raw)
-        make = maker(kind, value)
+        make = maker(kind, raw)
         if value is None:
             make, value = self._log.atom, raw
         word = (start, make, value, start, end, piece.count(")", end), len(piece))

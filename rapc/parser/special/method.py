@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, heads
 from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.fields import filled, slots
+from rapc.parser.fields import slots
 from rapc.parser.special.steps import wait_for
 from rapc.parser.syntax import Datum, List, Numeral, Symbol
 from rapc.parser.terms import colon, pattern
@@ -25,16 +26,18 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
     if items and type(items[0]) is not List:
         name, items = _name(ctx, items[0]), items[1:]
     found = single(ctx, clauses(ctx, items, "method", METHOD_CLAUSES))
-    read = read_clauses(ctx, found, "method")
-    fields = filled(_SLOTS, read)
-    fields["name"] = name
-    fields["position"] = position
-    fields["body"] = _body(ctx, datum, found, read)
-    fields["span"] = ctx.span(datum)
-    return nodes.Method(*_SLOTS.in_order(fields))
+    if "task-net" in found and "primitive" in found:
+        found["task-net"] = found.pop("task-net")  # the last one read counts
+    fields = read_clauses(ctx, found, "method", _SLOTS)
+    _check_body(ctx, datum, found)
+    if fields[_BODY] is None:
+        fields[_BODY] = nodes.TaskNet((), ctx.span(datum))
+    values: list[Any] = [name, position, *fields, ctx.span(datum)]
+    return nodes.Method(*values)
 
 
 _SLOTS = slots("method", nodes.Method)
+_BODY = _SLOTS.names.index("body")
 
 
 def _name(ctx: Context, datum: Datum) -> str | int | None:
@@ -50,12 +53,7 @@ def _name(ctx: Context, datum: Datum) -> str | int | None:
     return None
 
 
-def _body(
-    ctx: Context,
-    datum: List,
-    found: Mapping[str, Sequence[List]],
-    read: Mapping[str, Sequence[nodes.Body | None]],
-) -> nodes.Body:
+def _check_body(ctx: Context, datum: List, found: Mapping[str, Sequence[List]]) -> None:
     net, request = found.get("task-net"), found.get("primitive")
     if net and request:
         ctx.report(
@@ -72,16 +70,14 @@ def _body(
             help="give it a `task-net` or a `primitive`; `(task-net)` does nothing",
         )
     if request and not net:
-        stray = [c for name in _WITH_STEPS for c in found.get(name, ())]
-        for clause in stray:
-            ctx.report(
-                "misplaced-clause",
-                f"`{head_of(clause)}` stands in a method with a `task-net`",
-                clause.items[0],
-                labels=[(request[0].items[0], "this one has a primitive")],
-            )
-    bodies = read["task-net"] if net else read.get("primitive", ())
-    return next(iter(bodies), None) or nodes.TaskNet((), ctx.span(datum))
+        for name in _WITH_STEPS:
+            for clause in found.get(name, ()):
+                ctx.report(
+                    "misplaced-clause",
+                    f"`{head_of(clause)}` stands in a method with a `task-net`",
+                    clause.items[0],
+                    labels=[(request[0].items[0], "this one has a primitive")],
+                )
 
 
 _WITH_STEPS = heads("_once_net_clause")

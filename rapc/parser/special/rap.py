@@ -5,8 +5,8 @@ Methods are read by `rapc.parser.special.method`.
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
-from typing import Literal, cast
+from collections.abc import Container, Iterable, Sequence
+from typing import Any, Literal, cast
 
 from rapc.base.diagnostics import Fix
 from rapc.base.names import nearest
@@ -15,7 +15,7 @@ from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, often
 from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import ANY_CLAUSE, Context, head_of
 from rapc.parser.elaborate import made
-from rapc.parser.fields import filled, slots
+from rapc.parser.fields import slots
 from rapc.parser.findings import wrong
 from rapc.parser.parameters import parameter, parameters
 from rapc.parser.special.method import method
@@ -128,22 +128,30 @@ def _rap(
     inputs = parameters(ctx, before, seen)
     outputs = parameters(ctx, after, seen)
     rows = found.pop("method", ())
-    fields = filled(_SLOTS, read_clauses(ctx, found, "_rap_clause"))
+    fields = read_clauses(ctx, found, "_rap_clause", _SLOTS)
     if rows:
-        fields["methods"] = _methods(ctx, rows)
-    fields["name"] = name.name
-    fields["inputs"] = tuple([one.variable for one in inputs])
-    fields["outputs"] = tuple([one.variable for one in outputs]) if outputs else ()
-    fields["kinds"] = tuple(
+        fields[_METHODS] = _methods(ctx, rows)
+    values: list[Any] = [
+        name.name,
+        tuple([one.variable for one in inputs]),
+        tuple([one.variable for one in outputs]) if outputs else (),
+        _kinds(inputs + outputs),
+        *fields,
+        ctx.span(name),
+        ctx.span(datum),
+    ]
+    return nodes.DefineRap(*values)
+
+
+def _kinds(given: Iterable[nodes.Argument]) -> tuple[nodes.VariableKind, ...]:
+    """The kinds of those inputs and outputs of which one is told."""
+    return tuple(
         [
             nodes.VariableKind(one.variable.name, one.kind, one.span)
-            for one in (*inputs, *outputs)
+            for one in given
             if one.kind is not None
         ]
     )
-    fields["name_span"] = ctx.span(name)
-    fields["span"] = ctx.span(datum)
-    return nodes.DefineRap(*_SLOTS.in_order(fields))
 
 
 def _methods(ctx: Context, rows: Sequence[List]) -> tuple[nodes.Method, ...]:
@@ -156,6 +164,7 @@ def _methods(ctx: Context, rows: Sequence[List]) -> tuple[nodes.Method, ...]:
 
 
 _SLOTS = slots("define_rap", nodes.DefineRap)
+_METHODS = _SLOTS.names.index("methods")
 _OFTEN = often("define_rap")
 
 
@@ -211,7 +220,7 @@ def _check_method_names(
             continue
         other = first.setdefault(one.name, datum)
         if other is not datum:
-            ctx.lost.add(ctx.clause)
+            ctx.lost.append(ctx.clause)
             ctx.certain(
                 "duplicate-method",
                 f"two methods are named `{one.name}`",

@@ -7,7 +7,7 @@ docs/testing.md.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import cast
+from typing import Any, cast
 
 from rapc.base.values import Number
 from rapc.ir import nodes
@@ -56,16 +56,18 @@ def _test(
     owner = head_of(form) or ""
     found = clauses(ctx, data, owner, TEST_CLAUSES)
     kept = single(ctx, found, often("define_test"))
-    read = read_clauses(ctx, kept, "_test_clause")
-    fields = filled(slots("define_test", nodes.DefineTest), read)
-    fields["until"] = _until(made((*read.get("until", ()), *read.get("cycles", ()))))
-    return nodes.DefineTest(
-        name="" if name is None else name.name,
-        doc=doc,
-        name_span=ctx.span(name or form.items[0]),
-        span=ctx.span(form),
-        **fields,
-    )
+    into = slots("define_test", nodes.DefineTest)
+    end = into.names.index("until")
+    ends = [
+        read_clauses(ctx, {word: kept.pop(word)}, "_test_clause", into)[end]
+        for word in ("until", "cycles")
+        if word in kept
+    ]
+    fields = read_clauses(ctx, kept, "_test_clause", into)
+    fields[end] = _until(made(ends))
+    spans = (ctx.span(name or form.items[0]), ctx.span(form))
+    values: list[Any] = ["" if name is None else name.name, doc, *fields, *spans]
+    return nodes.DefineTest(*values)
 
 
 def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
@@ -108,8 +110,9 @@ def given(group: str) -> Read:
         read = read_options(ctx, clause.items[2:], "`task`", group)
         if asked is None:
             return None
-        fields = filled(slots("agenda_task", nodes.GivenTask), read)
-        return nodes.GivenTask(goal=asked, span=ctx.span(clause), **fields)
+        options = filled(slots("agenda_task", nodes.GivenTask), read)
+        values: list[Any] = [asked, *options, ctx.span(clause)]
+        return nodes.GivenTask(*values)
 
     return read
 
@@ -149,7 +152,8 @@ def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
     read = read_options(ctx, rest, "a row", "_once_row_option")
     if asked is None:
         return None
-    fields = filled(slots("script_row", nodes.ScriptRow), read)
+    known = slots("script_row", nodes.ScriptRow)
+    fields = dict(zip(known.names, filled(known, read), strict=True))
     fields["signals"], fields["pauses"] = _with_pauses(fields["signals"])
     kind = cast(nodes.RowKind, word if word in _ASKED else "request")
     return nodes.ScriptRow(
