@@ -3,6 +3,8 @@
 Ctrl-C goes to all processes of a terminal. Here it reaches the one that waits for
 results and no other: Pebble is asked for things with interrupts held back, so that no
 pool is left half started or half stopped, and what is started meanwhile sees none.
+
+If that process is killed nobody is left to end the others: each sees to it itself.
 """
 
 from __future__ import annotations
@@ -70,7 +72,23 @@ class _Slot:
 def _pool() -> ProcessPool:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["rapc.experiments.run"])
-    return ProcessPool(max_workers=1, context=context)
+    return ProcessPool(max_workers=1, context=context, initializer=end_with_parent)
+
+
+def end_with_parent() -> None:
+    """Have this process end as soon as the one that started it does, however it does.
+
+    It would go on with its run otherwise, which may be one without an end, and keep the
+    server of processes waiting.
+    """
+    Thread(target=_wait_and_end, daemon=True).start()
+
+
+def _wait_and_end() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 class LocalWorkers:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 import shlex
+import signal
 import sqlite3
 from pathlib import Path
 
 import pytest
 
-from tests.cli.command import rapc
+from tests.cli.command import PATIENCE, rapc
+from tests.effort import first
 
-from .small_experiment import TRUCK, rows
+from .small_experiment import TRUCK, rows, wait_for, watched
 
 pytestmark = pytest.mark.xdist_group("experiment")
 
@@ -21,7 +23,7 @@ library = "naps.rap"
 tasks = ["(nap-well)"]
 until = 100
 seeds = 1
-time-limit = 4
+time-limit = 20
 [[part]]
 name = "naps"
 vary = "naps.how"
@@ -34,7 +36,7 @@ NAPS_RAP = """\
 """
 
 NAPS_PY = '''\
-import os, signal
+import os, signal, sys
 from rapc.world import Handlers, Kit, Offer, Option, Reply, World
 
 class Naps(World):
@@ -51,7 +53,9 @@ class Naps(World):
         self.time += 2
         if self.how == "killed": os.kill(os.getpid(), signal.SIGKILL)
         if self.how == "error": raise KeyError("pillow")
-        while self.how == "for-ever": pass
+        while self.how == "for-ever":
+            print("napping", file=sys.stderr, flush=True)
+            signal.pause()
         return Reply("okay")
     def next_time(self): return None
     def advance(self, to): self.time = to
@@ -89,6 +93,21 @@ def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
     assert again.returncode == 2
     assert "KeyError: 'pillow'" in again.stderr
     assert [seed for _, seed, _ in rows(naps / "naps-results")] == [0]
+
+
+@pytest.mark.parametrize("number", first(1, [signal.SIGKILL, signal.SIGTERM]))
+def test_a_command_that_is_killed_leaves_no_process(
+    naps: Path, number: signal.Signals
+) -> None:
+    """The processes that it has started have its standard error, whose end they are."""
+    text = re.sub(r"values = .*", 'values = ["for-ever"]', NAPS)
+    text = text.replace("seeds = 1", "seeds = 2").replace("limit = 20", "limit = 9999")
+    (naps / "naps.toml").write_text(text)
+    with watched("experiment", "naps.toml", "--jobs", "2", cwd=naps) as process:
+        wait_for(process, "napping", 2)
+        process.send_signal(number)
+        process.communicate(timeout=PATIENCE)
+    assert process.returncode == -number
 
 
 @pytest.mark.slow
