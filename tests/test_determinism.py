@@ -57,3 +57,26 @@ def test_another_process_and_hash_seed_give_the_same_trace(
 def test_another_seed_gives_another_trace(tmp_path: Path) -> None:
     one, other = (_traces(tmp_path, 1, seed)[0].splitlines() for seed in (0, 1))
     assert one[1:] != other[1:]  # the first line tells the seed
+
+
+@pytest.mark.parametrize("others", first(1, ["rapc.host", "rapc.worlds.truck.world"]))
+def test_examples_of_hypothesis_do_not_depend_on_what_is_imported(others: str) -> None:
+    """The tests that ran before in a process decide about that, so chance does."""
+    code = """
+import sys, importlib, tests.conftest
+from hypothesis import given, strategies as st
+for name in sys.argv[1:]: importlib.import_module(name)
+@given(st.integers() | st.text())
+def show(value): print(ascii(value))
+show()
+"""
+    one, other = (
+        subprocess.run(
+            [sys.executable, "-c", code, *names],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for names in ([], [others])
+    )
+    assert one == other
