@@ -29,7 +29,7 @@ NOWHERE = {"RAPC_CACHE_DIR": os.devnull}
 BARE = {"PATH": "", "LANG": "C.UTF-8", **HOME}
 """An environment with nothing in it but where rapc is."""
 
-PATIENCE = 120.0
+PATIENCE = 300.0
 """How many seconds a command may take."""
 
 

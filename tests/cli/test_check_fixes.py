@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from .command import COMMAND, HOME, rapc
+from .command import COMMAND, HOME, NOWHERE, PATIENCE, rapc
 
 UNUSED = "; rapc: ignore[unknown-rap] nothing to ignore\n(define-rap (wait))\n"
 FIXED = "\n(define-rap (wait))\n"
@@ -131,24 +131,30 @@ def test_options_that_do_not_go_together(
     assert (tmp_path / "one.rap").read_text() == UNUSED
 
 
+def _put(file: Path, text: str) -> None:
+    """Write a file so that nobody finds it empty or half written."""
+    file.with_suffix(".new").write_text(text)
+    file.with_suffix(".new").replace(file)
+
+
 def test_a_library_is_watched_until_ctrl_c(tmp_path: Path) -> None:
     file = tmp_path / "one.rap"
     file.write_text("(define-rap (go))\n")
     child = subprocess.Popen(
         [COMMAND, "check", "--watch", "."],
         cwd=tmp_path,
-        env={"PATH": "", **HOME},
+        env={"PATH": "", **HOME, **NOWHERE},
         stdout=subprocess.PIPE,
         encoding="utf-8",
     )
     assert child.stdout is not None
     assert child.stdout.readline() == "checked 1 file, 1 RAP: no findings\n"
-    file.write_text("(define-rap (go) (succeed (there)))\n")
+    _put(file, "(define-rap (go) (succeed (there)))\n")
     assert "error[RAP015 undeclared-predicate]" in child.stdout.readline()
     while not child.stdout.readline().startswith("checked"):
         pass
-    (tmp_path / "two.rap").write_text("(declare-memory-proposition there ())\n")
+    _put(tmp_path / "two.rap", "(declare-memory-proposition there ())\n")
     assert child.stdout.readline() == "checked 2 files, 1 RAP: no findings\n"
     child.send_signal(signal.SIGINT)
-    assert child.wait(60) == 0
+    assert child.wait(PATIENCE) == 0
     child.stdout.close()

@@ -104,19 +104,33 @@ def test_a_run_is_repeated_by_hand(finished: Path) -> None:
     assert (float(found[1]), int(found[2]), int(found[3])) == told
 
 
+WITHOUT_END = ("--seeds", "50000")
+"""So many runs that a command is not done before it is interrupted, however late."""
+
+INTERRUPTED = (
+    r"error: interrupted: (\d+) of 200000 runs are done, the same command does the "
+    r"others\n"
+)
+"""What is said of it then."""
+
+
 @pytest.mark.slow
 def test_killed_and_started_again_it_does_the_rest(finished: Path, truck: Path) -> None:
     args = ("-v", "experiment", "truck.toml", "--out", "out", "--jobs", "2")
-    with watched(*args, cwd=truck) as process:
+    with watched(*args, *WITHOUT_END, cwd=truck) as process:
         wait_for(process, "done in", 6)
         process.kill()
         assert process.wait() == -signal.SIGKILL
-    before = len(rows(truck / "out"))
-    assert 6 <= before < 20
-    again = rapc(*args, cwd=truck)
+    done = [seed for _, seed, _ in rows(truck / "out")]
+    assert len(done) >= 6
+    wanted = max(5, 2 + max(done))
+    again = rapc(*args, "--seeds", str(wanted), cwd=truck)
     assert again.returncode == 0
-    assert f"\n{20 - before} runs are missing\n" in again.stderr
-    assert rows(truck / "out") == rows(finished / "out")
+    assert f"\n{4 * wanted - len(done)} runs are missing\n" in again.stderr
+    assert len(rows(truck / "out")) == 4 * wanted
+    assert "\n0 runs are missing\n" in rapc(*args, cwd=truck).stderr
+    kept = [row for row in rows(truck / "out") if row[1] < 5]
+    assert kept == rows(finished / "out")
     for name in ("tables.md", "drops.svg", "drops.png", "slow.svg"):
         theirs = (finished / "out" / name).read_bytes()
         assert (truck / "out" / name).read_bytes() == theirs
@@ -124,18 +138,14 @@ def test_killed_and_started_again_it_does_the_rest(finished: Path, truck: Path) 
 
 def test_ctrl_c_keeps_what_there_is(truck: Path) -> None:
     args = ("-v", "experiment", "truck.toml", "--out", "out", "--jobs", "2")
-    with watched(*args, cwd=truck) as process:
+    with watched(*args, *WITHOUT_END, cwd=truck) as process:
         wait_for(process, "done in", 3)
         os.killpg(process.pid, signal.SIGINT)
         last = wait_for(process, "interrupted: ")
         assert process.stderr is not None
         assert process.stderr.read() == ""
         assert process.wait() == 130
-    told = re.fullmatch(
-        r"error: interrupted: (\d+) of 20 runs are done, the same command does the "
-        r"others\n",
-        last,
-    )
+    told = re.fullmatch(INTERRUPTED, last)
     assert told
     assert len(rows(truck / "out")) == int(told[1])
 
@@ -144,16 +154,12 @@ def test_ctrl_c_keeps_what_there_is(truck: Path) -> None:
 def test_ctrl_c_while_processes_are_started(truck: Path, jobs: str) -> None:
     """It reaches all processes: one says so, in a line."""
     args = ("-v", "experiment", "truck.toml", "--out", "out", "--jobs", jobs)
-    with watched(*args, cwd=truck) as process:
+    with watched(*args, *WITHOUT_END, cwd=truck) as process:
         wait_for(process, "runs are missing")
         os.killpg(process.pid, signal.SIGINT)
         _, told = process.communicate()
     assert process.returncode == 130
-    assert re.fullmatch(
-        r"error: interrupted: \d+ of 20 runs are done, the same command does the "
-        r"others\n",
-        told,
-    )
+    assert re.fullmatch(rf"(part .*: done in .*\n)*{INTERRUPTED}", told)
 
 
 def test_a_folder_in_use_is_left_alone(truck: Path) -> None:

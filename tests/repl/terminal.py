@@ -10,7 +10,7 @@ from pathlib import Path
 import pexpect
 import pyte
 
-from tests.cli.command import COMMAND, HOME
+from tests.cli.command import COMMAND, HOME, PATIENCE
 
 
 class _Screen(pyte.Screen):
@@ -48,7 +48,7 @@ class Terminal:
                 "LANG": "C.UTF-8",
             },
             encoding="utf-8",
-            timeout=30,
+            timeout=PATIENCE,
         )
         self._screen.child = self.child
 
@@ -60,7 +60,7 @@ class Terminal:
         """
         while "".join(text.split()) not in self._all():
             try:
-                self._stream.feed(self.child.read_nonblocking(4096, timeout=30))
+                self._stream.feed(self.child.read_nonblocking(4096, timeout=PATIENCE))
             except (pexpect.TIMEOUT, pexpect.EOF) as end:
                 raise AssertionError(f"{text!r} is not in {self.lines()}") from end
 
@@ -69,11 +69,23 @@ class Terminal:
 
     def until_carried_out(self) -> None:
         """Read until the input is taken: the prompt has left the terminal as it was."""
-        canonical = 0
-        while not canonical:
+        self._until(canonical=True)
+
+    def press(self, keys: str) -> None:
+        """Press keys as soon as the prompt has the terminal, and so takes them.
+
+        Before, the terminal would make an interrupt of Ctrl-C and an end of Ctrl-D.
+        """
+        self._until(canonical=False)
+        self.child.send(keys)
+
+    def _until(self, *, canonical: bool) -> None:
+        while canonical != self._canonical():
             with suppress(pexpect.TIMEOUT):
                 self._stream.feed(self.child.read_nonblocking(4096, timeout=0.1))
-            canonical = termios.tcgetattr(self.child.child_fd)[3] & termios.ICANON
+
+    def _canonical(self) -> bool:
+        return bool(termios.tcgetattr(self.child.child_fd)[3] & termios.ICANON)
 
     def clear(self) -> None:
         """Wipe the screen on this side, so that what is old is not seen again."""
@@ -82,7 +94,7 @@ class Terminal:
     def ask(self, text: str, answer: str) -> list[str]:
         """Type an input, wait for what is in its answer, and return the screen."""
         self.clear()
-        self.child.send(text + "\r")
+        self.press(text + "\r")
         self.see(answer)
         return self.lines()
 
@@ -92,7 +104,7 @@ class Terminal:
 
     def leave(self, keys: str = "\x04") -> int | None:
         """Leave by Ctrl-D, or other keys, and return the exit status."""
-        self.child.send(keys)
+        self.press(keys)
         self.child.expect(pexpect.EOF)
         self.child.close()
         status: int | None = self.child.exitstatus

@@ -33,9 +33,9 @@ def test_a_session_on_a_terminal(columns: int, tmp_path: Path) -> None:
 def test_tab_completes_and_the_toolbar_says_where_it_stands(tmp_path: Path) -> None:
     terminal = Terminal(100, tmp_path, *TASK)
     terminal.see("time 0  cycle 0")
-    terminal.child.send(":primi\t")
+    terminal.press(":primi\t")
     terminal.see("rapc> :primitive")
-    terminal.child.send("\r")
+    terminal.press("\r")
     terminal.see("primitive operation (truck-")
     terminal.see("for [1] (rock-order red 1)")
     assert terminal.leave() == 0
@@ -44,13 +44,13 @@ def test_tab_completes_and_the_toolbar_says_where_it_stands(tmp_path: Path) -> N
 def test_ctrl_c_clears_the_line_and_twice_leaves(tmp_path: Path) -> None:
     terminal = Terminal(80, tmp_path, *TASK)
     terminal.see("Ctrl-D leaves")
-    terminal.child.send("(and (place")
+    terminal.press("(and (place")
     terminal.see("(and (place")
-    terminal.child.send("\x03")
+    terminal.press("\x03")
     terminal.see("Ctrl-C once more leaves")
     terminal.ask(":step", "cycle 1, time 0")
     terminal.clear()
-    terminal.child.send("\x03")
+    terminal.press("\x03")
     terminal.see("Ctrl-C once more leaves")
     assert terminal.leave("\x03") == 0
 
@@ -62,7 +62,7 @@ def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
     terminal.see("Ctrl-D leaves")
     terminal.ask(":show none", "after a step is shown: none")
     terminal.clear()
-    terminal.child.send(":run\r")
+    terminal.press(":run\r")
     terminal.until_carried_out()
     terminal.child.sendintr()
     terminal.see("paused")
@@ -78,9 +78,9 @@ def test_inputs_are_kept_from_one_session_to_the_next(tmp_path: Path) -> None:
     again = Terminal(80, tmp_path, *TASK)
     again.see("Ctrl-D leaves")
     again.see("cycle 0")
-    again.child.send("\x1b[A")
+    again.press("\x1b[A")
     again.see("rapc> :to 7")
-    again.child.send("\r")
+    again.press("\r")
     again.see("cycle 7, time 0")
     assert again.leave() == 0
 

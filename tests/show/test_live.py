@@ -7,7 +7,10 @@ import os
 import pty
 import re
 import signal
+import subprocess
 import sys
+import termios
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -15,7 +18,7 @@ import pytest
 import rapc
 from rapc.console.show.live import LiveView
 from rapc.world import Drawable
-from tests.cli.command import COMMAND
+from tests.cli.command import BARE, COMMAND
 from tests.cli.command import rapc as command
 
 CHECKOUT = Path(__file__).parents[2]
@@ -149,21 +152,26 @@ def test_a_picture_that_fails_is_blamed_on_its_world(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
 def test_ctrl_c_leaves_the_screen_and_reports() -> None:
-    child, terminal = pty.fork()
-    if child == 0:
-        os.environ.update(COLUMNS="80", LINES="24", TERM="xterm")
-        os.execv(COMMAND, [str(COMMAND), "run", *RUN, "--show"])  # noqa: S606
-    shown = b""
-    while b"- okay" not in shown:
-        shown += os.read(terminal, 4096)
-    os.kill(child, signal.SIGINT)
-    try:
-        while more := os.read(terminal, 4096):
-            shown += more
-    except OSError:
-        pass  # the other side has been closed
-    _, status = os.waitpid(child, 0)
+    """The run waits for its terminal when nobody reads: it is not done too early."""
+    terminal, follower = pty.openpty()
+    termios.tcsetwinsize(follower, (24, 80))
+    with subprocess.Popen(
+        [COMMAND, "run", *RUN, "--show"],
+        env={**BARE, "TERM": "xterm"},
+        stdin=follower,
+        stdout=follower,
+        stderr=follower,
+    ) as process:
+        os.close(follower)
+        shown = b""
+        while b"- okay" not in shown:
+            shown += os.read(terminal, 4096)
+        process.send_signal(signal.SIGINT)
+        with suppress(OSError):  # the other side has been closed
+            while more := os.read(terminal, 4096):
+                shown += more
+    os.close(terminal)
     text = shown.decode()
-    assert os.waitstatus_to_exitcode(status) == 1
+    assert process.returncode == 1
     assert "Run over (cancelled)" in text.partition(ALTERNATE_OFF)[2]
     assert "Traceback" not in text
