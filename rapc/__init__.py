@@ -11,13 +11,15 @@ docs/python.md tells the rest.
 """
 
 # Each name is imported when it is first asked for: the command line starts at once.
+# Ctrl-C is seen to after what is imported here (`rapc.cli.start`): not even `typing`.
 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
 from rapc.base.version import VERSION
+
+TYPE_CHECKING = False  # to type checkers it is true, by its name
 
 if TYPE_CHECKING:
     from rapc import world as world

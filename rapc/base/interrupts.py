@@ -6,6 +6,9 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+INTERRUPTED = 130
+"""The exit status of a command after Ctrl-C."""
+
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:

@@ -14,7 +14,11 @@ Not in modules that are compiled (pyproject.toml): the compiler drops the second
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+
+TYPE_CHECKING = False  # to type checkers it is true; `rapc.cli.start` has no time
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 def later(name: str) -> Any:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rapc.base.interrupts import INTERRUPTED
 from rapc.base.later import later
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
@@ -39,9 +40,6 @@ Examples:
   rapc experiment my-experiment.toml --jobs 4 --out results
   rapc experiment my-experiment.toml --cluster tcp://10.0.0.5:8786
 """
-
-INTERRUPTED = 130
-"""The exit status after Ctrl-C."""
 
 _STYLES: Mapping[str, Mapping[str, Any]] = {
     "title": {"bold": True},

@@ -19,6 +19,7 @@ import click
 
 from rapc.base.code_places import frames, said_by
 from rapc.base.gc_paused import gc_spared
+from rapc.base.interrupts import INTERRUPTED
 from rapc.base.names import hint
 from rapc.base.visible import visible
 from rapc.cli.options import HELP, USAGE, show_traceback, with_common_options
@@ -37,9 +38,6 @@ COMMANDS = {
     "worlds": "List worlds, or say what one offers.",
 }
 """The commands with what the help says of them; `rapc.cli.NAME` holds each."""
-
-INTERRUPTED = 130
-"""The exit status after Ctrl-C."""
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """What the system says when it cannot take what is written."""

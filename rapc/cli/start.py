@@ -1,30 +1,47 @@
-"""Where the `rapc` command begins: nothing is imported yet that takes its time.
+"""Where the `rapc` command begins and ends, and what Ctrl-C does there.
 
-Apart from `rapc.cli.main` for that reason alone.
+Apart from `rapc.cli.main`, which takes its time to import: nothing that is imported
+before Ctrl-C is seen to may take any, `typing` and `contextlib` among it.
 """
 
 from __future__ import annotations
 
 import signal
-from typing import TYPE_CHECKING
+import sys
 
-from rapc.base.gc_paused import gc_spared
 from rapc.base.later import later
 
+TYPE_CHECKING = False  # to type checkers it is true, by its name
+
 if TYPE_CHECKING:
+    from rapc.base import gc_paused, interrupts
     from rapc.cli import main as command_line
 else:
+    gc_paused = later("rapc.base.gc_paused")
+    interrupts = later("rapc.base.interrupts")
     command_line = later("rapc.cli.main")
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C before it stands ends the process without a word."""
+    """Run the command line; no Ctrl-C, whenever it comes, makes a traceback.
+
+    While nothing is there yet that could be lost, and again when all is done, Ctrl-C
+    ends the process as the system does it. In between it is a `KeyboardInterrupt`.
+    """
     wanted = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if wanted:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    with gc_spared():
+    with gc_paused.gc_spared():
         run = command_line.main
 
-    if wanted:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    run()
+    if not wanted:
+        run()
+        return
+    try:
+        try:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            run()
+        finally:  # Python takes itself down now, and would tell of interrupts
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
+    except KeyboardInterrupt:  # outside what `run` looks after
+        sys.exit(interrupts.INTERRUPTED)

@@ -218,18 +218,48 @@ def test_full_disk_is_no_fault_of_rapc(
     assert capsys.readouterr().err == said
 
 
-def test_interrupt_while_the_command_starts_ends_without_a_word(tmp_path: Path) -> None:
-    """A module that is met first on the way sends what Ctrl-C sends."""
-    text = "import os, signal; os.kill(os.getpid(), signal.SIGINT)\n"
-    (tmp_path / "click.py").write_text(text)
+# --- Ctrl-C at every moment of a command ----------------------------------------------
+
+SENT = "import os, signal; os.kill(os.getpid(), signal.SIGINT)"
+"""Sends what Ctrl-C sends."""
+
+
+def _begun(
+    code: str, *args: str, cwd: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run some code and then `rapc`, as the script does that is installed."""
     scripts = tomllib.loads((CHECKOUT / "pyproject.toml").read_text())["project"]
     module, _, function = scripts["scripts"]["rapc"].partition(":")
-    code = f"from {module} import {function} as main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", code, "--help"],
-        cwd=tmp_path,
+    begin = f"from {module} import {function} as main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", f"{code}\n{begin}", *args],
+        cwd=cwd,
         capture_output=True,
         text=True,
         check=False,
     )
+
+
+@pytest.mark.parametrize("met", ["typing", "contextlib", "click"])
+def test_interrupt_while_the_command_starts_ends_without_a_word(
+    met: str, tmp_path: Path
+) -> None:
+    """A module that is met first on the way sends what Ctrl-C sends."""
+    (tmp_path / f"{met}.py").write_text(f"{SENT}\n")
+    done = _begun("", "--help", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
+
+
+def test_interrupt_before_errors_are_looked_after_ends_without_a_word() -> None:
+    code = (
+        f"import rapc.cli.main as m\ndef sent(): {SENT}\nm._escape_unprintable = sent"
+    )
+    done = _begun(code, "--version")
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+def test_interrupt_while_python_takes_itself_down_ends_without_a_word() -> None:
+    code = f"import atexit\n@atexit.register\ndef sent(): {SENT}"
+    done = _begun(code, "--version")
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
+    assert done.stdout.startswith("rapc 0.")
