@@ -7,6 +7,7 @@ import os
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -134,7 +135,7 @@ def test_what_is_watched_is_found_as_without_a_cache(
             for file in here.glob("lib/*.rap"):
                 os.utime(file, (time, time))
 
-        monkeypatch.setattr("time.sleep", edit)
+        monkeypatch.setattr("rapc.cli.watch.time", SimpleNamespace(sleep=edit))
         edit(0)
         done = CliRunner().invoke(check, ["--watch", *options, "lib"])
         assert done.exit_code == 0
