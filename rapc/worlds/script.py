@@ -12,7 +12,14 @@ from typing import Any, Literal, Protocol
 
 import msgspec
 
-from rapc.base.values import Atom, Fact, format_list, is_variable
+from rapc.base.values import (
+    Atom,
+    Bindings,
+    Fact,
+    format_list,
+    is_variable,
+    match_pattern,
+)
 from rapc.errors import FactError
 from rapc.ir.nodes import DeclareDatum, DeclareEvent, DeclarePrimitive, DeclareSkill
 from rapc.library.signatures import Fault, Signatures, Use
@@ -133,6 +140,47 @@ def _put(bound: Mapping[Any, Any], part: Atom | Fact) -> Any:
     if type(part) is tuple:
         return tuple([bound.get(one, one) for one in part])
     return bound.get(part, part)
+
+
+FoundRow = tuple[int, Bindings]
+"""The number of a row that matches, and what it binds."""
+
+
+class Script:
+    """The rows of a script; how often each has been used is kept outside."""
+
+    def __init__(self, rows: Sequence[Row]) -> None:
+        self.rows = tuple(rows)
+        self._fillers = [fillers(row) for row in self.rows]
+
+    def find(self, kind: str, asked: Fact, used: Sequence[int]) -> FoundRow | None:
+        """Return the first row of a kind that matches and is not used up.
+
+        Args:
+            kind: `request`, `enable` or `disable`.
+            asked: the request or the skill.
+            used: how often each row has been used.
+        """
+        for index, row in enumerate(self.rows):
+            if row.kind != kind or used[index] == row.times:
+                continue
+            bound = match_pattern(row.pattern, asked)
+            if bound is not None:
+                return index, bound
+        return None
+
+    def use(self, found: FoundRow, used: list[int], asked: Fact | None = None) -> Row:
+        """Use a row that was found, with what it binds; return it filled in.
+
+        Args:
+            found: the row.
+            used: how often each row has been used; one more for this.
+            asked: the request that it answers, to be its pattern; a skill's row keeps
+                its own.
+        """
+        (index, bound), row = found, self.rows[found[0]]
+        used[index] += 1
+        return fill(row, self._fillers[index], bound, asked or row.pattern)
 
 
 def change(

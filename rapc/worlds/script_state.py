@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import msgspec
 
 from rapc.base.values import Fact
@@ -72,3 +74,35 @@ class ScriptState(msgspec.Struct):
     answered: Row | None = None
     #: The skills that are on, in the order in which they came on.
     on: list[SkillOn] = []
+
+    def under_way(self) -> tuple[int, ...]:
+        """Return the tickets of all requests and activations under way."""
+        requests = [due.ticket for due in self.coming if due.row and not due.skill]
+        return (*requests, *sorted({t for on in self.on for t in on.tickets}))
+
+    def found(self, skill: Fact) -> SkillOn | None:
+        """Return the skill if it is on, else None."""
+        return next((on for on in self.on if on.skill == skill), None)
+
+    def expect(self, due: Due) -> None:
+        """Put something among what is to come."""
+        self.coming.append(due)
+        self.coming.sort(key=time_of)
+
+    def change_memory(self, row: Row) -> None:
+        """Have the handler of entries do what a row does to memory."""
+        changes = (row.asserts, row.erases, row.moves, row.loses)
+        if any(changes):
+            self.entries.append(At(self.now, *changes))
+            self.sent.append(ENTRY)
+
+    def send(self, signals: Iterable[Fact], tickets: tuple[int, ...] = ()) -> None:
+        """Send signals that arose under activations or a request, `tickets`."""
+        self.sent += (
+            SentMessage(signal=Signal(content, tickets)) for content in signals
+        )
+
+
+def time_of(due: Due) -> Time:
+    """Return when something is due."""
+    return due.time

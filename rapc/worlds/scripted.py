@@ -1,16 +1,17 @@
 """A world that answers requests from a script: what tests of a library run against.
 
 Every symbol is its own sensor name. What a script does to memory its handlers do,
-with the result it belongs to. What a row may say is in `rapc.worlds.script`.
+with the result it belongs to. What a row may say is in `rapc.worlds.script`, what
+skills tell while they are on in `rapc.worlds.script_skills`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 import msgspec
 
-from rapc.base.values import Bindings, Fact, format_list, match_pattern, number
+from rapc.base.values import Fact, format_list, number
 from rapc.errors import Error
 from rapc.world import (
     Finished,
@@ -20,7 +21,6 @@ from rapc.world import (
     Message,
     Refused,
     Reply,
-    Signal,
     Time,
     World,
 )
@@ -28,14 +28,21 @@ from rapc.worlds.script import (
     At,
     Declarations,
     Row,
+    Script,
     change,
     check_script,
-    fill,
-    fillers,
     mentioned,
     offer_of,
 )
-from rapc.worlds.script_state import AT, ENTRY, Due, ScriptState, SentMessage, SkillOn
+from rapc.worlds.script_skills import ScriptedSkills
+from rapc.worlds.script_state import (
+    AT,
+    ENTRY,
+    Due,
+    ScriptState,
+    SentMessage,
+    time_of,
+)
 
 _NO_KIT = Kit()
 
@@ -76,18 +83,18 @@ class ScriptedWorld(World):
         kit: Kit = _NO_KIT,
         leaving: Callable[[], None] | None = None,
     ) -> None:
-        self._rows = tuple(rows)
-        self._fillers = [fillers(row) for row in self._rows]
+        self._script = Script(rows)
+        self._skills = ScriptedSkills(self._script)
         self._leaving = leaving
-        offer = offer_of(declared) if declared else mentioned(self._rows, at)
+        offer = offer_of(declared) if declared else mentioned(rows, at)
         handled = kit.handlers.data
-        check_script(self._rows, at, offer, handled)
+        check_script(rows, at, offer, handled)
         results = dict.fromkeys(offer.primitives, self._handle_result)
         offer = msgspec.structs.replace(offer, data={**offer.data, AT: 0})
         handlers = Handlers(results, {**handled, AT: self._handle_at})
         self.kit = msgspec.structs.replace(kit, offer=offer, handlers=handlers)
-        coming = sorted((Due(entry.time, entry) for entry in at), key=_time)
-        self._state = ScriptState([0] * len(self._rows), coming=coming)
+        coming = sorted((Due(entry.time, entry) for entry in at), key=time_of)
+        self._state = ScriptState([0] * len(rows), coming=coming)
 
     def now(self) -> Time:
         """Return the time of the clock."""
@@ -99,14 +106,17 @@ class ScriptedWorld(World):
         Raises:
             UnansweredRequest: if there is none.
         """
-        state, row = self._state, self._answer(request)
+        state = self._state
+        found = self._script.find("request", request, state.used)
+        if found is None:
+            raise UnansweredRequest(request)
+        row = self._script.use(found, state.used, request)
         if row.refused:
-            return Refused(self._under_way())
+            return Refused(state.under_way())
         end = number(state.now + row.takes)
         if row.after is not None:
             due = Due(number(end + row.after), row=row, ticket=ticket)
-            state.coming.append(due)
-            state.coming.sort(key=_time)
+            state.expect(due)
             self.advance(end)
             return None
         self.advance(end)
@@ -114,7 +124,7 @@ class ScriptedWorld(World):
         if state.sent:
             state.sent = [m for m in state.sent if m != ENTRY]
         if row.signals:
-            self._send(row.signals)
+            state.send(row.signals)
         state.answered = row
         return Reply(row.result, row.data)
 
@@ -136,100 +146,18 @@ class ScriptedWorld(World):
 
         One that is on already goes on as it is. No row is needed.
         """
-        state = self._state
-        coming = [skill for skill in skills if self._found(skill) is None]
-        found = {skill: self._row_for("enable", skill) for skill in coming}
-        for row in found.values():
-            if row is not None and self._rows[row[0]].refused:
-                self._use(row)
-                return Refused(self._under_way())
-        for skill in dict.fromkeys(skills):
-            on = self._found(skill)
-            if on is None:
-                on = SkillOn(skill, [])
-                state.on.append(on)
-                self._start(skill, found[skill])
-            on.tickets.append(ticket)
-        return None
-
-    def _under_way(self) -> tuple[int, ...]:
-        """Return the tickets of all requests and activations under way."""
-        state = self._state
-        requests = [due.ticket for due in state.coming if due.row and not due.skill]
-        return (*requests, *sorted({t for on in state.on for t in on.tickets}))
-
-    def _found(self, skill: Fact) -> SkillOn | None:
-        return next((on for on in self._state.on if on.skill == skill), None)
-
-    def _start(self, skill: Fact, found: tuple[int, Bindings] | None) -> None:
-        """Let a skill have to tell, from now on, what its row says."""
-        if found is None:
-            return
-        row = self._use(found)
-        self._tell_later(Due(0, row=row, skill=skill), row.after or 0)
-
-    def _tell_later(self, due: Due, wait: Time) -> None:
-        """Let a skill tell a signal of its row after a wait, and its pause."""
-        state, row = self._state, due.row
-        assert row is not None
-        pause = row.pause(due.signal) if row.signals else 0
-        time = number(state.now + wait + pause)
-        state.coming.append(msgspec.structs.replace(due, time=time))
-        state.coming.sort(key=_time)
+        return self._skills.switch_on(self._state, ticket, skills)
 
     def deactivate(self, ticket: int) -> None:
         """Switch off the skills that only this activation has."""
-        state = self._state
-        for on in [on for on in state.on if ticket in on.tickets]:
-            on.tickets.remove(ticket)
-            if on.tickets:
-                continue
-            state.on.remove(on)
-            state.coming = [due for due in state.coming if due.skill != on.skill]
-            found = self._row_for("disable", on.skill)
-            if found is not None:
-                row = self._use(found)
-                self._change_memory(row)
-                self._send(row.signals, (ticket,))
-
-    def _tell(self, due: Due) -> None:
-        """Send the signal of a skill that is due, and plan the next one."""
-        row, on = due.row, self._found(due.skill or ())
-        if row is None or on is None:
-            return
-        if due.signal == 0:
-            self._change_memory(row)
-        self._send(row.signals[due.signal : due.signal + 1], tuple(on.tickets))
-        if due.signal + 1 < len(row.signals):
-            self._tell_later(msgspec.structs.replace(due, signal=due.signal + 1), 0)
-        elif row.every is not None:
-            self._tell_later(msgspec.structs.replace(due, signal=0), row.every)
-
-    def _change_memory(self, row: Row) -> None:
-        """Have the handler of entries do what a row does to memory."""
-        state = self._state
-        changes = (row.asserts, row.erases, row.moves, row.loses)
-        if any(changes):
-            state.entries.append(At(state.now, *changes))
-            state.sent.append(ENTRY)
-
-    def _send(self, signals: Iterable[Fact], tickets: tuple[int, ...] = ()) -> None:
-        sent = self._state.sent
-        sent += (SentMessage(signal=Signal(content, tickets)) for content in signals)
+        self._skills.switch_off(self._state, ticket)
 
     # --- time ---------------------------------------------------------------------
 
     def usual_time(self, request: Fact) -> Time:
         """Return how long the row that would answer holds the robot; 0 without one."""
-        rows = zip(self._rows, self._state.used, strict=True)
-        answers = (
-            row.takes
-            for row, used in rows
-            if row.kind == "request"
-            and used != row.times
-            and match_pattern(row.pattern, request) is not None
-        )
-        return next(answers, 0)
+        found = self._script.find("request", request, self._state.used)
+        return 0 if found is None else self._script.rows[found[0]].takes
 
     def next_time(self) -> Time | None:
         """Return when the next entry of `at` or the end of a primitive is due."""
@@ -248,7 +176,7 @@ class ScriptedWorld(World):
             signals: tuple[Fact, ...] = ()
             if due.skill is not None:
                 state.now = max(state.now, due.time)
-                self._tell(due)
+                self._skills.tell(state, due)
                 continue
             if due.entry is not None:
                 signals = due.entry.signals
@@ -259,7 +187,7 @@ class ScriptedWorld(World):
                 state.ends.append(due.row)
                 reply = Reply(due.row.result, due.row.data)
                 state.sent.append(SentMessage(finished=Finished(due.ticket, reply)))
-            self._send(signals, (due.ticket,) if due.row is not None else ())
+            state.send(signals, (due.ticket,) if due.row is not None else ())
         state.now = max(state.now, to)
 
     def messages(self) -> Sequence[Message]:
@@ -286,35 +214,9 @@ class ScriptedWorld(World):
             saved = msgspec.json.decode(state, type=ScriptState)
         except ValueError as error:
             raise ValueError(f"no state of a scripted world: {error}") from error
-        if len(saved.used) != len(self._rows):
+        if len(saved.used) != len(self._script.rows):
             raise ValueError("the state is that of a world with another script")
         self._state = saved
-
-    def _answer(self, request: Fact) -> Row:
-        found = self._row_for("request", request)
-        if found is None:
-            raise UnansweredRequest(request)
-        return self._use(found, request)
-
-    def _row_for(self, kind: str, asked: Fact) -> tuple[int, Bindings] | None:
-        """Return the first row of a kind that matches and is not used up."""
-        used = self._state.used
-        for index, row in enumerate(self._rows):
-            if row.kind != kind or used[index] == row.times:
-                continue
-            bound = match_pattern(row.pattern, asked)
-            if bound is not None:
-                return index, bound
-        return None
-
-    def _use(self, found: tuple[int, Bindings], asked: Fact | None = None) -> Row:
-        """Use a row that was found, with what it binds; return it filled in.
-
-        With `asked`, the request that it answers, that is its pattern.
-        """
-        (index, bound), row = found, self._rows[found[0]]
-        self._state.used[index] += 1
-        return fill(row, self._fillers[index], bound, asked or row.pattern)
 
     def _handle_result(self, memory: HandlerMemory, request: Fact, _: str) -> None:
         """Handle the answer just given and what came before it, else the next end told.
@@ -339,7 +241,3 @@ class ScriptedWorld(World):
 
     def _handle_at(self, memory: HandlerMemory, _: Fact) -> None:
         change(memory, self._state.entries.pop(0))
-
-
-def _time(due: Due) -> Time:
-    return due.time
