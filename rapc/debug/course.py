@@ -45,6 +45,18 @@ class Branch:
         """Return how many acts have been done by the end of a cycle."""
         return sum(1 for done, _ in self.acts if done <= cycle)
 
+    def setup_after(self, acts: int, first: Setup) -> Setup:
+        """Return what the run is made with after so many acts, `first` before them."""
+        found = first
+        for _, act in self.acts[:acts]:
+            found = act.setup(found)
+        return found
+
+    def world_after(self, acts: int, first: World) -> World:
+        """Return the world as put together after so many acts, `first` before them."""
+        forced = any(isinstance(act, ForceResult) for _, act in self.acts[:acts])
+        return ForcedWorld(first) if forced else first
+
 
 class Course(Stepped):
     """A run and what has been seen of it, branch by branch.
@@ -154,8 +166,8 @@ class Course(Stepped):
         if found is None:
             raise StateError("there is no saved state before that moment")
         at, state = found
-        self.run = self._setup_at(at.acts).made(self.run)
-        self.run.machine.world = self._world_at(at.acts)
+        self.run = self.branch.setup_after(at.acts, self._setup).made(self.run)
+        self.run.machine.world = self.branch.world_after(at.acts, self._world)
         self.run.restore(state)
         self._done = at.acts
         if self.log.elsewhere is None:
@@ -180,18 +192,6 @@ class Course(Stepped):
                 f"the replay has ended at cycle {self.cycle}, before {moment.cycle}: "
                 "the world does not go on from its saved states as it did"
             )
-
-    def _setup_at(self, acts: int) -> Setup:
-        """Return what the run is made with after so many acts of the branch."""
-        found = self._setup
-        for _, act in self.branch.acts[:acts]:
-            found = act.setup(found)
-        return found
-
-    def _world_at(self, acts: int) -> World:
-        """Return the world as it was put together after so many acts of the branch."""
-        forced = any(isinstance(act, ForceResult) for _, act in self.branch.acts[:acts])
-        return ForcedWorld(self._world) if forced else self._world
 
     # --- looking at other moments -----------------------------------------------
 
@@ -246,20 +246,12 @@ class Course(Stepped):
             if wanted.fits(told):
                 found.append(told)
 
-        if self.log.first > self._first_of(first):
+        if self.log.first > self.log.first_from(first):
             self._replay_all(first, take)
         else:
             for told in self.log.since(0):
                 take(told)
         return found
-
-    def _first_of(self, cycle: int) -> int:
-        """Return the first serial number that must be kept to know all from a cycle."""
-        if cycle > 1:
-            for told in self.log.backwards():
-                if told.cycle < cycle:
-                    return told.serial
-        return 0
 
     def _replay_all(self, first: int, take: Callable[[ToldEvent], None]) -> None:
         """Hand over all events from a cycle up to now, by replay."""

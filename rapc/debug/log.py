@@ -109,6 +109,14 @@ class EventLog:
         """Iterate over the events that are kept, the last one first."""
         return chain(reversed(self._kept), reversed(self.opening))
 
+    def first_from(self, cycle: int) -> int:
+        """Return the first serial number that must be kept to know all from a cycle."""
+        if cycle > 1:
+            for told in self.backwards():
+                if told.cycle < cycle:
+                    return told.serial
+        return 0
+
     def since(self, serial: int) -> list[ToldEvent]:
         """Return the events that are kept from a serial number on, in order."""
         found = []
