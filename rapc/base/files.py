@@ -69,6 +69,20 @@ def path_of(name: str) -> Path:
     return Path(name)
 
 
+def same_file(one: str | Path, other: str | Path) -> bool:
+    """Whether two names are those of one file, or would be once it is written.
+
+    A name that leads through a folder that is not there is that without the folder, as
+    for `write_whole`; one that cannot be seen is no file.
+    """
+    try:
+        if os.path.realpath(one) == os.path.realpath(other):
+            return True
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):
+        return False
+
+
 def name_beside(name: str, path: Path) -> str:
     """Return the name of a path that was reached from the file or folder `name`."""
     if name.startswith(STANDARD):

@@ -9,7 +9,6 @@ be tried. Findings and results go to standard output, everything else to standar
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING, TextIO
 import click
 
 from rapc.analysis.driver import CheckReport
-from rapc.base.files import path_of, write_whole
+from rapc.base.files import path_of, same_file, write_whole
 from rapc.base.later import later
 from rapc.cli.options import USAGE, fail, say, settings
 from rapc.errors import WriteError
@@ -52,20 +51,6 @@ def read_paths(paths: Iterable[str]) -> Loaded:
     for name in loaded.files:
         say(f"read {name}")
     return loaded
-
-
-def same_file(one: str | Path, other: str | Path) -> bool:
-    """Whether two names are those of one file, or would be once it is written.
-
-    A name that leads through a folder that is not there is that without the folder, as
-    for `write_output`; one that cannot be seen is no file.
-    """
-    try:
-        if os.path.realpath(one) == os.path.realpath(other):
-            return True
-        return os.path.samefile(one, other)
-    except (OSError, ValueError):
-        return False
 
 
 def refuse_input(

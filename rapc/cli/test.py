@@ -9,8 +9,9 @@ from typing import Any
 
 import click
 
+from rapc.base.files import same_file
 from rapc.base.visible import visible
-from rapc.cli.common import refuse_faulty, refuse_input, same_file, write_output
+from rapc.cli.common import refuse_faulty, refuse_input, write_output
 from rapc.cli.given import read_option
 from rapc.cli.options import Amount, WholeNumber, command, fail, settings
 from rapc.console.lines import wrapped

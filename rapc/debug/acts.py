@@ -212,5 +212,5 @@ def live_task(run: Interpreter, number: int) -> Task:
             return task
     top = run.machine.state.numbers
     if 0 < number <= top:
-        raise ArgumentError(f"task [{number}] has ended")
+        raise ArgumentError(f"task [{number}] has ended: ask at an earlier moment")
     raise ArgumentError(f"there is no task [{number}]")

@@ -10,10 +10,11 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
-from rapc.base.values import Fact, format_atom, match_pattern
+from rapc.base.values import Fact, format_atom, is_variable, match_pattern
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
+from rapc.library.signatures import Use
 from rapc.runtime.events import events
 from rapc.runtime.events.events import Event, Goal
 from rapc.world import Time
@@ -92,13 +93,15 @@ class Breakpoints:
 
         Raises:
             TextError: if it is none.
-            ValueError: for a condition that names what the library does not declare.
+            ValueError: for names that the library does not declare.
         """
         number, session = self._next, self._session
         if point.kind not in KINDS:
             raise TextError(
                 f"`{point.kind}` is nothing to stop at; it is one of {', '.join(KINDS)}"
             )
+        if not point.what and point.kind not in ("failure", "deadline"):
+            raise TextError(f"`{point.kind}` lacks what it is: {KINDS[point.kind]}")
         if point.condition:
             session.question(point.condition)  # looks at the names
         if point.kind in ("true", "false"):
@@ -158,6 +161,10 @@ class Breakpoints:
     def _of_list(self, kind: str, what: str) -> Meets:
         """Return what says whether an event is about a request or a fact."""
         pattern = self._pattern(what if what.startswith("(") else f"({what})")
+        use: Use = "primitive" if kind == "primitive" else "asserted"
+        name, known = str(pattern[0]), self._session.library.program.signatures
+        if name not in known.table(use) and not is_variable(name):
+            raise ArgumentError(str(known.unknown(use, name)))
         if kind == "primitive":
             return _of((events.PrimitiveRequested,), _fits("request", pattern))
         return _of((events.FactAsserted, events.FactErased), _fits("fact", pattern))

@@ -47,6 +47,8 @@ def why_failed(session: Session, number: int | None = None) -> TaskFailure:
     if told is None:
         if number is None:
             raise ArgumentError("no task has failed")
+        if not 0 < number <= session.run.machine.state.numbers:
+            raise ArgumentError(f"there is no task [{number}]")
         raise ArgumentError(
             f"task [{number}] has not failed, and no method of it has ended badly"
         )

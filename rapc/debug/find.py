@@ -40,15 +40,19 @@ class Finder(msgspec.Struct, frozen=True):
         """Return what a search is made of.
 
         Raises:
-            TextError: for a kind of events that there is not.
+            TextError: for a kind of events that there is not, or a key of it.
         """
         known = kinds()
         if kind not in known:
             raise TextError(f"there are no events `{kind}`{hint(kind, known)}")
         keys, words = [], []
+        has = known[kind].__struct_encode_fields__
         for one in said:
             key, equals, value = one.partition("=")
             if equals and not one.startswith("("):
+                if key not in has:
+                    listed = ", ".join(name for name in has)
+                    raise TextError(f"`{kind}` has no `{key}`; it has {listed}")
                 keys.append((key, value))
             else:
                 words.append(one)

@@ -68,6 +68,10 @@ class TaskAnswer(msgspec.Struct, frozen=True):
     under_way: str | None
 
 
+CLAUSES = ("succeed", "monitor-state", "preconditions", "constraints")
+"""The clauses of a RAP that can be asked about by their names."""
+
+
 def why_not_query(session: Session, text: str) -> ClauseAsked:
     """Ask memory a formula conjunct by conjunct.
 

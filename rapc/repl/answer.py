@@ -35,9 +35,10 @@ class ShownAnswer(msgspec.Struct, frozen=True):
 
     def record(self) -> dict[str, Any]:
         """Return the answer as an object for programs: its keys are stable."""
-        found: dict[str, Any] = {"failed": self.failed}
-        if self.lines or self.notes:
-            found["lines"] = [*self.lines, *self.notes]
+        found: dict[str, Any] = {
+            "failed": self.failed,
+            "lines": [*self.lines, *self.notes],
+        }
         if self.table is not None:
             columns = self.table.columns
             found["rows"] = [

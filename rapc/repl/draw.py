@@ -6,6 +6,7 @@ Tables are drawn by rich, so that what is too wide is wrapped inside its column.
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
@@ -20,6 +21,9 @@ from rapc.base.visible import visible_lines
 from rapc.repl.answer import ShownAnswer, Table, shown
 
 _NUMBERS = (int, float)
+
+_BEFORE = re.compile(r" *(?:[0-9.]+ +)?(?:(?:-->|\.\.\.) )?")
+"""What stands before the words of a line: blanks, the time and the mark of a trace."""
 
 _LEAST = 10
 """How many columns of the terminal a column of a table needs to be read."""
@@ -59,16 +63,20 @@ def draw(answer: ShownAnswer, width: int, *, color: bool) -> str:
 
 
 def _line(console: Console, line: str, style: str) -> None:
-    """Print a line; what does not fit goes on below, set in as far as it began."""
+    """Print a line; what does not fit goes on below, set in as far as it began.
+
+    What a trace tells begins behind its time and its mark.
+    """
     text = visible_lines(line)
-    bare = text.lstrip()
-    indent = len(text) - len(bare)
     if len(text) <= console.width:
         console.print(Text(text, style=style), soft_wrap=True)
         return
-    inner = Text(bare, style=style)
-    hang = min(indent, console.width // 2)
-    console.print(Padding(inner, (0, 0, 0, hang)))
+    begun = _BEFORE.match(text)
+    indent = min(begun.end() if begun else 0, console.width // 2)
+    lead = text[:indent]
+    for part in Text(text[indent:]).wrap(console, console.width - indent):
+        console.print(Text(f"{lead}{part.plain}", style=style), soft_wrap=True)
+        lead = " " * indent
 
 
 def _print_table(console: Console, table: Table) -> None:

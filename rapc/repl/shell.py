@@ -7,11 +7,14 @@ checked and joins the library, a goal is submitted, a formula is asked of memory
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from io import StringIO
+from pathlib import Path
 
 import msgspec
 
+from rapc.base.files import path_of, same_file
 from rapc.base.names import did_you_mean
 from rapc.base.resources import Value
 from rapc.base.source import Span
@@ -25,7 +28,7 @@ from rapc.debug.reload import changed
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
 from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
-from rapc.errors import Error, RefusedError, StateError, TextError
+from rapc.errors import ArgumentError, Error, RefusedError, StateError, TextError
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import ShownAnswer, failure, say, table
@@ -125,6 +128,20 @@ class Shell:
         self._seen: dict[str, str] = {}
         self._told_of = 0
         self.forget_trace()
+
+    def refuse_input(self, path: Path) -> None:
+        """See that a file to be written is none that the run was read from.
+
+        Raises:
+            ArgumentError: if it is one of the library, or that of the world.
+        """
+        machine = self.session.run.machine
+        world = getattr(machine.world, "__wrapped__", machine.world)
+        module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
+        read = [path_of(name) for name in (*self.paths, *machine.library.library.files)]
+        read += [Path(module)] if module else []
+        if any(same_file(path, file) for file in read):
+            raise ArgumentError(f"`{path}` is a file of the library or of the world")
 
     @property
     def session(self) -> Session:

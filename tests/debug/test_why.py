@@ -192,7 +192,7 @@ def test_why_failed_names_the_clause_down_to_the_first_cause() -> None:
         cause = cause.because
     assert cause is not None
     assert cause.note == "the world answered `hoarse`"
-    with pytest.raises(ArgumentError, match="has not failed"):
+    with pytest.raises(ArgumentError, match="there is no task"):
         why_failed(session, 7)
 
 

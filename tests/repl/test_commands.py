@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -116,6 +117,11 @@ def test_branches_are_listed_and_taken_up() -> None:
         ("(", "a parenthesis or a string is left open"),
         ("*2", "there is no answer `*2` yet"),
         (":memory frob", "`frob` is not declared"),
+        (":break rap", "`rap` lacks what it is: a task of a RAP comes up"),
+        (":break fact (truck-locaton ?)", "`truck-locaton` is not declared; did you"),
+        (":break primitive (arm-grap ?)", "no primitive is called `arm-grap`; did you"),
+        (":find task-failed gaol=x", "`task-failed` has no `gaol`; it has n, cycle,"),
+        (":why failed 99", "there is no task [99]"),
     ],
 )
 def test_what_cannot_be_is_said(text: str, answer: str) -> None:
@@ -123,6 +129,41 @@ def test_what_cannot_be_is_said(text: str, answer: str) -> None:
     found = shell.answer(text)
     assert found.failed
     assert found.lines[0].startswith(answer)
+
+
+def test_what_has_ended_is_told_of_all_the_same() -> None:
+    shell = truck_shell()
+    shell.answer(":run")
+    assert "(define-rap (travel-for-rocks" in said(shell, ":source 5")
+    assert "task [5] has ended: ask at an earlier moment" in said(shell, ":task 5")
+    assert "has no clause `constraints`" in said(shell, ":why-not 5 constraints")
+    told = said(shell, ":history truck-location")
+    assert "if it is no item but a fact, write (truck-location)" in told
+
+
+@pytest.mark.parametrize("command", [":record", ":break save"])
+def test_what_the_run_was_read_from_is_not_written_over(
+    command: str, tmp_path: Path
+) -> None:
+    library = tmp_path / "lib.rap"
+    text = '(require "truck")\n(define-rap (rest) (succeed t))\n'
+    library.write_text(text)
+    script = f"{command} {library}\n{command} {tmp_path / 'other'}\n"
+    args = ("--world", "truck", "--task", "(rest)")
+    done = rapc("repl", str(library), *args, stdin=script)
+    assert done.returncode == 1
+    told = " ".join(done.stdout.split())
+    assert "is a file of the library or of the world" in told
+    assert library.read_text() == text
+    assert (tmp_path / "other").exists()
+
+
+def test_a_line_of_a_trace_goes_on_behind_its_time_and_mark() -> None:
+    shell = truck_shell()
+    lines = said(shell, ":step 30", width=40).splitlines()
+    at = next(n for n, line in enumerate(lines) if line.endswith("operation"))
+    assert lines[at].startswith("   30.5     ... primitive")
+    assert lines[at + 1].startswith(" " * 16 + "(")
 
 
 def test_help_knows_every_command_with_examples() -> None:

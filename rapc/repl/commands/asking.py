@@ -152,6 +152,9 @@ def _one_method(answer: TaskAnswer, name: str) -> Iterator[str]:
         for one in asked:
             yield from clause.clause_in_lines(one)
         return
+    if name in why_not.CLAUSES:
+        yield f"  `{answer.goal.name}` has no clause `{name}`"
+        return
     method = why_not.named_method(answer, name)
     if method.context is None:
         yield f"method {name}: {_method(method)}"

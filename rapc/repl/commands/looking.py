@@ -13,6 +13,7 @@ from rapc.parser.parse import parse_formula, parse_pattern
 from rapc.repl.answer import Cell, ShownAnswer, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Shell, command
+from rapc.runtime.events.events import Goal, TaskCreated
 from rapc.runtime.events.report import cause_lines
 from rapc.world import Drawable, Thing
 
@@ -240,8 +241,7 @@ def _source(shell: Shell, args: Arguments) -> ShownAnswer:
     library = shell.session.library.program.library
     name = args.peek()
     if not name or name.strip("[]").isdecimal():
-        number = shell.task(args)
-        node = live_task(shell.session.run, number).plan.node
+        node = library.raps[_goal_of(shell, shell.task(args)).name]
     else:
         name = args.word("a RAP").lower()
         found = library.raps.get(name)
@@ -253,6 +253,21 @@ def _source(shell: Shell, args: Arguments) -> ShownAnswer:
     if source is None or not source.text:
         raise TextError(f"the text of `{node.name}` is not at hand")
     return ShownAnswer(tuple(_numbered(source, node.span)), is_code=True)
+
+
+def _goal_of(shell: Shell, number: int) -> Goal:
+    """Return the goal of a task, whether it has ended or not.
+
+    Raises:
+        ArgumentError: if there is no such task.
+    """
+    session = shell.session
+    told = session.last(TaskCreated, want=lambda one: one.keys["task"] == number)
+    if told is None:
+        return live_task(session.run, number).goal()
+    goal = told.keys["goal"]
+    assert isinstance(goal, Goal)
+    return goal
 
 
 def _numbered(source: SourceFile, span: Span) -> list[str]:

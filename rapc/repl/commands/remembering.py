@@ -21,13 +21,15 @@ from rapc.repl.shell import Shell, command
 def _history(shell: Shell, args: Arguments) -> ShownAnswer:
     """Tell when facts came and went, and what became of an item, with who did it."""
     said = args.word("an item or a fact")
+    none = f"nothing has become of {said}"
     if said.startswith("("):
         found = history.of_facts(shell.subject, read_pattern(said))
     else:
         predicate = args.word("a predicate").lower() if args else ""
         found = history.of_item(shell.subject, said.lower(), predicate)
+        none += f"; if it is no item but a fact, write ({said})"
     columns = ("time", "cycle", "", "what", "by")
-    return table(columns, found, none=f"nothing has become of {said}")
+    return table(columns, found, none=none)
 
 
 @command("FACT", ":who (truck-location depot)", ":who (location ?item external)")

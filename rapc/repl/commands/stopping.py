@@ -82,6 +82,7 @@ def _listed(shell: Shell) -> ShownAnswer:
 
 
 def _save(shell: Shell, path: Path) -> ShownAnswer:
+    shell.refuse_input(path)
     points = [
         msgspec.structs.replace(point, met=0)
         for point in shell.breakpoints.all.values()
@@ -169,6 +170,7 @@ def _record(shell: Shell, args: Arguments) -> ShownAnswer:
     `rapc repl run.jsonl` opens it again.
     """
     path = Path(args.word("a file"))
+    shell.refuse_input(path)
     count = recorded.write_trace(shell.session, path)
     done = len(shell.session.branch.acts)
     notes = ["what was done by hand is not in it"] if done else []
