@@ -63,9 +63,23 @@ class Case(msgspec.Struct, frozen=True):
 
 
 def stepwise(case: Case) -> Case:
-    """Return a case that steps get through: no host, and nothing told without end."""
+    """Return a case that steps get through: no host, and nothing goes on without end.
+
+    A task may wait for a belief younger than another one, whose age grows as well. It
+    is tested again and again: only `until` ends such a run, and a step has none.
+    """
     rows = tuple([msgspec.structs.replace(row, every=None) for row in case.rows])
-    return msgspec.structs.replace(case, host=(), rows=rows)
+    return msgspec.structs.replace(case, host=(), rows=rows, forms=_aged(case.forms))
+
+
+def _aged(form: Any) -> Any:
+    """The same form, with a number for each age that a belief is given otherwise."""
+    if isinstance(form, str):
+        return form
+    match form:
+        case ("believe", found, age) if age != "9":
+            return ("believe", found, "9")
+    return tuple([_aged(part) for part in form])
 
 
 def print_form(form: Any, depth: int = 0) -> str:
