@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import product
-from pathlib import Path
 
 import pytest
 
@@ -109,7 +108,7 @@ def test_the_experiment_sets_both_ways_to_the_same_worlds() -> None:
         assert parts[mine].vary == parts[theirs].vary
         assert parts[mine].values == parts[theirs].values
         assert parts[mine].set == parts[theirs].set
-    assert Path(made.library).name == LIBRARY.name
+    assert made.library == f"rapc:{LIBRARY.name}"
 
 
 @pytest.mark.parametrize(
