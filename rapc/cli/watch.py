@@ -15,8 +15,11 @@ from rapc.errors import Error, LoadError
 _INTERVAL = 0.2
 """Seconds between two looks at the files."""
 
-Snapshot = frozenset[tuple[str, int, int]]
-"""Files with when they were last changed and how long they are."""
+_COARSE = 10_000_000
+"""Nanoseconds by which the times of files may lag behind the clock."""
+
+Stamps = dict[str, tuple[int, int]]
+"""When files were last changed, in nanoseconds, and how long they are, by name."""
 
 
 def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
@@ -30,22 +33,27 @@ def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
     others: Iterable[str] = ()
     try:
         while True:
-            before = _snapshot(paths, others)
+            expected = _stamps(_below(paths))
+            before = expected | _stamps(map(path_of, others))
+            began = time.time_ns() - _COARSE
             click.clear()
             try:
-                others = act()
+                others = list(act())
             except Error as error:
                 click.echo(f"error: {error.message}", err=True)
-            before |= _snapshot((), others)
+            # Files that were not watched before may have changed since they were read.
+            for name, found in _stamps(map(path_of, others)).items():
+                read_late = name not in before and found[0] >= began
+                expected[name] = _UNKNOWN if read_late else before.get(name, found)
             click.echo("waiting for a change; Ctrl-C ends", err=True)
-            while _snapshot(paths, others) == before:
+            while _stamps([*_below(paths), *map(path_of, others)]) == expected:
                 time.sleep(_INTERVAL)
     except KeyboardInterrupt:
         click.echo(err=True)
 
 
-def _snapshot(paths: Iterable[str], others: Iterable[str]) -> Snapshot:
-    return frozenset(_stamps([*_below(paths), *map(path_of, others)]))
+_UNKNOWN = (-1, -1)
+"""The stamp of a file of which nobody knows what it was like when it was read."""
 
 
 def _below(paths: Iterable[str]) -> Iterator[Path]:
@@ -56,11 +64,13 @@ def _below(paths: Iterable[str]) -> Iterator[Path]:
             yield path_of(path)
 
 
-def _stamps(files: Iterable[Path]) -> Iterator[tuple[str, int, int]]:
+def _stamps(files: Iterable[Path]) -> Stamps:
+    found = {}
     for file in files:
         try:
             status = os.stat(file)
         except (OSError, ValueError):
-            yield str(file), 0, 0
+            found[str(file)] = 0, 0
         else:
-            yield str(file), status.st_mtime_ns, status.st_size
+            found[str(file)] = status.st_mtime_ns, status.st_size
+    return found

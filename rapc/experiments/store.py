@@ -42,6 +42,9 @@ create table result (
 ) without rowid;
 """
 
+_PATIENCE = 60
+"""Seconds for which others may keep the file locked: a process may be stopped."""
+
 _IN_JSON = ("counts", "figures", "tasks")
 """The measures that stand in one column as JSON."""
 
@@ -108,7 +111,7 @@ class Store:
     def __init__(self, file: Path) -> None:
         self._file = file
         with self._blamed():
-            self._base = sqlite3.connect(file, isolation_level=None)
+            self._base = sqlite3.connect(file, timeout=_PATIENCE, isolation_level=None)
             self._prepare()
 
     def _prepare(self) -> None:

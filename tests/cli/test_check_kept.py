@@ -135,7 +135,9 @@ def test_what_is_watched_is_found_as_without_a_cache(
             for file in here.glob("lib/*.rap"):
                 os.utime(file, (time, time))
 
-        monkeypatch.setattr("rapc.cli.watch.time", SimpleNamespace(sleep=edit))
+        monkeypatch.setattr(
+            "rapc.cli.watch.time", SimpleNamespace(sleep=edit, time_ns=lambda: edits)
+        )
         edit(0)
         done = CliRunner().invoke(check, ["--watch", *options, "lib"])
         assert done.exit_code == 0
