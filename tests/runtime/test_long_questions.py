@@ -156,6 +156,21 @@ def test_queries_in_queries_behind_many_parts_can_be_asked(
     assert "given up after 100" in said(asked(formula, 100, queries))
 
 
+def test_a_long_query_knows_its_argument_in_an_or_in_a_not() -> None:
+    """No other part has used the argument before."""
+    queries = f"""
+    (define-query (apart ?i) (and (not (or (q ?u ?i) (p four))) (p ?x) {LONG}))
+    """
+    fact = ("(q one two)", *FACTS)
+    text = f"""{queries}
+    (define-rap (ask ?thing)
+      (method (context (apart ?thing)) (primitive (act yes)))
+      (method (context otherwise) (primitive (act no))))
+    """
+    assert said(play(text, "(ask three)", facts=fact)) == "yes"
+    assert said(play(text, "(ask two)", facts=fact)) == "no"
+
+
 def test_a_fault_in_a_long_query_tells_of_the_use_that_met_it() -> None:
     """Both uses share their code; the second is not told as the first."""
     queries = f"""

@@ -35,6 +35,8 @@ class FunctionWriter:
         self.is_shared = False
         #: The variables that it is handed, in order.
         self.parameters = tuple(bound)
+        for variable in self.parameters:
+            code.local(variable)
         #: Its first lines, unless it is called with its parameters.
         self.head: list[str] = []
         #: Whether it is what is called to ask, and sees to it that the question ends.
