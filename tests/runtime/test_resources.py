@@ -245,3 +245,16 @@ def test_what_several_effects_come_to_together_is_looked_at_first() -> None:
     ran = play(text, "(top)")
     assert ran.told("changed") == []
     assert ran.told("failed")[0] == "failed (rest) interference interference"
+
+
+def test_nothing_is_counted_where_a_counter_stands_for_a_place() -> None:
+    """A question may hold any value; hosts alone are told what they hand over."""
+    ran = play(
+        REST
+        + """
+        (define-rap (top) (resources (counter ?c 5))
+          (method empty (context (count rock ?c 0)) (task-net (t1 (rest)))))
+        """,
+        "(top)",
+    )
+    assert ran.interpreter.succeeded

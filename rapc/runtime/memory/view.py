@@ -52,16 +52,19 @@ class MemoryView:
 
         Of an indistinct class it is the size of its expectation set.
         """
-        need_atoms((kind, place), "the count")
         memory = self._memory
-        here = memory.place if place == EXTERNAL else None
-        size = memory.expected_at(
-            kind, memory.items.canonical(place if here is None else here)
-        )
-        if size is not None:
-            return size
-        known = memory.items.known
-        found = (known.get(str(fact[1])) for fact in memory.facts_at(place))
+        try:
+            here = memory.place if place == EXTERNAL else None
+            size = memory.expected_at(
+                kind, memory.items.canonical(place if here is None else here)
+            )
+            if size is not None:
+                return size
+            known = memory.items.known
+            found = [known.get(str(fact[1])) for fact in memory.facts_at(place)]
+        except TypeError:
+            need_atoms((kind, place), "the count")
+            raise
         return sum(1 for item in found if item is not None and item.kind == kind)
 
     def kind(self, item: Atom) -> str | None:
