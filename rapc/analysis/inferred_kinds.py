@@ -236,8 +236,9 @@ class _Learning:
             return ()
         own = [arg.kind for arg in declared.args]
         if isinstance(use, nodes.Goal):
+            # Those of the last definition, if there are two; `declared` is the first.
             learned = self.inputs.get(use.name, ())
-            for at, one in enumerate(learned):
+            for at, one in enumerate(learned[: len(own)]):
                 if own[at] is None and one is not None:
                     own[at] = one.kind
         return own

@@ -51,10 +51,12 @@ def path_named(name: str) -> Path:
     """Return the path of a name that somebody typed.
 
     Raises:
-        LoadError: for an empty one, and for a standard library that there is not.
+        LoadError: for an empty one, and for a standard library that there is not: none
+            lies above the folder of all.
     """
     path = path_of(name)
-    if not name or (name.startswith(STANDARD) and not is_there(path)):
+    standard = name.startswith(STANDARD)
+    if not name or (standard and (os.pardir in path.parts or not is_there(path))):
         raise LoadError(f"`{name}` does not exist")
     return path
 

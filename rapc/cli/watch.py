@@ -21,6 +21,9 @@ _COARSE = 10_000_000
 Stamps = dict[str, tuple[int, int]]
 """When files were last changed, in nanoseconds, and how long they are, by name."""
 
+_UNKNOWN = (-1, -1)
+"""The stamp of a file of which nobody knows what it was like when it was read."""
+
 
 def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
     """Call `act`, and again after each change, until Ctrl-C.
@@ -50,10 +53,6 @@ def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
                 time.sleep(_INTERVAL)
     except KeyboardInterrupt:
         click.echo(err=True)
-
-
-_UNKNOWN = (-1, -1)
-"""The stamp of a file of which nobody knows what it was like when it was read."""
 
 
 def _below(paths: Iterable[str]) -> Iterator[Path]:

@@ -201,3 +201,17 @@ def test_checking_is_offered_to_programs(tmp_path: Path) -> None:
     assert finding.rule.name == "undeclared-predicate"
     with pytest.raises(rapc.CheckError, match=r"a.rap:1:27: .*`b`"):
         rapc.load(path)
+
+
+def test_a_rap_defined_twice_with_other_inputs_is_told_of_only() -> None:
+    """What kinds the second has learned is more than the first has inputs."""
+    assert _found(
+        """
+        (declare-kind door)
+        (declare-primitive look ((?x door)) (okay))
+        (define-rap (a ?x) (method (primitive (look ?x))))
+        (define-rap (a ?x ?y) (method (task-net (t1 (b ?x ?y)))))
+        (define-rap (b (?x door) (?y door)) (method (primitive (look ?y))))
+        (define-rap (c ?z) (method (task-net (t1 (a ?z)))))
+        """
+    ) == ["duplicate-definition"]

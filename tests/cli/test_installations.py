@@ -115,7 +115,8 @@ def test_names_of_standard_libraries_are_paths() -> None:
     library = rapc.load("rapc:truck/world.rap", "rapc:hallway/world.rap")
     assert library.files == ("rapc:truck/world.rap", "rapc:hallway/world.rap")
     assert "rapc:truck-beyond/" in "".join(rapc.load("rapc:truck-beyond").files)
-    for wrong in ("rapc:truk", "rapc:truck/none.rap"):
+    above = ("rapc:..", "rapc:truck/../../cli", "rapc:/../stdlib")
+    for wrong in ("rapc:truk", "rapc:truck/none.rap", *above):
         with pytest.raises(rapc.LoadError, match=f"^`{wrong}` does not exist$"):
             rapc.load(wrong)
     assert rapc.check("rapc:truck").findings == ()
