@@ -61,7 +61,8 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
     machine.port.check_end(machine.state.pending[ticket][1], reply)
     task, asked = machine.state.pending.pop(ticket)
     if task is not None:
-        machine.state.activations.off[ticket] = Activation(ticket, task, None, ())
+        over = Activation(ticket, task.number, task, None, ())
+        machine.state.activations.off[ticket] = over
     result = take_reply(machine, task, asked, reply)
     if result is not None and task is not None and task.run is not None:
         end_method(machine, task.run, result)

@@ -32,7 +32,7 @@ def hear(run: Run, content: Fact, tickets: Sequence[int] = ()) -> None:
     """
     under = sorted(set(tickets))
     alive = [t for t in (nearest(run.owners[one]) for one in under) if t is not None]
-    number = alive[0].number if alive else None
+    number = run.owners[under[0]].number if under else None
     run.tell(events.SignalReceived, task=number, what=format_list(content))
     of_none(run, content)
     for task in those_with_rules(run, alive, bool(tickets)):

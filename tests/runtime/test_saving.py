@@ -15,11 +15,12 @@ from rapc.compiler.program import Program
 from rapc.errors import StateError
 from rapc.library.library import link
 from rapc.parser.parse import parse
-from rapc.runtime.events.events import Event
+from rapc.runtime.events.events import Event, SignalReceived
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving import format
 from rapc.runtime.settings import Settings
 from rapc.world import Kit, Message, Offer, Time, World
+from rapc.worlds.script import Row
 from tests.effort import first
 from tests.reference.case import Case, begin, interpreter_of, stepwise
 from tests.reference.generate import generate
@@ -85,6 +86,31 @@ def test_generated_programs_go_on_as_if_nothing_had_happened(chunk: int) -> None
         cycles = random.Random(f"cycles:{seed}").randrange(1, 30)
         as_it_is, taken_up = _both(case, cycles)
         assert taken_up == as_it_is, f"seed {seed}, after {cycles} cycles"
+
+
+def test_signal_of_ended_owner_is_the_same_after_restore() -> None:
+    """The host cancels the owner after the world has sent the signal."""
+    text = """
+    (declare-event :seen (?x))
+    (declare-skill :look-out () :events (:seen))
+    (define-rap (watch)
+      (method (primitive (enable (:look-out)) (wait-for (:seen stop) :succeed))))
+    (define-rap (work)
+      (method (task-net (t1 (act-now) (for t2)) (t2 (act-now)))))
+    (define-rap (act-now) (method (primitive (act a))))
+    """
+    seen = Row((":look-out",), after=5, signals=((":seen", "x"),), kind="enable")
+    play = Play(text, "(watch)", "(work)", rows=(seen, row("(act a)", takes=5)))
+    run = play.interpreter
+    while run.now < 5:
+        run.step()
+    assert run.cancel(("watch",)) == 1
+    other = run.fork()
+    assert other.save() == run.save()
+    line = len(play.events)
+    assert _rest(other) == play.run().events[line:]
+    owners = [e.task for e in play.events if isinstance(e, SignalReceived)]
+    assert owners == [1]
 
 
 # --- in place, and beside ----------------------------------------------------------

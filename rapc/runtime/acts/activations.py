@@ -47,7 +47,7 @@ def activate(
         return _refused(machine, run.task, skills, sent, answer)
     run.ticket = ticket
     run.skills = tuple(skills)
-    activation = Activation(ticket, run.task, run, tuple(skills))
+    activation = Activation(ticket, run.task.number, run.task, run, tuple(skills))
     machine.state.activations.begin(activation)
     _tell(machine, run.task, SkillEnabled, skills)
     return None
@@ -102,7 +102,8 @@ def reactivate(
         run.ticket = ticket
     were = tables.on[before].skills if before is not None else ()
     if skills and run.ticket is not None:
-        tables.begin(Activation(run.ticket, run.task, run, tuple(skills)))
+        number = run.task.number
+        tables.begin(Activation(run.ticket, number, run.task, run, tuple(skills)))
     if before is not None:
         tables.end(before)
         world.deactivate(before)

@@ -148,7 +148,7 @@ def cancel(machine: Machine, run: MethodRun) -> None:
         return
     asked = pending[ticket][1]
     pending[ticket] = None, asked
-    gone = Activation(ticket, run.task, None, ())
+    gone = Activation(ticket, run.task.number, run.task, None, ())
     machine.state.activations.off[ticket] = gone
     if machine.recorder.on:
         machine.recorder.emit(

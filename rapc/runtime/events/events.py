@@ -288,7 +288,10 @@ class ResourceChanged(Event, frozen=True, kw_only=True):
 
 
 class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
-    """A signal came; `task` has the oldest activation under which it arose, if any."""
+    """A signal came; `task` has the oldest activation under which it arose, if any.
+
+    The task may have ended.
+    """
 
     task: int | None
     what: Fact

@@ -107,10 +107,15 @@ def _activations(machine: Machine) -> tuple[ActivationRecord, ...]:
     found = []
     for activation in (*tables.on.values(), *tables.off.values()):
         hearer = activation.hearer()
-        if hearer is not None:
-            on, skills = activation.run is not None, activation.skills
-            ticket = activation.ticket
-            found.append(ActivationRecord(ticket, hearer.number, skills, on))
+        found.append(
+            ActivationRecord(
+                activation.ticket,
+                activation.owner,
+                None if hearer is None else hearer.number,
+                activation.skills,
+                activation.run is not None,
+            )
+        )
     return tuple(found)
 
 

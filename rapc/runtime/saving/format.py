@@ -15,7 +15,7 @@ import msgspec
 from rapc.errors import StateError
 from rapc.runtime.saving.records import RunRecord
 
-FORMAT = 3
+FORMAT = 4
 """The version of the format; a change of the records or of the IR is one of it."""
 
 _HEAD = re.compile(rb"rapc-run (\d{1,9}) ([0-9a-f]{64})\n")

@@ -261,16 +261,15 @@ class Rebuilt:
     def _switch_on(self) -> None:
         """Have the activations on that were, and those that may still be heard of."""
         for record in self._record.activations:
-            task = self._live[record.task]
-            run = task.run
+            task = None if record.task is None else self._live[record.task]
+            run = None if task is None or not record.on else task.run
+            one = Activation(record.ticket, record.owner, task, run, record.skills)
             if not record.on:
-                gone = Activation(record.ticket, task, None, record.skills)
-                self.state.activations.off[record.ticket] = gone
+                self.state.activations.off[record.ticket] = one
                 continue
             if run is None or run.plan.activation is None:
                 raise WrongRecordError(f"task {record.task} has nothing switched on")
-            on = Activation(record.ticket, task, run, record.skills)
-            self.state.activations.begin(on)
+            self.state.activations.begin(one)
 
     def _check_numbers(self) -> None:
         """See that all other numbers of tasks are those of live ones."""

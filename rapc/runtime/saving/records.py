@@ -171,11 +171,12 @@ class TopRecord(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class ActivationRecord(msgspec.Struct, frozen=True, omit_defaults=True):
-    """An `Activation` whose signals a task can still hear."""
+    """An `Activation` whose signals may still come."""
 
     ticket: int
-    #: Its owner or, if that has ended, the nearest ancestor that has not.
-    task: int
+    owner: int
+    #: The owner or, if that has ended, the nearest ancestor that has not; or None.
+    task: int | None
     skills: tuple[Fact, ...]
     #: Whether it is on, for the method that the task is at work on.
     on: bool = True

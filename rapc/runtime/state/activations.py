@@ -16,12 +16,13 @@ from rapc.runtime.state.task import MethodRun, Task
 class Activation:
     """What a method has switched on."""
 
-    __slots__ = ("run", "skills", "task", "ticket")
+    __slots__ = ("owner", "run", "skills", "task", "ticket")
 
     def __init__(
         self,
         ticket: int,
-        task: Task,
+        owner: int,
+        task: Task | None,
         run: MethodRun | None,
         skills: tuple[Fact, ...],
     ) -> None:
@@ -29,8 +30,10 @@ class Activation:
         self.ticket = ticket
         #: The skills in memory names, in the order of the text.
         self.skills = skills
+        #: The number of the task that it was begun for.
+        self.owner = owner
         #: Whose rules hear its signals: the owner, or what is left above it.
-        self.task: Task | None = task
+        self.task = task
         #: The method that it is on for; None once it is off.
         self.run = run
 

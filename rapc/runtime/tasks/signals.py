@@ -31,8 +31,10 @@ from rapc.world import OKAY
 class _Source(NamedTuple):
     """An activation, or a request, under which a signal arose."""
 
-    #: Its owner or, where that has ended, the nearest ancestor that has not.
-    task: Task
+    #: The number of its owner.
+    owner: int
+    #: The owner or, where that has ended, the nearest ancestor that has not, if any.
+    task: Task | None
     #: The activation; None for a request.
     activation: Activation | None
 
@@ -53,7 +55,7 @@ def signal(machine: Machine, content: Fact, tickets: Sequence[int] = ()) -> None
     """
     sources = _sources(machine, tickets)
     if machine.recorder.on:
-        owner = sources[0].task.number if sources else None
+        owner = sources[0].owner if sources else None
         machine.recorder.emit(events.SignalReceived, task=owner, what=content)
     if machine.library.event_rules:
         run_event_rules(machine, content)
@@ -77,11 +79,11 @@ def _sources(machine: Machine, tickets: Iterable[int]) -> list[_Source]:
     for ticket in sorted(set(tickets)):
         activation = state.activations.get(ticket)
         if activation is not None:
-            task = activation.hearer()
-        else:
-            task = state.pending.get(ticket, (None, ()))[0]
+            found.append(_Source(activation.owner, activation.hearer(), activation))
+            continue
+        task = state.pending.get(ticket, (None, ()))[0]
         if task is not None:
-            found.append(_Source(task, activation))
+            found.append(_Source(task.number, task, None))
     return found
 
 
@@ -94,7 +96,7 @@ def _context(
         return [task for task in reversed(tasks) if task.run is not None]
     found: dict[int, Task] = {}
     for source in sources:
-        task: Task | None = source.task
+        task = source.task
         while task is not None:
             found.setdefault(task.number, task)
             task = task.parent
@@ -107,9 +109,9 @@ def _context(
 def _tell_around(machine: Machine, sources: Sequence[_Source], content: Fact) -> None:
     """Tell what waits beside and above the owners, and below those of `skills`."""
     around: set[int] = set()
-    below = {source.task.number for source in sources if source.covers_below}
+    below = {source.owner for source in sources if source.covers_below}
     for source in sources:
-        task: Task | None = source.task
+        task = source.task
         if task is not None and task.run is not None:
             around.add(id(task.run))
         while task is not None:
