@@ -29,9 +29,9 @@ from rapc.analysis.driver import CheckReport, Finding, examined
 from rapc.analysis.kept import State, state_of
 from rapc.analysis.selection import Selection
 from rapc.base.diagnostics import Diagnostic
-from rapc.base.files import write_whole
 from rapc.base.source import SourceFile, Span
 from rapc.base.version import VERSION
+from rapc.base.writing import write_whole
 from rapc.errors import WriteError
 from rapc.ir import nodes
 from rapc.library.loader import Loaded, Parse

@@ -1,22 +1,20 @@
 """Files and folders: which of them hold RAP, and what is in them.
 
 The only reader of files below the front ends. What cannot be read, or is no text, is a
-`LoadError`, one line for the user. What is written is written whole or not at all.
+`LoadError`, one line for the user. Files are written by `rapc.base.writing`.
 """
 
 from __future__ import annotations
 
-import codecs
 import errno
 import os
-import re
 import stat
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from rapc.errors import LoadError, WriteError, reason
+from rapc.errors import LoadError, reason
 
 SUFFIX = ".rap"
 TEST_SUFFIX = ".test.rap"
@@ -34,8 +32,6 @@ So it is called the same wherever rapc is installed, and whatever that folder is
 """
 
 _STANDARD_LIBRARIES = Path(__file__).parents[1] / "stdlib"
-
-_LINE_END = re.compile(rb"\r\n|\r|\n")
 
 Identity = tuple[int, int]
 """The device and number of a file or folder."""
@@ -209,7 +205,7 @@ def read_standard_input() -> str:
     """
     if sys.stdin is None:  # closed by the caller
         raise LoadError("cannot read `<stdin>`: it is closed")
-    return _decode("<stdin>", _all_of("<stdin>", sys.stdin.buffer))
+    return decoded("<stdin>", _all_of("<stdin>", sys.stdin.buffer))
 
 
 def read_text(path: Path) -> str:
@@ -218,12 +214,20 @@ def read_text(path: Path) -> str:
     Raises:
         LoadError: if it cannot be read, is not UTF-8, or is beyond measure.
     """
+    return decoded(str(path), read_bytes(path))
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the bytes of a file.
+
+    Raises:
+        LoadError: if it cannot be read, or is beyond measure.
+    """
     try:
         with _opened(path) as file:
-            data = all_there(str(path), file)
+            return all_there(str(path), file)
     except OSError as error:
         raise LoadError(_unreadable(path, error)) from None
-    return _decode(str(path), data)
 
 
 def read_compiled(path: str | Path) -> bytes | None:
@@ -294,7 +298,12 @@ def _unreadable(path: Path, error: OSError) -> str:
     return f"cannot read `{path}`: {reason(error)}"
 
 
-def _decode(name: str, data: bytes) -> str:
+def decoded(name: str, data: bytes) -> str:
+    """Return the text that the bytes of a file say; see `read_text`.
+
+    Raises:
+        LoadError: if they are not UTF-8, or no text.
+    """
     if data.startswith(COMPILED):
         raise LoadError(f"`{name}` is a compiled library: sources are wanted here")
     if b"\0" in data:
@@ -312,54 +321,3 @@ def _decode(name: str, data: bytes) -> str:
 def fold_line_ends(text: str) -> str:
     """A text whose lines all end in one character."""
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
-
-
-# --- written ------------------------------------------------------------------------
-
-
-def write_whole(file: str | Path, data: bytes) -> None:
-    """Write a file whole or not at all; what is no plain file is written to.
-
-    A link stays one: what it leads to is written. A file that was there keeps its mode.
-
-    Raises:
-        WriteError: if it cannot be written.
-    """
-    target = os.path.realpath(file)
-    part = Path(f"{target}.{os.getpid()}.part")
-    try:
-        if os.path.exists(file) and not os.path.isfile(file):
-            Path(file).write_bytes(data)
-            return
-        try:
-            with part.open("xb") as stream:
-                stream.write(data)
-            if os.path.exists(target):
-                part.chmod(stat.S_IMODE(os.stat(target).st_mode))
-            os.replace(part, target)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        raise WriteError(f"cannot write `{file}`: {reason(error)}") from None
-
-
-def write_back(file: Path, text: str) -> None:
-    """Replace the text of a file that was read with `read_text`.
-
-    A byte order mark stays, and so do line ends if all of them were of one kind.
-
-    Raises:
-        LoadError: if the file is gone.
-        WriteError: if it cannot be written.
-    """
-    try:
-        with _opened(file) as stream:
-            before = all_there(str(file), stream)
-    except OSError as error:
-        raise LoadError(_unreadable(file, error)) from None
-    data = text.encode("utf-8")
-    for end in (b"\r\n", b"\r"):
-        if end in before and before.count(end) == len(_LINE_END.findall(before)):
-            data = data.replace(b"\n", end)
-            break
-    write_whole(file, codecs.BOM_UTF8 * before.startswith(codecs.BOM_UTF8) + data)

@@ -19,9 +19,10 @@ from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
 from rapc.base.diagnostics import Applicability
-from rapc.base.files import lies_in, path_of, read_standard_input, write_back
+from rapc.base.files import lies_in, path_of, read_standard_input
 from rapc.base.later import later
 from rapc.base.names import plural
+from rapc.base.writing import remove_parts
 from rapc.cli.check_options import Chosen, Options, settle
 from rapc.cli.common import (
     FOR_PEOPLE,
@@ -31,9 +32,10 @@ from rapc.cli.common import (
     findings_text,
     print_findings,
     refuse_input,
+    rewrite,
     write_output,
 )
-from rapc.cli.options import command, fail, say, settings
+from rapc.cli.options import USAGE, command, fail, say, settings
 from rapc.library.loader import STANDARD_INPUT
 from rapc.library.units import Units
 
@@ -112,7 +114,7 @@ def check(**given: Any) -> None:
     or `[tool.rapc]` in a pyproject.toml says counts where no option does.
 
     Exit status: 0 if nothing was found, 1 for a finding at or above the fail level, 2
-    for bad usage and for what cannot be read.
+    for bad usage and for what cannot be read or, with --fix, written.
     """
     options = msgspec.convert(given, Options)
     _contradict(options)
@@ -121,10 +123,12 @@ def check(**given: Any) -> None:
         watch.watch(options.paths, lambda: _run(options, units).report.files)
         return
     try:
-        worst = _run(_with_input(options), Units()).grave
+        done = _run(_with_input(options), Units())
     except UnknownRuleError as error:
         fail(f"{error}{f'; {error.help}' if error.help else ''}")
-    if worst and not options.exit_zero:
+    if done.left:
+        raise SystemExit(USAGE)
+    if done.grave and not options.exit_zero:
         raise SystemExit(1)
 
 
@@ -163,6 +167,8 @@ class Done(msgspec.Struct, frozen=True):
     report: CheckReport
     #: Whether the exit status is to be 1.
     grave: bool
+    #: Whether a file could not be written: the exit status is to be 2.
+    left: bool = False
 
 
 def _run(options: Options, units: Units) -> Done:
@@ -267,14 +273,20 @@ def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
         if not settings().quiet:
             click.echo(f"would carry out {count}", err=True)
         return Done(mended.report, bool(changed))
-    for name, text in changed.items():
-        if name not in options.texts:
-            write_back(path_of(name), text)
-    for name, text in options.texts.items():
-        click.echo(mended.texts.get(name, text), nl=False)
-    fixed = f", {count} carried out" if mended.fixed else ""
-    apart = bool(options.texts)
-    return _tell(mended.report, options, chosen, fixed=fixed, apart=apart)
+    given = {name: mended.texts.get(name, text) for name, text in options.texts.items()}
+    files = [name for name in before if name not in given and allowed(name)]
+    remove_parts(map(path_of, files))
+    left = [
+        name
+        for name in files
+        if name in changed and not rewrite(name, before[name], changed[name])
+    ]
+    for text in given.values():
+        click.echo(text, nl=False)
+    fixed = f", {count} carried out" if mended.fixed and not left else ""
+    report = check(given) if left else mended.report
+    done = _tell(report, options, chosen, fixed=fixed, apart=bool(given))
+    return msgspec.structs.replace(done, left=bool(left))
 
 
 # --- the summary ------------------------------------------------------------------

@@ -17,11 +17,13 @@ from typing import TYPE_CHECKING, TextIO
 import click
 
 from rapc.analysis.driver import CheckReport
-from rapc.base.files import path_of, same_file, write_whole
+from rapc.base.files import path_of, same_file
 from rapc.base.later import later
-from rapc.cli.options import USAGE, fail, say, settings
-from rapc.errors import WriteError
+from rapc.base.writing import write_whole
+from rapc.cli.options import USAGE, fail, say, say_error, settings
+from rapc.errors import LoadError, WriteError
 from rapc.library.loader import Loaded, load
+from rapc.parser.rewriting import write_back
 
 if TYPE_CHECKING:
     import difflib
@@ -83,6 +85,25 @@ def write_output(file: str, data: bytes) -> None:
         write_whole(file, data)
     except WriteError as error:
         fail(error.message)
+
+
+def rewrite(name: str, read: str, text: str) -> bool:
+    """Replace the text of a RAP file; if that is refused, print why.
+
+    Args:
+        name: the name of the file.
+        read: its text as it was read; another one by now is left as it is.
+        text: its new text.
+
+    Returns:
+        Whether the file was written.
+    """
+    try:
+        write_back(path_of(name), read, text)
+    except (LoadError, WriteError) as error:
+        say_error(error.message)
+        return False
+    return True
 
 
 FORMATS = (

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import click
 
 from rapc.analysis import suite
 from rapc.analysis.driver import CheckReport, Finding
-from rapc.base.files import (
-    names_at,
-    path_of,
-    read_standard_input,
-    read_text,
-    write_back,
-)
+from rapc.base.files import names_at, path_of, read_standard_input, read_text
 from rapc.base.names import plural
 from rapc.base.source import SourceFile
-from rapc.cli.common import diff, print_findings
+from rapc.base.writing import remove_parts
+from rapc.cli.common import diff, print_findings, rewrite
 from rapc.cli.options import USAGE, command, say, settings
 from rapc.library.loader import STANDARD_INPUT
 from rapc.parser.formatter import Formatted, formatted
@@ -42,11 +37,15 @@ def fmt(paths: Sequence[str], check: bool, differ: bool) -> None:
     (-) goes to standard output. Comments stay where they are, and what the text means
     stays as it is.
 
-    Exit status: 0; 1 with --check or --diff if something would change; 2 for what
-    cannot be read, a file with a slip in its parentheses, say: it is left as it is.
+    Exit status: 0; 1 with --check or --diff if something would change; 2 if a file
+    cannot be read, has a slip in its parentheses, say, or cannot be written: it is left
+    as it is.
     """
-    changed, same, faulty = 0, 0, 0
-    for source in _sources(paths):
+    changed, same, faulty, left = 0, 0, 0, 0
+    names = _names(paths)
+    if not (check or differ):
+        remove_parts(path_of(name) for name in names if name != STANDARD_INPUT)
+    for source in map(_source, names):
         made = formatted(source)
         if made.diagnostics:
             _report(source, made)
@@ -56,28 +55,31 @@ def fmt(paths: Sequence[str], check: bool, differ: bool) -> None:
             same += 1
         elif made.text == source.text:
             same += 1
-        else:
+        elif _change(source, made.text, check, differ):
             changed += 1
-            _change(source, made.text, check, differ)
+        else:
+            left += 1
     if not settings().quiet and list(paths) != ["-"]:
-        click.echo(_summary(changed, same, faulty, check or differ), err=differ)
-    if faulty:
+        click.echo(_summary(changed, same, faulty, left, check or differ), err=differ)
+    if faulty or left:
         raise SystemExit(USAGE)
     if changed and (check or differ):
         raise SystemExit(1)
 
 
-def _sources(paths: Sequence[str]) -> Iterator[SourceFile]:
-    """Yield the files at some paths, each once."""
-    seen: set[str] = set()
+def _names(paths: Sequence[str]) -> list[str]:
+    """Return the names of the files at some paths, each once."""
+    found: list[str] = []
     for path in paths:
-        if path == "-":
-            yield SourceFile(STANDARD_INPUT, read_standard_input())
-            continue
-        for name in names_at(path, tests=True):
-            if name not in seen:
-                seen.add(name)
-                yield SourceFile(name, read_text(path_of(name)))
+        found += [STANDARD_INPUT] if path == "-" else names_at(path, tests=True)
+    return list(dict.fromkeys(found))
+
+
+def _source(name: str) -> SourceFile:
+    is_input = name == STANDARD_INPUT
+    return SourceFile(
+        name, read_standard_input() if is_input else read_text(path_of(name))
+    )
 
 
 def _report(source: SourceFile, made: Formatted) -> None:
@@ -87,22 +89,26 @@ def _report(source: SourceFile, made: Formatted) -> None:
     print_findings(CheckReport(findings, {source.name: source}), "full")
 
 
-def _change(source: SourceFile, text: str, check: bool, differ: bool) -> None:
-    """Write a file's new text, or say how it would change."""
+def _change(source: SourceFile, text: str, check: bool, differ: bool) -> bool:
+    """Write a file's new text, or say how it would change; False if it is refused."""
     if differ:
         click.echo(diff(source.name, source.text, text), nl=False)
     elif check:
         click.echo(f"would change {source.name}")
-    else:
-        write_back(path_of(source.name), text)
+    elif rewrite(source.name, source.text, text):
         say(f"changed {source.name}")
+    else:
+        return False
+    return True
 
 
-def _summary(changed: int, same: int, faulty: int, asked: bool) -> str:
+def _summary(changed: int, same: int, faulty: int, left: int, asked: bool) -> str:
     would = "would change" if asked else "changed"
     parts = [f"{would} {plural(changed, 'file')}"] if changed else []
     if same:
         parts.append(f"{plural(same, 'file')} {'is' if same == 1 else 'are'} well")
     if faulty:
         parts.append(f"{plural(faulty, 'file')} cannot be laid out")
+    if left:
+        parts.append(f"{plural(left, 'file')} cannot be written")
     return ", ".join(parts) or "there are no RAP files"

@@ -121,11 +121,16 @@ def fail(message: str, *more: str | None) -> NoReturn:
         message: what is wrong, one line.
         more: further lines, if any: other things that are wrong, or what to do.
     """
+    say_error(message, *more)
+    raise SystemExit(USAGE)
+
+
+def say_error(message: str, *more: str | None) -> None:
+    """Print an error on standard error; see `fail`."""
     click.echo(f"error: {visible(message)}", err=True)
     for line in more:
         if line:
             click.echo(f"  {visible(line)}", err=True)
-    raise SystemExit(USAGE)
 
 
 def show_traceback(error: Exception) -> None:

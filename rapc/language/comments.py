@@ -1,8 +1,12 @@
-"""Comments, which nest and are therefore more than a terminal of the grammar."""
+"""Comments, which nest and are therefore more than a terminal of the grammar.
+
+So are the places of strings: a comment may hold what looks like one.
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from rapc.language.grammar import TERMINALS
 
@@ -25,6 +29,16 @@ def comment_end(text: str, start: int) -> int:
     return -1
 
 
+def strings(text: str) -> Iterator[tuple[int, int]]:
+    """Yield where the strings in a text begin and end, with their quotes.
+
+    What follows a string or comment that is not closed is left out.
+    """
+    for kind, start, end in _pieces(text):
+        if kind == "string":
+            yield start, end
+
+
 def blanked(text: str) -> str | None:
     """Return `text` with blanks for its comments, line ends among them.
 
@@ -32,14 +46,26 @@ def blanked(text: str) -> str | None:
     """
     made: list[str] = []
     at = 0
-    while piece := _PIECE.search(text, at):
-        start, end = piece.span()
-        kind = piece.lastgroup
-        if kind == "block":
-            end = comment_end(text, start)
-        if kind == "open" or end < 0 or (kind == "line" and end == len(text)):
+    for kind, start, end in _pieces(text):
+        if kind == "open" or (kind == "line" and end == len(text)):
             return None
         made.append(text[at:start])
         made.append(text[start:end] if kind == "string" else " " * (end - start))
         at = end
     return "".join(made) + text[at:]
+
+
+def _pieces(text: str) -> Iterator[tuple[str | None, int, int]]:
+    """Yield the strings and comments of a text: what it is, its start, its end.
+
+    The last one is `open` if it is not closed.
+    """
+    end = 0
+    while piece := _PIECE.search(text, end):
+        kind, (start, end) = piece.lastgroup, piece.span()
+        if kind == "block":
+            end = comment_end(text, start)
+        if end < 0 or kind == "open":
+            yield "open", start, len(text)
+            return
+        yield kind, start, end
