@@ -3,6 +3,8 @@
 python -m bench.journeys                     500 journeys in the default building
 python -m bench.journeys --pairs 60 --random-map 5
 python -m bench.journeys --pairs 60 --map museum
+python -m bench.journeys --pairs 60 --map @FILE        a map in TOML
+python -m bench.journeys --pairs 200 --corridors       another building for each seed
 python -m bench.journeys --pairs 30 --set drift=4
 
 The seed of a journey draws start and goal among all landmarks, and all chance of the
@@ -16,11 +18,13 @@ import argparse
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
+from bench.corridors import corridors, toml_text
 from rapc.base.values import Atom, Text, number
 from rapc.runtime.events.report import cause_lines
 from rapc.worlds.hallway.map import Map
-from rapc.worlds.hallway.map_text import named_map
+from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.random_map import random_map
 from tests.hallway.sent import Journey, travel
 
@@ -35,8 +39,15 @@ def main() -> None:
     )
     parser.add_argument("--pairs", type=int, default=500, help="how many journeys")
     parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--map", default="default", help="a building of the wheel")
+    parser.add_argument(
+        "--map", default="default", help="a map of rapc by name, or @FILE"
+    )
     parser.add_argument("--random-map", type=int, help="the seed of a building")
+    parser.add_argument(
+        "--corridors",
+        action="store_true",
+        help="long corridors and narrow doorways, another building for each seed",
+    )
     parser.add_argument(
         "--set",
         nargs="*",
@@ -45,12 +56,16 @@ def main() -> None:
         help="options of the world",
     )
     given = parser.parse_args()
-    map, options = building(given.map, given.random_map)
+    settings: dict[str, Atom] = {}
     for name, _, value in (text.partition("=") for text in given.set):
-        options[name] = number(float(value))
+        settings[name] = number(float(value))
+    map, options = building(given.map, given.random_map)
     start, journeys = time.process_time(), []
     for seed in range(given.first_seed, given.first_seed + given.pairs):
-        journey = travel(seed, map, options)
+        if given.corridors:
+            map = corridors(seed)
+            options = {"map": Text(toml_text(map))}
+        journey = travel(seed, map, options | settings)
         journeys.append(journey)
         for line in told(seed, journey):
             print(line, flush=True)
@@ -65,6 +80,9 @@ def building(name: str, seed: int | None) -> tuple[Map, dict[str, Atom]]:
     """Return a map, and the options of the world that ask for it."""
     if seed is not None:
         return random_map(seed), {"random-map": seed}
+    if name.startswith("@"):
+        text = Path(name[1:]).read_text(encoding="utf-8")
+        return read_map(text), {"map": Text(text)}
     return named_map(name), {"map": Text(name)}
 
 

@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from bench.corridors import corridors, toml_text
 from rapc.worlds.hallway.map import Map, MapError, signs
 from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.random_map import random_map
@@ -142,3 +143,11 @@ def test_a_map_made_at_random_is_one_building_and_the_same_for_a_seed() -> None:
     assert all(len(signs(map)) > 15 for map in made)
     assert len({len(map.doorway) for map in made}) > 3
     assert random_map(7) == made[7]
+
+
+def test_corridors_of_the_bench_are_maps_of_the_world() -> None:
+    made = [corridors(seed) for seed in range(40)]
+    assert [read_map(toml_text(map)) for map in made] == made
+    assert all(_reachable(map) for map in made)
+    assert max(doorway.width for map in made for doorway in map.doorway) <= 0.9
+    assert min(map.space[0].box[2] for map in made) >= 24
