@@ -125,6 +125,8 @@ class PositionFix(msgspec.Struct, frozen=True):
     age: float
     #: Whether it has been seen at all.
     known: bool = True
+    #: Whether both tags are in view, at the bearings that follow from the fix.
+    in_view: bool = False
 
 
 SONAR = Channel("sonar", tuple[float, ...], "m", "what each sonar of the ring measures")

@@ -41,8 +41,16 @@ from rapc.worlds.hallway.channels import (
     Trajectory,
     Travel,
 )
+from rapc.worlds.hallway.skills.halls import turned
 from rapc.worlds.hallway.skills.moving import FACING, SPEED, MovementComplete
-from rapc.worlds.hallway.skills.sonar import QUARTER, Votes, bearing_of, square_to, vote
+from rapc.worlds.hallway.skills.sonar import (
+    QUARTER,
+    Votes,
+    bearing_of,
+    echo_points,
+    square_to,
+    vote,
+)
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 LOST = 6.0
@@ -54,8 +62,16 @@ LEARNING = 0.15
 OPEN = 0.4
 """A wall that is farther away by so much is another one, in metres."""
 
+BESIDE = (0.2, 2.0)
+"""Distance of an echo of the wall beside a doorway from the plane of that wall and,
+along the wall, from the robot, in metres, at most.
+"""
+
 AT = 0.12
 """How near to its place before the landmark the robot stops, in metres."""
+
+FITS = 0.15
+"""A tag is seen where it should be if its bearing is off by less, in radians."""
 
 EACH = 1.0
 """Seconds for which one of several landmarks in view is told of."""
@@ -175,7 +191,9 @@ class TrackLandmark(Skill):
             ports[FIX] = PositionFix(pose.x, pose.y, pose.heading, age, known=False)
             return
         best = min(state.guesses, key=lambda guess: guess.wander)
-        ports[FIX] = PositionFix(best.x, best.y, best.normal, age)
+        half = float(self.arguments["apart"]) / 2
+        in_view = pair is not None and _fits(best, half, pair, pose)
+        ports[FIX] = PositionFix(best.x, best.y, best.normal, age, in_view=in_view)
 
     def _learn(
         self,
@@ -276,7 +294,7 @@ class ApproachLandmark(Skill):
         state.turning = left < (0.3 if state.turning else AT)
         if state.turning:
             bearing = bearing_of(fix.normal + math.pi, pose)
-            ports[TRAVEL] = Travel(abs(bearing) < FACING)
+            ports[TRAVEL] = Travel(fix.in_view and abs(bearing) < FACING)
             ports[TRAJECTORY] = Trajectory(bearing, 0.0, turn=True)
             return
         bearing = bearing_of(math.atan2(dy, dx), pose)
@@ -349,10 +367,27 @@ class SeeTags(Skill):
 
 
 def open_to(ranges: Sequence[float], bearing: float, wall: float) -> bool:
-    """Return whether there is plainly no wall square to a bearing, so far ahead."""
+    """Return whether there is plainly no wall square to a bearing, so far ahead.
+
+    A gap in that wall is a doorway: there is wall on one side of it at least.
+    """
     middle = round(bearing / (2 * math.pi) * SONARS)
     near = min(ranges[(middle + off) % SONARS] for off in (-1, 0, 1))
-    return near > wall + OPEN
+    if near <= wall + OPEN:
+        return False
+    echoes = turned(echo_points(ranges), bearing)
+    return not any(abs(x - wall) < BESIDE[0] and abs(y) < BESIDE[1] for x, y in echoes)
+
+
+def _fits(guess: Guess, half: float, pair: tuple[Tag, Tag], pose: Pose) -> bool:
+    """Return whether both tags are seen where a guess has them."""
+    aside_x, aside_y = math.sin(guess.normal) * half, -math.cos(guess.normal) * half
+    for tag, side in zip(pair, (1, -1), strict=True):
+        x, y = guess.x + side * aside_x - pose.x, guess.y + side * aside_y - pose.y
+        off = math.remainder(bearing_of(math.atan2(y, x), pose) - tag.bearing, math.tau)
+        if abs(off) > FITS:
+            return False
+    return True
 
 
 def both(tags: Sequence[Tag], arguments: Mapping[str, Any]) -> tuple[Tag, Tag] | None:

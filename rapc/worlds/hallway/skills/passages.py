@@ -37,7 +37,7 @@ APART = 0.05
 TURNED = 0.3
 """or has turned so far, in radians."""
 
-TIGHT = 1.25
+TIGHT = WIDTH[1] + 0.05
 """At a narrow place the two nearest things leave no more than this, in metres."""
 
 OPPOSITE = range(9, 16)

@@ -1,0 +1,65 @@
+"""Buildings in which skills once failed: journeys arrive, with the right belief."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rapc.base.values import Text
+from rapc.worlds.hallway.map import Map
+from rapc.worlds.hallway.map_text import read_map
+from rapc.worlds.hallway.state import HallwaySettings
+from rapc.worlds.skills.catalogue import SkillRequest
+from tests.effort import first
+from tests.hallway.driver import EAST, STILL, Driver, to_landmark
+from tests.hallway.sent import travel
+
+MAPS = Path(__file__).parent / "maps"
+
+
+def _text(name: str) -> str:
+    return (MAPS / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def _map(name: str) -> Map:
+    return read_map(_text(name))
+
+
+@pytest.mark.parametrize("seed", first(2, [4, 1, 2, 6, 15, 18, 19]))
+def test_landmark_beside_an_open_doorway_is_found_in_its_space(seed: int) -> None:
+    journey = travel(seed, _map("behind"), {"map": Text(_text("behind"))})
+    assert journey.arrived, journey
+    assert journey.away < 0.3
+    assert journey.strays == []
+
+
+def test_landmark_is_not_reached_while_a_tag_is_out_of_view() -> None:
+    """Somebody stands before its left tag when the robot comes to its place."""
+    settings = HallwaySettings(doors=0, people=1, lift=0, drift=0, usage=0)
+    driver = Driver(0, settings)
+    sign = driver.place_at("charger", "lab")
+    ticket = driver.on(to_landmark(sign, standoff=1.4), events=("at-landmark",))
+    driver.tick(2)
+    (walker,) = driver.sim.state.walkers
+    x, y = sign.front(0.4)
+    walker.x, walker.y, walker.floor, walker.way = x, y - 0.45, 1, []
+    walker.pause = 100.0
+    driver.tick(70)
+    assert [told.event for _, told in driver.heard if ticket in told.tickets] == []
+    walker.x += 3.0
+    driver.tick(30)
+    told = [told.event for _, told in driver.heard if ticket in told.tickets]
+    assert told == ["at-landmark"]
+
+
+@pytest.mark.parametrize("seed", first(1, range(5)))
+def test_widest_doorway_is_noticed_by_sonar(seed: int) -> None:
+    driver = Driver(seed, STILL, _map("behind"))
+    driver.place(1.3, 2.7, EAST)
+    driver.on(SkillRequest("detect-doorway"), events=("passed-doorway",))
+    move = SkillRequest("move-in-direction", (EAST, 3.5, 0.5))
+    driver.until(move, events=("movement-complete", "stuck"), within=60)
+    assert driver.sim.state.space == "room"
+    (told,) = [one for _, one in driver.heard if one.event == "passed-doorway"]
+    assert told.arguments == pytest.approx((2.66, 2.7, EAST), abs=0.15)
