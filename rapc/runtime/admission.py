@@ -20,9 +20,8 @@ from rapc.runtime.authors import (
     PORT,
     SKILLED,
     Named,
-    is_fact,
+    first_facts,
     wrong_arities,
-    wrong_type,
 )
 from rapc.world import Skilled, World
 
@@ -93,7 +92,7 @@ def refusals(
     library = program.library
     return [
         *_lacking(library, world),
-        *_untellable(library, program.signatures, world),
+        *_untellable(library, program.signatures, world, first_facts(world)),
         *_unregistered(library, functions),
         *_uncompared(library, comparators),
         *_unskilled(library, world),
@@ -160,17 +159,12 @@ def _listed(names: Iterable[str]) -> str:
 
 
 def _untellable(
-    library: Library, signatures: Signatures, world: World
+    library: Library, signatures: Signatures, world: World, facts: Iterable[Fact]
 ) -> Iterator[str]:
     """Yield what the world tells at first that the library does not declare so."""
     unknown: dict[str, None] = {}
     told: set[str] = set()
-    facts = world.facts()
-    if not isinstance(facts, Iterable):
-        raise wrong_type(world, "facts", "what the robot knows at first", facts)
     for fact in facts:
-        if not is_fact(fact):
-            raise wrong_type(world, "facts", "a first fact", fact)
         name = str(fact[0])
         fault = signatures.fault("asserted", name, len(fact) - 1)
         if fault is None or name in told:

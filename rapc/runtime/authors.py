@@ -8,17 +8,17 @@ else is a fault of rapc. How many arguments the code takes is looked at beforeha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from inspect import signature
-from math import inf
 from pathlib import Path
 from types import FrameType, FunctionType, MethodType
 from typing import NoReturn, TypeGuard
 
-from rapc.base.code_places import code_of, frames, place_of, said_by
+from rapc.base.code_places import code_of, frames, place_of, place_of_error, said_by
 from rapc.base.names import plural
 from rapc.errors import PortError
-from rapc.world import Refused, Reply, Signal, Text, World
+from rapc.language.atoms import is_atom
+from rapc.world import Fact, Refused, Reply, Signal, World
 
 Named = Mapping[str, Callable[..., object]]
 """Python code by the name under which a library knows it."""
@@ -154,6 +154,15 @@ def breach(world: World, call: str, said: str) -> PortError:
     return PortError(f"the world `{world.name}` {said}; see {_method(world, call)}")
 
 
+def failed(world: World, call: str, error: BaseException) -> PortError:
+    """Return what to raise for an `error` that the method `call` has raised."""
+    whose, place = f"the world `{world.name}`", place_of_error(error)
+    at = f" at {place.strip(' ()')}" if place else ""
+    return PortError(
+        f"{whose} failed{at}: {said_by(error)}; see {_method(world, call)}"
+    )
+
+
 def _method(world: World, call: str) -> str:
     """Return the method of a world, and where its author wrote it."""
     behind = getattr(world, "__wrapped__", world)
@@ -180,7 +189,32 @@ def is_fact(value: object) -> bool:
     """Whether `value` is a fact: a tuple of atoms, the first of them a name."""
     if type(value) is not tuple or not value or type(value[0]) is not str:
         return False
-    return all(type(part) in _ATOMS for part in value)
+    return all(map(is_atom, value))
+
+
+def first_facts(world: World) -> list[Fact]:
+    """Return what a robot knows at first in `world`.
+
+    Raises:
+        PortError: for what is no list of facts, and if `facts` breaks or has no end.
+    """
+    found: list[Fact] = []
+    try:
+        facts = world.facts()
+        if not isinstance(facts, Iterable):
+            raise wrong_type(world, "facts", "what the robot knows at first", facts)
+        for fact in facts:
+            if not is_fact(fact):
+                raise wrong_type(world, "facts", "a first fact", fact)
+            if len(found) == MOST_FACTS:
+                said = f"has more than {MOST_FACTS} first facts"
+                raise breach(world, "facts", said)
+            found.append(fact)
+    except (KeyboardInterrupt, PortError):
+        raise
+    except BaseException as error:  # whatever the world's code may raise
+        raise failed(world, "facts", error) from error
+    return found
 
 
 def is_reply(value: object) -> TypeGuard[Reply]:
@@ -204,16 +238,25 @@ def is_signal(value: Signal) -> bool:
 
 
 def is_time(value: object) -> bool:
-    """Whether `value` is a time: a number, neither negative nor infinite."""
-    return type(value) in (int, float) and 0 <= value < inf  # type: ignore[operator]
+    """Whether `value` is a time: a number from 0 to `LATEST`."""
+    return type(value) in (int, float) and 0 <= value <= LATEST  # type: ignore[operator]
 
 
-_A_FACT = "a tuple of a name and its arguments"
+MOST_FACTS = 1_000_000
+"""How many first facts a world may have."""
+
+LATEST = 10**15
+"""The latest time of a clock: up to it a `float` still has eighths of a time unit."""
+
+_A_FACT = (
+    "a tuple of a name and its arguments: symbols as programs write them, numbers, "
+    "`Text` for any other text"
+)
 _A_REPLY = f"a `Reply` whose data are each {_A_FACT}"
 _WANTED = {
-    "now": "a number from 0 on",
-    "usual_time": "a number from 0 on",
-    "next_time": "a number from 0 on, `None` or `NOT_KNOWN`",
+    "now": "a number from 0 to 10^15",
+    "usual_time": "a number from 0 to 10^15",
+    "next_time": "a number from 0 to 10^15, `None` or `NOT_KNOWN`",
     "ended": "a text or `None`",
     "perform": f"{_A_REPLY}, `None` or `Refused`",
     "activate": "`None` or a `Refused` that has tickets",
@@ -225,5 +268,4 @@ _WANTED = {
 }
 """What should have come, by the method of the world or, first, by what it is called."""
 
-_ATOMS = (str, int, float, Text)
 _MOST_SHOWN = 60

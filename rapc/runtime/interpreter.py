@@ -28,7 +28,7 @@ from rapc.runtime.arguments import (
     need_time,
     need_world,
 )
-from rapc.runtime.authors import blame
+from rapc.runtime.authors import blame, first_facts
 from rapc.runtime.begin_and_end import end_run, tell_start
 from rapc.runtime.events.events import Event, Goal, TaskResult
 from rapc.runtime.events.recorder import Listener, Recording
@@ -376,7 +376,7 @@ class Interpreter:
         machine.state.started = True
         tell_start(machine, self.seed, options or {}, tasks, faults, facts)
         try:
-            for fact in machine.world.facts():
+            for fact in first_facts(machine.world):
                 self.assert_fact(*fact)
         except BaseException as error:
             blame(error, self._world, self._code)

@@ -255,7 +255,7 @@ class _Held:
                 parts.append(term.value)
             else:
                 parts.append("?")
-        return self._machine.memory.checked(tuple(parts))
+        return self._machine.memory.canonical(tuple(parts))
 
     def _matching(self, pattern: Fact) -> Fact | None:
         """Return the oldest fact in memory that matches `pattern`."""

@@ -18,6 +18,7 @@ from rapc.world import (
     Offer,
     Reply,
     Signal,
+    Text,
     World,
 )
 
@@ -116,6 +117,10 @@ def stop(*args: Any) -> Any:
     raise GeneratorExit
 
 
+def end(*args: Any) -> Any:
+    raise StopIteration
+
+
 def one(memory: Any) -> Any:
     return None
 
@@ -200,6 +205,11 @@ def lame(world: Any, ticket: int, request: Fact) -> Any:
 RAISING = {
     "the first time": (with_(now=boom), "the world `bad`"),
     "facts": (with_(facts=boom), "the world `bad`"),
+    "the end of an iterator in facts": (with_(facts=end), "the world `bad`"),
+    "facts of a generator": (
+        with_(facts=lambda world: (boom() for _ in range(1))),
+        "the world `bad`",
+    ),
     "perform": (with_(perform=boom), "the world `bad`"),
     "exit in perform": (with_(perform=leave), "the world `bad`"),
     "any end in messages": (with_(messages=stop), "the world `bad`"),
@@ -251,13 +261,36 @@ TYPES: dict[str, tuple[type[World], str]] = {
     "an empty signal": (sends(Signal(())), "a message"),
     "an empty datum": (sends(Datum(())), "a message"),
     "a strange ticket": (sends(Finished(NAME, Reply("okay"))), "not under way: 'a'"),
+    "a time too large to be moved on": (with_(now=answers(1e308)), "from 0 to 10"),
+    "a next time too large to be reached": (
+        waits(next_time=answers(1e308)),
+        "the next time .*, not a number from 0 to 10",
+    ),
+    "an odd symbol in a datum": (sends(Datum(("spotted", "A b ( ;"))), "a message"),
+    "a control character in a datum": (
+        sends(Datum(("spotted", "a\x1b[2J"))),
+        "a message",
+    ),
+    "a variable in a datum": (sends(Datum(("spotted", "?thing"))), "a message"),
+    "a number written as text": (sends(Datum(("spotted", "5"))), "a message"),
+    "a datum that holds no number": (sends(Datum(("weighed", nan))), "a message"),
+    "a half character in a text": (
+        sends(Datum(("spotted", Text("\ud800")))),
+        "a message",
+    ),
+    "an odd symbol in a signal": (sends(Signal((":bell\n",))), "a message"),
+    "an odd symbol in a reply": (
+        with_(perform=answers(Reply("okay", (("spotted", "A"),)))),
+        "the reply",
+    ),
+    "an odd symbol in a fact": (with_(facts=answers([("seen", "A b")])), "first fact"),
     "a time that is none": (
         with_(now=answers("noon")),
-        "the time .*, not a number from 0 on;",
+        r"the time .*, not a number from 0 to 10\^15;",
     ),
     "a next time that is none": (
         waits(next_time=answers("noon")),
-        "the next time .*, not a number from 0 on, `None` or `NOT_KNOWN`",
+        r"the next time .*, not a number from 0 to 10\^15, `None` or `NOT_KNOWN`",
     ),
     "a next time that is no number": (waits(next_time=answers(nan)), "the next time"),
     "a next time that has been": (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,12 @@ from typing import Any
 import pytest
 
 import rapc
+from rapc.runtime import authors
 from rapc.world import (
     Fact,
     Offer,
     Reply,
+    Text,
 )
 from rapc.worlds.faults import FaultyWorld, InjectedFault
 from tests.cli.command import rapc as command
@@ -28,6 +31,7 @@ from tests.worlds.broken_worlds import (
     answers,
     boom,
     handlers,
+    ignored,
     run,
     with_,
     with_kit,
@@ -112,6 +116,40 @@ def test_answers_of_the_wrong_type_are_the_worlds_fault(case: str) -> None:
     with pytest.raises(rapc.PortError, match=said) as caught:
         run(world, "(rest)" if slow else "(compare)")
     assert HERE in caught.value.message
+
+
+@pytest.mark.parametrize("place", [nan, True, None, "A b", "5", Text("\ud800")])
+def test_handler_that_arrives_at_no_atom_is_blamed(place: Any) -> None:
+    def goes(memory: Any, request: Fact, result: str) -> None:
+        memory.arrive(place)
+
+    said = f"the handler of `look` failed at test_{HERE}:.*is not a symbol"
+    with pytest.raises(rapc.PortError, match=said):
+        run(handlers(goes, ignored))
+
+
+@pytest.mark.parametrize("call", ["introduce", "fix_cardinality", "assert_fact"])
+def test_handler_that_stores_an_odd_symbol_is_blamed(call: str) -> None:
+    def stores(memory: Any, request: Fact, result: str) -> None:
+        given = {
+            "introduce": ("A b", "box", "shelf"),
+            "fix_cardinality": ("A b",),
+            "assert_fact": ("seen", "A b"),
+        }
+        getattr(memory, call)(*given[call])
+
+    said = f"the handler of `look` failed at test_{HERE}:.*`A b` is not a symbol"
+    with pytest.raises(rapc.PortError, match=said):
+        run(handlers(stores, ignored))
+
+
+def test_world_without_end_of_first_facts_is_blamed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(authors, "MOST_FACTS", 1000)
+    endless = with_(facts=lambda world: itertools.repeat(("seen", "mouse")))
+    with pytest.raises(rapc.PortError, match=r"more than 1000 first facts.*`facts`"):
+        run(endless)
 
 
 def test_a_run_in_a_broken_world_is_ended_in_its_trace() -> None:

@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rapc.base.values import Atom, Fact, Text, format_list, number
+from rapc.base.values import Atom, Fact, format_list, number
 from rapc.errors import FactError
+from rapc.language.atoms import is_atom, is_symbol
 from rapc.library.signature import Signature
-
-_KINDS = frozenset((str, int, float, Text))
-"""The types of what may stand in a fact."""
 
 
 def full_form(fact: Fact, relations: Mapping[str, Signature]) -> Fact:
@@ -25,8 +23,8 @@ def full_form(fact: Fact, relations: Mapping[str, Signature]) -> Fact:
     if relation is None:
         raise _undeclared(fact)
     for part in fact:
-        if type(part) is not str and type(part) is not int:
-            fact = tuple([_in_one_form(part) for part in fact])
+        if type(part) is not int and not (type(part) is str and is_symbol(part)):
+            fact = tuple([in_one_form(part) for part in fact])
             break
     given, most = len(fact) - 1, relation.most
     if given != most:
@@ -43,21 +41,22 @@ def check_prefix(prefix: Fact, relations: Mapping[str, Signature]) -> None:
     if not prefix or type(prefix[0]) is not str or prefix[0] not in relations:
         raise _undeclared(prefix)
     for part in prefix:
-        if type(part) is not str:
-            _in_one_form(part)
+        in_one_form(part)
 
 
 def _undeclared(fact: Fact) -> FactError:
     return FactError(f"`{fact[0] if fact else ''}` is not declared")
 
 
-def _in_one_form(part: Atom) -> Atom:
-    """A value as it is kept: a whole float as an integer. Raises FactError."""
-    if type(part) not in _KINDS:
-        raise FactError(f"`{part}` is not a symbol, number or string")
-    if type(part) is not float:
-        return part
-    try:
-        return number(part)
-    except ValueError:
-        raise FactError(f"`{part}` is not a number of the language") from None
+def in_one_form(part: Atom) -> Atom:
+    """Return a value as it is kept: a whole float as an integer.
+
+    Raises:
+        FactError: for what is no symbol, number or string of the language.
+    """
+    if is_atom(part):
+        return number(part) if type(part) is float else part
+    if type(part) is str:
+        said = "is not a symbol; a text that is none is a `rapc.world.Text`"
+        raise FactError(f"`{part:.60}` {said}")
+    raise FactError(f"`{part}` is not a symbol, number or string")

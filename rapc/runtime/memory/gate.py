@@ -12,7 +12,7 @@ from rapc.library.kinds import Test
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.checking import check_prefix
+from rapc.runtime.memory.checking import check_prefix, in_one_form
 from rapc.runtime.memory.items import Item
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.recognition.recognizer import Recognizer
@@ -208,6 +208,7 @@ class Gate(MemoryView):
         """Tell memory of an item that is seen: see `HandlerMemory.introduce`."""
         memory = self._memory
         place = self._stored(place)
+        in_one_form(sensor_name)
         if self._recognizer.recognises(kind):
             return self._recognizer.introduce(sensor_name, kind, place).name
         item, news = memory.items.introduce(sensor_name, kind)
@@ -269,8 +270,12 @@ class Gate(MemoryView):
             self._memory.tell("know-sensor-name")
 
     def arrive(self, place: Atom) -> None:
-        """Set the place of the robot, of which `external` speaks from now on."""
-        self._memory.arrive(self._memory.items.canonical(place))
+        """Set the place of the robot, of which `external` speaks from now on.
+
+        Raises:
+            FactError: for what is no symbol, number or string.
+        """
+        self._memory.arrive(self._memory.items.canonical(in_one_form(place)))
 
     def _introduced(self, item: str) -> Item:
         known = self._memory.items.known.get(str(self._memory.items.canonical(item)))
@@ -281,7 +286,7 @@ class Gate(MemoryView):
     def _stored(self, place: Atom) -> Atom:
         if place == EXTERNAL and self._memory.place is not None:
             return self._memory.place
-        return self._memory.items.canonical(place)
+        return self._memory.items.canonical(in_one_form(place))
 
     def _set(self, *fact: Atom) -> None:
         self._memory.store(self.checked(fact), "handler")

@@ -15,7 +15,7 @@ from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.kinds import Kinds
 from rapc.runtime.acts.primitives import take_reply
-from rapc.runtime.authors import breach, is_fact, is_refusal, is_time, wrong_type
+from rapc.runtime.authors import breach, first_facts, is_refusal, is_time, wrong_type
 from rapc.runtime.host_query import HandlerQuestions
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
@@ -259,15 +259,3 @@ class Driver:
 
 def _hear(memory: object, datum: Fact) -> None:
     """Take a datum and make nothing of it."""
-
-
-def first_facts(world: World) -> list[Fact]:
-    """Return what the robot knows at first. Raises PortError for what are no facts."""
-    facts = world.facts()
-    if not isinstance(facts, Iterable):
-        raise wrong_type(world, "facts", "what the robot knows at first", facts)
-    found = list(facts)
-    for fact in found:
-        if not is_fact(fact):
-            raise wrong_type(world, "facts", "a first fact", fact)
-    return found

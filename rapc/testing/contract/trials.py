@@ -15,9 +15,9 @@ from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.runtime.admission import misfitting, refusals
-from rapc.runtime.authors import blame, breach, is_time, wrong_type
+from rapc.runtime.authors import blame, breach, first_facts, is_time, wrong_type
 from rapc.testing.contract.declarations import declaring
-from rapc.testing.contract.driver import Driver, first_facts
+from rapc.testing.contract.driver import Driver
 from rapc.testing.contract.skills import try_skills
 from rapc.world import NOT_KNOWN, Drawable, Kit, Savable, Text, Time, Timed, World
 
