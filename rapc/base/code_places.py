@@ -35,7 +35,7 @@ def said_by(error: BaseException) -> str:
         raise
     except BaseException as other:  # whatever code from elsewhere may raise
         said = f"(it cannot be printed: {type(other).__name__})"
-    return " ".join(f"{type(error).__name__}: {said}".split())
+    return " ".join(f"{type(error).__name__}: {said}".split()).removesuffix(":")
 
 
 def frames(error: BaseException) -> Iterator[tuple[FrameType, int]]:

@@ -119,7 +119,10 @@ def main(args: Sequence[str] | None = None) -> None:
             _tell(f"error: the output cannot be written: {reason(error)}")
         sys.exit(USAGE)
     except Exception as error:
-        _internal_fault(error)
+        if sys.stdout.closed:
+            _tell("error: the world's code closed standard output")
+        else:
+            _internal_fault(error)
         sys.exit(USAGE)
     sys.exit(status if isinstance(status, int) else 0)
 
@@ -177,6 +180,8 @@ def _tell(line: str) -> None:
         click.echo(line, err=True)
     except OSError:
         _drop(sys.stderr)
+    except ValueError:  # it was closed
+        return
 
 
 def _drop(stream: TextIO) -> None:

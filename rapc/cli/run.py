@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -21,7 +22,7 @@ from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.errors import reason
 from rapc.library.library import Library
-from rapc.runtime.authors import blame
+from rapc.runtime.authors import picture_of
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
@@ -211,25 +212,20 @@ def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
         fail(f"cannot write `{trace}`: {reason(error)}")
 
 
-def _drawable(world: World, world_name: str) -> Drawable:
+def _drawable(world: World, world_name: str) -> World:
     """Return a world that can be drawn; any other ends the command."""
     if not isinstance(world, Drawable):
         fail(f"the world `{world_name}` has no picture of itself to --show")
-    try:
-        world.picture()
-    except Exception as error:
-        blame(error, world, {})
+    picture_of(world)
     return world
 
 
-def _show(
-    stack: ExitStack, interpreter: Interpreter, world: Drawable, every: int
-) -> None:
+def _show(stack: ExitStack, interpreter: Interpreter, world: World, every: int) -> None:
     """Draw the run while it goes on."""
     known = (80, 24) if sys.stdout.isatty() else (PIPED_WIDTH, 0)
     view = live.LiveView(
         interpreter,
-        world.picture,
+        partial(picture_of, world),
         sys.stdout,
         lambda: shutil.get_terminal_size(known),
         color=settings().colored(),

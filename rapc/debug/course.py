@@ -18,7 +18,7 @@ from rapc.debug.forced import ForcedWorld, ForceResult
 from rapc.debug.log import EventLog, ToldEvent, Wanted
 from rapc.debug.saves import EVERY, Moment, Saves
 from rapc.debug.stepped import Stepped
-from rapc.errors import StateError
+from rapc.errors import PortError, StateError
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import Time, World
 
@@ -147,7 +147,7 @@ class Course(Stepped):
             return
         try:
             self.branch.saves.add(self.moment, self.run.save())
-        except StateError as error:
+        except (StateError, PortError) as error:
             self.no_way_back = error.message
 
     # --- backwards

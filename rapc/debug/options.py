@@ -6,7 +6,7 @@ Settings are part of what a run is made with; options of a world part of its sta
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import msgspec
 from msgspec.structs import replace
@@ -14,7 +14,8 @@ from msgspec.structs import replace
 from rapc.base.names import hint
 from rapc.base.values import Atom, typed
 from rapc.debug.acts import Act, Setup
-from rapc.errors import ArgumentError
+from rapc.errors import ArgumentError, PortError
+from rapc.runtime.authors import laid_at
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.format import decode_run
 from rapc.runtime.settings import Settings, read_settings
@@ -70,6 +71,7 @@ class AdjustWorld(Act, frozen=True):
 
         Raises:
             ArgumentError: if the world does not let it be changed, or not so.
+            PortError: if the world breaks.
         """
         world = run.machine.world
         if not isinstance(world, Adjustable):
@@ -77,9 +79,12 @@ class AdjustWorld(Act, frozen=True):
                 f"the world `{world.name}` lets no option be changed while it runs"
             )
         try:
-            world.adjust(self.name, self.value)
-        except ValueError as error:
-            raise ArgumentError(f"the world `{world.name}` refuses: {error}") from error
+            with laid_at(world, "adjust"):
+                world.adjust(self.name, self.value)
+        except PortError as error:
+            if not isinstance(said := error.__cause__, ValueError):
+                raise
+            raise ArgumentError(f"the world `{world.name}` refuses: {said}") from said
         return run
 
     def __str__(self) -> str:
@@ -91,9 +96,20 @@ def changeable_options(run: Interpreter) -> Iterator[GivenOption]:
     for name in Settings.__struct_fields__:
         yield GivenOption(OWN, name.replace("_", "-"), getattr(run.settings, name))
     world = run.machine.world
-    if isinstance(world, Adjustable):
-        for name, value in world.adjustable().items():
-            yield GivenOption(world.name, name, value)
+    for name, value in _adjustable(world).items():
+        yield GivenOption(world.name, name, value)
+
+
+def _adjustable(world: World) -> Mapping[str, Atom | bool]:
+    """Return the options of a world that can be changed now; none if it lets none be.
+
+    Raises:
+        PortError: if the world breaks, or returns no mapping.
+    """
+    if not isinstance(world, Adjustable):
+        return {}
+    with laid_at(world, "adjustable"):
+        return dict(world.adjustable())
 
 
 def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
@@ -118,9 +134,9 @@ def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
     if owner != world.name:
         raise ArgumentError(f"`{owner}` is neither `{OWN}` nor `{world.name}`")
     read = read_options(type(_innermost(world)), {name: text})
-    if isinstance(world, Adjustable) and name not in world.adjustable():
+    if isinstance(world, Adjustable) and name not in (known := _adjustable(world)):
         said = f"`{owner}.{name}` counts at the beginning of a run alone"
-        raise ArgumentError(said + hint(name, world.adjustable()))
+        raise ArgumentError(said + hint(name, known))
     return AdjustWorld(owner, name, read[name])
 
 

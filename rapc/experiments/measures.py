@@ -8,6 +8,7 @@ from collections.abc import Container, Iterable, Mapping
 import msgspec
 
 from rapc.base.values import is_number
+from rapc.runtime.authors import laid_at
 from rapc.runtime.events import events
 from rapc.world import OKAY, Offer, Time, Truthful, World
 
@@ -168,10 +169,15 @@ def _clause(cause: events.Cause) -> str:
 
 
 def figures_of(world: World) -> dict[str, float]:
-    """Return the numbers that a world tells of the truth; none if it tells none."""
+    """Return the numbers that a world tells of the truth; none if it tells none.
+
+    Raises:
+        PortError: if the world breaks, or returns no mapping.
+    """
     if not isinstance(world, Truthful):
         return {}
-    told = msgspec.to_builtins(world.figures())
+    with laid_at(world, "figures"):
+        told = dict(msgspec.to_builtins(world.figures()))
     return {n.replace("_", "-"): v for n, v in told.items() if is_number(v)}
 
 

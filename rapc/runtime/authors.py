@@ -9,16 +9,19 @@ else is a fault of rapc. How many arguments the code takes is looked at beforeha
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from inspect import signature
 from pathlib import Path
 from types import FrameType, FunctionType, MethodType
 from typing import NoReturn, TypeGuard
 
+import msgspec
+
 from rapc.base.code_places import code_of, frames, place_of, place_of_error, said_by
 from rapc.base.names import plural
 from rapc.errors import PortError
 from rapc.language.atoms import is_atom
-from rapc.world import Fact, Refused, Reply, Signal, World
+from rapc.world import Drawable, Fact, Picture, Refused, Reply, Savable, Signal, World
 
 Named = Mapping[str, Callable[..., object]]
 """Python code by the name under which a library knows it."""
@@ -154,13 +157,24 @@ def breach(world: World, call: str, said: str) -> PortError:
     return PortError(f"the world `{world.name}` {said}; see {_method(world, call)}")
 
 
-def failed(world: World, call: str, error: BaseException) -> PortError:
-    """Return what to raise for an `error` that the method `call` has raised."""
-    whose, place = f"the world `{world.name}`", place_of_error(error)
-    at = f" at {place.strip(' ()')}" if place else ""
-    return PortError(
-        f"{whose} failed{at}: {said_by(error)}; see {_method(world, call)}"
-    )
+@contextmanager
+def laid_at(world: World, call: str) -> Iterator[None]:
+    """Raise what the block raises as a failure of the method `call` of `world`.
+
+    It is for blocks in which no code of others runs.
+
+    Raises:
+        PortError: for whatever the block raises, Ctrl-C left out.
+    """
+    try:
+        yield
+    except (KeyboardInterrupt, PortError):
+        raise
+    except BaseException as error:  # whatever the world's code may raise
+        place = place_of_error(error).strip(" ()")
+        whose = f"the world `{world.name}` failed" + (f" at {place}" if place else "")
+        said = f"{whose}: {said_by(error)}; see {_method(world, call)}"
+        raise PortError(said) from error
 
 
 def _method(world: World, call: str) -> str:
@@ -199,7 +213,7 @@ def first_facts(world: World) -> list[Fact]:
         PortError: for what is no list of facts, and if `facts` breaks or has no end.
     """
     found: list[Fact] = []
-    try:
+    with laid_at(world, "facts"):
         facts = world.facts()
         if not isinstance(facts, Iterable):
             raise wrong_type(world, "facts", "what the robot knows at first", facts)
@@ -210,11 +224,39 @@ def first_facts(world: World) -> list[Fact]:
                 said = f"has more than {MOST_FACTS} first facts"
                 raise breach(world, "facts", said)
             found.append(fact)
-    except (KeyboardInterrupt, PortError):
-        raise
-    except BaseException as error:  # whatever the world's code may raise
-        raise failed(world, "facts", error) from error
     return found
+
+
+def picture_of(world: World) -> Picture:
+    """Return the picture of a world that is `Drawable`, with tuples in it.
+
+    Raises:
+        PortError: if `picture` breaks, or returns what cannot be drawn.
+    """
+    assert isinstance(world, Drawable)
+    with laid_at(world, "picture"):
+        picture = world.picture()
+        if not isinstance(picture, Picture):
+            raise wrong_type(world, "picture", "the picture", picture)
+        try:
+            return msgspec.convert(msgspec.to_builtins(picture), Picture)
+        except (TypeError, ValueError, RecursionError) as error:
+            said = f"returns a picture that cannot be drawn: {error}"
+            raise breach(world, "picture", said) from error
+
+
+def saved_state(world: World) -> bytes:
+    """Return the state of a world that is `Savable`.
+
+    Raises:
+        PortError: if `save` breaks, or returns no bytes.
+    """
+    assert isinstance(world, Savable)
+    with laid_at(world, "save"):
+        state = world.save()
+    if not isinstance(state, bytes):
+        raise wrong_type(world, "save", "the saved state", state)
+    return state
 
 
 def is_reply(value: object) -> TypeGuard[Reply]:
@@ -255,6 +297,8 @@ _A_FACT = (
 _A_REPLY = f"a `Reply` whose data are each {_A_FACT}"
 _WANTED = {
     "now": "a number from 0 to 10^15",
+    "save": "bytes",
+    "picture": "a `Picture`",
     "usual_time": "a number from 0 to 10^15",
     "next_time": "a number from 0 to 10^15, `None` or `NOT_KNOWN`",
     "ended": "a text or `None`",

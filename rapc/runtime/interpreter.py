@@ -391,6 +391,7 @@ class Interpreter:
         Raises:
             StateError: in the middle of a cycle, if the world cannot be saved, or if
                 the host is to be called (`call_at`, `call_at_end`).
+            PortError: if the world breaks while it is saved.
         """
         return save(self._machine, self.seed)
 
@@ -403,6 +404,7 @@ class Interpreter:
 
         Raises:
             StateError: if `saved` is no such run; then nothing has changed.
+            PortError: if the world breaks while it is restored.
         """
         if not isinstance(saved, bytes):
             raise ArgumentError(f"`saved` is {kind(saved)}, no bytes of `save`")

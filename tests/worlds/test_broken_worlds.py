@@ -253,6 +253,14 @@ WORLDS = {
         "class Plays(Good):\n    def perform(self, ticket, request): sys.exit(0)\n",
         "the world `good` failed at plays.py:4: SystemExit: 0",
     ),
+    "shuts:Shuts": (
+        "import sys\nfrom tests.worlds.broken_worlds import Good\n"
+        "class Shuts(Good):\n"
+        "    def perform(self, ticket, request):\n"
+        "        sys.stdout.close()\n"
+        "        return super().perform(ticket, request)\n",
+        "the world's code closed standard output",
+    ),
 }
 
 

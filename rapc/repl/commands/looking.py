@@ -13,6 +13,7 @@ from rapc.parser.parse import parse_formula, parse_pattern
 from rapc.repl.answer import Cell, ShownAnswer, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Shell, command
+from rapc.runtime.authors import picture_of
 from rapc.runtime.events.events import Goal, TaskCreated
 from rapc.runtime.events.report import cause_lines
 from rapc.world import Drawable, Thing
@@ -215,7 +216,7 @@ def _world(shell: Shell, args: Arguments) -> ShownAnswer:
     world = shell.session.run.machine.world
     if not isinstance(world, Drawable):
         raise ArgumentError(f"the world `{world.name}` has no picture of itself")
-    picture = world.picture()
+    picture = picture_of(world)
     rows = [
         (
             ("* " if spot.name == picture.here else "") + spot.name,

@@ -14,6 +14,7 @@ from rapc.base.code_places import place_of
 from rapc.base.values import Fact, format_atom
 from rapc.errors import StateError
 from rapc.library.digest import digest
+from rapc.runtime.authors import laid_at, saved_state
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.saving.capture import capture
@@ -23,11 +24,15 @@ from rapc.runtime.saving.records import RunRecord
 from rapc.runtime.state.task import MethodRun
 from rapc.world import Savable, World
 
+_OF_THE_BYTES = (LookupError, TypeError, ValueError, AttributeError)
+"""What memory and a world raise where the bytes hold what no run leaves."""
+
 
 def save(machine: Machine, seed: int) -> bytes:
     """Return a whole run as bytes; nothing changes by it.
 
     Raises:
+        PortError: if the world breaks while it is saved.
         StateError: in the middle of a cycle, with timers of the host, or if the world
             cannot be saved.
     """
@@ -36,7 +41,8 @@ def save(machine: Machine, seed: int) -> bytes:
     if machine.broken:
         raise StateError("the run broke off in the middle of a cycle")
     _look_for_callbacks(machine, "saved")
-    world = _savable(machine.world).save()
+    _savable(machine.world)
+    world = saved_state(machine.world)
     library = digest(machine.library.library)
     return encode_run(capture(machine, seed, library, world))
 
@@ -48,6 +54,7 @@ def restore(machine: Machine, saved: bytes) -> int:
         StateError: for bytes that are no saved run of this library, this world and
             these settings; then nothing has changed. As `save`, too, but after a run
             has broken off.
+        PortError: if the world breaks while it is restored.
     """
     if machine.turning:
         raise StateError("a run cannot be replaced in the middle of a cycle")
@@ -63,11 +70,14 @@ def restore(machine: Machine, saved: bytes) -> int:
     try:
         memory_saving.restore_memory(machine.parts, record.memory)
         world.restore(record.world)
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
+    except BaseException as error:
         memory_saving.restore_memory(machine.parts, before)
         for run, facts in noted:
             run.notations = machine.memory.notations.of(facts)
-        raise not_a_run(error) from error
+        if isinstance(error, _OF_THE_BYTES):
+            raise not_a_run(error) from error
+        with laid_at(machine.world, "restore"):
+            raise
     rebuilt.install()
     machine.broken = False
     return record.seed

@@ -15,7 +15,15 @@ from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.runtime.admission import misfitting, refusals
-from rapc.runtime.authors import blame, breach, first_facts, is_time, wrong_type
+from rapc.runtime.authors import (
+    blame,
+    breach,
+    first_facts,
+    is_time,
+    picture_of,
+    saved_state,
+    wrong_type,
+)
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver
 from rapc.testing.contract.skills import try_skills
@@ -263,7 +271,7 @@ def _saving(tried: _Tried) -> Iterator[str]:
         assert isinstance(world, Savable)
         assert isinstance(copy, Savable)
         driver.drive(REQUESTS // 2)
-        state = world.save()
+        state = saved_state(world)
         if world.save() != state:
             yield f"{breach(driver.world, 'save', 'is another once it is saved')}"
             return
@@ -303,7 +311,7 @@ def _picture(tried: _Tried) -> Iterator[str]:
     world = one.world
     assert isinstance(world, Drawable)
     for _ in range(10):
-        picture = world.picture()
+        picture = picture_of(world)
         names = [spot.name for spot in picture.spots]
         if len(set(names)) < len(names):
             yield "two spots of its picture have one name"
