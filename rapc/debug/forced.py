@@ -59,7 +59,7 @@ class ForcedWorld(FaultyWorld):
     def _save(self) -> bytes:
         state = self._behind.save()
         if not isinstance(state, bytes):
-            return state  # type: ignore[unreachable]  # the interpreter says so
+            return state  # the interpreter says so
         return msgspec.json.encode(_Saved(state, self.forced))
 
     def _restore(self, state: bytes) -> None:

@@ -221,7 +221,7 @@ class FaultyWorld(World):
     def _save(self) -> bytes:
         state = self._behind.save()
         if not isinstance(state, bytes):
-            return state  # type: ignore[unreachable]  # the interpreter says so
+            return state  # the interpreter says so
         held = tuple(self._signals.held)
         return msgspec.json.encode(_Saved(state, stream_state(self._rng), held))
 
