@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import msgspec
 from msgspec.structs import replace
 
-from rapc.base.values import Fact, format_atom, format_list, number
+from rapc.base.values import Atom, Fact, format_atom, format_list, number
 from rapc.debug.acts import live_task
 from rapc.debug.log import ToldEvent
 from rapc.errors import ArgumentError
@@ -143,15 +143,20 @@ class Belief(msgspec.Struct, frozen=True):
     since: Time | None
 
 
-def beliefs(run: Interpreter, name: str, *pattern: object) -> list[Belief]:
+def beliefs(run: Interpreter, name: str, *pattern: Atom | None) -> list[Belief]:
     """Return the facts of a name that match a pattern of values and None.
 
     Raises:
-        ArgumentError: if nothing is declared by that name.
+        ArgumentError: if nothing is declared by that name, or a value is not of the
+            declared kind.
     """
     machine = run.machine
-    if name not in machine.library.signatures.relations:
-        raise ArgumentError(str(machine.library.signatures.unknown("test", name)))
+    signatures = machine.library.signatures
+    if name not in signatures.relations:
+        raise ArgumentError(str(signatures.unknown("test", name)))
+    wrong = signatures.wrong_kind("erased", name, pattern)
+    if wrong is not None:
+        raise ArgumentError(wrong)
     facts = machine.memory.facts
     size = len(pattern)
     found = []

@@ -197,10 +197,13 @@ class Signatures:
             message = f"{message} and {wrong}" if message else f"`{name}` has {wrong}"
         return Fault("arguments", message, "", declared) if message else None
 
-    def wrong_kind(self, use: Use, name: str, values: Sequence[Atom]) -> str | None:
+    def wrong_kind(
+        self, use: Use, name: str, values: Sequence[Atom | None]
+    ) -> str | None:
         """Return what is wrong with the kinds of the values given to a name, or None.
 
-        A name that is not declared, and arguments without kinds, hold nothing.
+        A name that is not declared, and arguments without kinds, hold nothing. None
+        stands for a value that is not known yet.
         """
         declared = self.table(use).get(name)
         args = declared.args if declared is not None else None
@@ -209,7 +212,8 @@ class Signatures:
         if declared.leaves_value_out(len(values)) and use != "erased":
             values = (*values, "true")
         for arg, value in misfits(self.kinds, args, values):
-            return f"{said_of(arg, value)} in `{declared.written}`"
+            if value is not None:
+                return f"{said_of(arg, value)} in `{declared.written}`"
         return None
 
     def no_result(self, name: str, result: str) -> Fault | None:

@@ -66,8 +66,8 @@ def table(
 ) -> ShownAnswer:
     """Return an answer with a table, or the words for `none` where it has no rows.
 
-    Numbers are rounded to the ninth place: 0.1 + 0.2 is 0.3 to whoever reads a table.
-    What is neither text nor a number is written as text.
+    Numbers are rounded to twelve digits: 0.1 + 0.2 is 0.3 to whoever reads a table, and
+    1e-25 is not 0. Values that are not symbols or numbers are written as RAP text.
     """
     made = tuple([tuple(map(_cell, row)) for row in rows])
     if not made:
@@ -77,8 +77,10 @@ def table(
 
 def _cell(value: object) -> Cell:
     if isinstance(value, float):
-        return number(round(value, 9))
-    return value if value is None or isinstance(value, str | int) else str(value)
+        return number(float(f"{value:.12g}"))
+    return (
+        value if value is None or isinstance(value, str | int) else format_atom(value)
+    )
 
 
 def shown(cell: Cell) -> str:

@@ -44,7 +44,8 @@ class HostQuery:
 
     Raises:
         TextError: for a name that the library does not declare, or not with so many
-            arguments; for a variable that the formula does not have, or is given twice.
+            arguments; for a variable that the formula does not have, or is given twice;
+            in a question of a host, for a constant of another kind than declared.
     """
 
     __slots__ = (
@@ -70,12 +71,14 @@ class HostQuery:
         self._machine = machine
         self._formula = formula
         functions = machine.context.functions
+        signatures = machine.library.signatures
+        _check_names(formula, signatures)
         if context is None:
+            _check_kinds(formula, signatures)
             most = machine.settings.query_steps
             context = HostContext(machine.memory, machine.recorder, functions, most)
         self._context = context
         self._renamings = -1
-        _check_names(formula, machine.library.signatures)
         self._query = self._compiled()
         for name in self.given:
             _check(name, self._query.variables, self.given)
@@ -151,6 +154,18 @@ def _check_names(formula: Formula, signatures: Signatures) -> None:
     for term in (inner for outer in terms(formula) for inner in subterms(outer)):
         if isinstance(term, nodes.Call) and term.function not in FUNCTIONS:
             _refuse(signatures.fault("computed", term.function, len(term.args)))
+
+
+def _check_kinds(formula: Formula, signatures: Signatures) -> None:
+    """Refuse constants that are not of the declared kind: no fact can have them."""
+    for part in subformulas(formula):
+        if isinstance(part, nodes.Proposition):
+            values = [
+                arg.value if isinstance(arg, nodes.Const) else None for arg in part.args
+            ]
+            wrong = signatures.wrong_kind("test", part.name, values)
+            if wrong is not None:
+                raise TextError(wrong)
 
 
 def _refuse(fault: Fault | None) -> None:

@@ -81,6 +81,26 @@ def test_queries_are_asked_and_their_answers_kept() -> None:
     assert "did you mean `place`" in said(shell, "(plaec ?x ?y)")
 
 
+def test_answers_show_small_numbers_and_strings_as_rap_text() -> None:
+    text = """
+    (declare-memory-proposition p (?x))
+    :assert (p 0.0000000000000000000000001)
+    (p ?x)
+    :erase (p)
+    :assert (p "a b")
+    (p ?x)
+    """
+    done = rapc("repl", stdin=text)
+    assert "0.0000000000000000000000001" in done.stdout
+    assert '"a b"' in done.stdout.splitlines()[-1]
+    told = [
+        json.loads(line)
+        for line in rapc("repl", "--json", stdin=text).stdout.splitlines()
+    ]
+    assert told[2]["rows"] == [{"?x": 1e-25}]
+    assert told[5]["rows"] == [{"?x": '"a b"'}]
+
+
 def test_goals_are_submitted() -> None:
     shell = truck_shell()
     assert said(shell, "(rock-order blue 1) :priority 2") == (
@@ -209,6 +229,23 @@ def test_answers_come_in_pages() -> None:
     assert rows(shell, "*1") == first
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(lies ?x 4)",
+        ":memory (lies ?x 4)",
+        ":why-not (lies ?x 4)",
+        ":watch (lies ?x 4)",
+    ],
+)
+def test_queries_with_wrong_kind_are_refused_as_assert_is(text: str) -> None:
+    shell = Shell(scripted(LISTENING, "(top)", rows=(row("(act)"),)), commands())
+    reason = "`4` is no place, which `?where` was declared in `(lies ?what ?where)`"
+    assert reason in said(shell, ":assert (lies box 4)")
+    answer = shell.answer(text)
+    assert (answer.failed, answer.lines) == (True, (reason,))
+
+
 def test_a_signal_wakes_who_waits_for_it_and_is_refused_if_it_is_none() -> None:
     shell = Shell(scripted(LISTENING, "(top)", rows=(row("(act)"),)), commands())
     assert "no event is called `:rung`; did you mean `:ring`?" in said(
@@ -224,6 +261,7 @@ def test_a_signal_wakes_who_waits_for_it_and_is_refused_if_it_is_none() -> None:
 LISTENING = """
 (declare-kind place)
 (declare-event :ring ((?where place)))
+(declare-memory-proposition lies (?what (?where place)))
 (declare-primitive act () (okay))
 (define-rap (top) (method (task-net (t1 (go) (wait-for (:ring hall) :proceed)))))
 (define-rap (go) (method (primitive (act))))

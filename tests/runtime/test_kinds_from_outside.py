@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from rapc.errors import FactError, RefusedError
+from rapc.errors import FactError, RefusedError, TextError
 from tests.runtime.helpers import Play, row
 
 LIBRARY = """
@@ -51,6 +53,23 @@ def test_a_goal_is_refused_before_anything_runs() -> None:
     assert Play(LIBRARY, "(pass back)").run(cycles=1).told("asked") == [
         "asked (act back)"
     ]
+
+
+@pytest.mark.parametrize(
+    ("question", "said"),
+    [
+        ("(shut side ?x)", "`side` is no door, which `?door` was declared in `(shut"),
+        ("(not (believe (shut side true) 5))", "`side` is no door"),
+        ("(weighs ?box much)", "`much` is no number"),
+    ],
+)
+def test_host_query_with_wrong_kind_is_refused(question: str, said: str) -> None:
+    """The reason is that of the refusal of a fact."""
+    interpreter = Play(LIBRARY).interpreter
+    with pytest.raises(TextError, match=re.escape(said)):
+        interpreter.question(question)
+    assert interpreter.question("(shut front ?x)").all() == [{"?x": "false"}]
+    assert not interpreter.question("(shut unknown true)").holds()
 
 
 def test_a_fact_of_a_world_is_refused() -> None:
