@@ -176,6 +176,18 @@ def test_what_is_seen_again_somewhere_else_has_moved() -> None:
     ]
 
 
+@pytest.mark.parametrize("kind", ["drum", "gun"])
+def test_moving_an_item_to_its_own_place_emits_no_event(kind: str) -> None:
+    memory = bench(DRUMS)
+    item = memory.introduce("s", kind, "depot")
+    memory.move(item, "depot")
+    assert [e for e in memory.events if isinstance(e, events.ItemMoved)] == []
+    memory.move(item, "bay")
+    memory.move(item, "bay")
+    moved = [e.location for e in memory.events if isinstance(e, events.ItemMoved)]
+    assert moved == ["bay"]
+
+
 def test_the_trace_says_what_left_a_set_and_how_well_it_matched() -> None:
     memory = bench(DRUMS)
     old = see(memory, "drum", "depot", {"color": "red"}, {"color": "blue"})

@@ -99,8 +99,10 @@ class Plain:
         name, place = str(self.facts.name(name)), self.facts.name(place)
         with self.batch():
             if name in self.guns:
+                before = self.facts.value("location", name)
                 self.facts.put("location", name, place)
-                self._tell("moved", self.guns[name], place)
+                if before != place:
+                    self._tell("moved", self.guns[name], place)
                 return
             thing = self.things[name]
             if self.place(thing) == place:

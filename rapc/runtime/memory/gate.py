@@ -233,8 +233,10 @@ class Gate(MemoryView):
         if isinstance(known, Description):
             self._recognizer.move(known, place)
             return
+        before = self.value("location", known.name)
         self._set("location", known.name, place)
-        self._tell(ItemMoved, known, place)
+        if before != place:
+            self._tell(ItemMoved, known, place)
 
     def lose(self, item: str) -> None:
         """Set the place of an item to `unknown`. Raises FactError as `move`."""
