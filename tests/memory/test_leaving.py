@@ -9,7 +9,11 @@ from hypothesis import strategies as st
 
 from rapc.runtime.memory.recognition import departure as leaving
 from rapc.runtime.memory.recognition.scoring import default_comparator
-from rapc.runtime.memory.recognition.sets import Description, ExpectationSet
+from rapc.runtime.memory.recognition.sets import (
+    Description,
+    ExpectationSet,
+    View,
+)
 from tests.effort import examples
 
 Rows = list[tuple[int, int]]
@@ -31,11 +35,11 @@ def _set(rows: Rows, layers: int) -> ExpectationSet:
     return found
 
 
-def _sizes(of: ExpectationSet, item: Description) -> tuple[int, int] | None:
+def _least(
+    served: list[View], groups: list[set[Description]], among: set[Description]
+) -> tuple[int, int] | None:
     """The size of the smallest collection, and of what leaves; by trying all."""
-    served, found = leaving.collect(of, item, default_comparator())
-    groups = [set(group) for _, grouped in found for group in grouped]
-    members = sorted(set().union(*groups), key=lambda d: d.number)
+    members = sorted(among, key=lambda d: d.number)
     for size in range(len(members) + 1):
         least = [
             len(out)
@@ -51,12 +55,21 @@ def _sizes(of: ExpectationSet, item: Description) -> tuple[int, int] | None:
 
 
 @examples(300)
-@given(st.lists(st.tuples(st.integers(0, 3), st.integers(1, 7)), max_size=7))
-def test_the_collection_is_the_smallest_and_the_fewest_leave(rows: Rows) -> None:
+@given(
+    st.lists(st.tuples(st.integers(0, 3), st.integers(1, 7)), max_size=7),
+    st.integers(0, 3),
+)
+def test_the_collection_is_the_smallest_and_the_fewest_leave(
+    rows: Rows, mark: int
+) -> None:
     of = _set(rows, 3)
     item = Description(99, "item-99", "s", "drum")
-    expected = _sizes(of, item)
+    if mark:
+        item.learn(("mark",), mark)
     served, found = leaving.collect(of, item, default_comparator())
+    groups = [set(group) for _, grouped in found for group in grouped]
+    expected = _least(served, groups, set().union(*groups))
+    expected = expected or _least(served, groups, set(of.members()))
     chosen = leaving.smallest(served, found)
     if chosen is None:
         assert expected is None

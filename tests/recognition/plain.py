@@ -258,6 +258,7 @@ class Plain:
         left = plain_leaving.leave(nobody, expected, self.facts, self._merge)
         for thing in left.dropped:
             self._forget(thing)
+        self._fill(expected)
         for thing in left.who:
             if thing.name:
                 self.facts.put("location", thing.name, "unknown")

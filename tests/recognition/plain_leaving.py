@@ -44,17 +44,22 @@ class Left:
 def leave(thing: Thing, expected: Expected, facts: Facts, merge: Merge) -> Left:
     """A thing leaves a set: it goes from every view, or another one for it."""
     look = Look(expected, facts)
-    served = [layer.members for layer in expected.layers if thing not in layer.members]
+    may = [d for d in expected.things() if not _known_other(expected, thing, d)]
+    served = [
+        layer.members
+        for layer in expected.layers
+        if thing not in layer.members and any(d in may for d in layer.members)
+    ]
     choices = [_choices(look, thing, members) for members in served]
-    found = _collection(served, choices)
+    candidates = [d for groups in choices for group in groups for d in group]
+    found = _collection(served, choices, candidates)
+    found = found or _collection(served, choices, may)
     scored = _scored(look, thing, choices, found[1] if found else [])
     for view in expected.views():
         if thing in view:
             view.remove(thing)
     if found is None:
-        gone = [_drop(look, thing, m, c) for m, c in zip(served, choices, strict=True)]
-        alone = [each for each in gone if not expected.standing(each)]
-        return Left([thing], dropped=alone)
+        return Left([thing], dropped=_drop(expected, served, choices))
     collection, leavers = found
     make_alike([each for each in collection if each.name], collection, facts)
     for view in expected.views():
@@ -97,18 +102,18 @@ def _known_other(expected: Expected, thing: Thing, other: Thing) -> bool:
 
 
 def _collection(
-    served: list[list[Thing]], choices: list[Groups]
+    served: list[list[Thing]], choices: list[Groups], among: Sequence[Thing]
 ) -> tuple[Sequence[Thing], Sequence[Thing]] | None:
     """The smallest collection with members that serve each layer once, and these."""
     groups = [group for layer in choices for group in layer]
-    pool = sorted({d for group in groups for d in group}, key=lambda d: d.number)
+    pool = sorted(set(among), key=lambda d: d.number)
     for size in range(len(pool) + 1):
         found = [
             (collection, leavers)
             for collection in combinations(pool, size)
             if all(any(d in collection for d in group) for group in groups)
             for leavers in _subsets(collection)
-            if _serve(leavers, served, choices)
+            if _serve(leavers, served)
         ]
         if found:
             return min(found, key=lambda pair: (_rank(pair[1]), _rank(pair[0])))
@@ -126,23 +131,22 @@ def _subsets(things: Sequence[Thing]) -> Iterable[Sequence[Thing]]:
         yield from combinations(things, size)
 
 
-def _serve(
-    leavers: Sequence[Thing], served: list[list[Thing]], choices: list[Groups]
-) -> bool:
-    """Whether of each layer exactly one leaves, and one that may be the item."""
+def _serve(leavers: Sequence[Thing], served: list[list[Thing]]) -> bool:
+    """Whether of each layer exactly one leaves."""
+    return all(sum(each in members for each in leavers) == 1 for members in served)
+
+
+def _drop(
+    expected: Expected, served: list[list[Thing]], choices: list[Groups]
+) -> list[Thing]:
+    """Where layers cannot be served together, what may be the item goes for good."""
+    gone: list[Thing] = []
     for members, groups in zip(served, choices, strict=True):
-        leaving = [each for each in leavers if each in members]
-        if len(leaving) != 1 or not any(leaving[0] in group for group in groups):
-            return False
-    return True
-
-
-def _drop(look: Look, thing: Thing, members: list[Thing], choices: Groups) -> Thing:
-    """Where the layers cannot be served together each loses its best candidate."""
-    fit = [d for group in choices for d in group]
-    fit = fit or [d for d in members if d not in look.expected.local]
-    gone = min(fit, key=lambda d: (d.name is not None, d.number))
-    members.remove(gone)
+        if not any(each in members for each in gone):
+            fit = [d for group in groups for d in group]
+            gone.append(min(fit, key=lambda d: (d.name is not None, d.number)))
+    for view in expected.views():
+        view[:] = [each for each in view if each not in gone]
     return gone
 
 

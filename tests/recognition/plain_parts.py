@@ -91,6 +91,10 @@ class Expected:
         """The local model's part, then the layers from latest to earliest."""
         return [self.local, *(layer.members for layer in reversed(self.layers))]
 
+    def things(self) -> list[Thing]:
+        """All that stand in a view, each once."""
+        return list(dict.fromkeys(d for view in self.views() for d in view))
+
     def standing(self, thing: Thing) -> int:
         """In how many views a thing stands."""
         return sum(thing in view for view in self.views())

@@ -15,11 +15,13 @@ from tests.effort import first
 
 from . import invariants
 from .crowded_walks import WORLD, Walk
+from .departing_walks import MARKED, Visits
 from .pictures import Operation, Picture, Side, Told
 from .sides import ByHand, UnderTest
 
 WALKS = range(120)
 STEPS = 100
+DEPARTURES = range(900)
 SLICES = 30
 
 DIGEST = "from tests.recognition import test_agreement as t; print(t.digest(range(8)))"
@@ -46,21 +48,43 @@ def walk(seed: int, *sides: Side) -> Iterator[list[Operation]]:
         yield batch
 
 
+def compare(batch: list[Operation], tested: Side, plain: Side, where: str) -> Picture:
+    """Hold both memories against each other after a batch; return what they hold."""
+    one, other = tested.picture(), plain.picture()
+    where = f"{where}: {batch}"
+    assert one.sets == other.sets, where
+    assert one.facts == other.facts, where
+    assert one.names == other.names, where
+    assert one.sensors == other.sensors, where
+    assert by_set(tested.told()) == by_set(plain.told()), where
+    return one
+
+
 @pytest.mark.parametrize("part", first(1, range(SLICES)))
 def test_both_memories_see_the_same_and_what_must_hold_holds(part: int) -> None:
     for seed in WALKS[part::SLICES]:
         tested, plain = UnderTest(WORLD), ByHand(WORLD)
         before = tested.picture()
         for step, batch in enumerate(walk(seed, tested, plain)):
-            where = f"walk {seed}, step {step}: {batch}"
-            one, other = tested.picture(), plain.picture()
-            assert one.sets == other.sets, where
-            assert one.facts == other.facts, where
-            assert one.names == other.names, where
-            assert one.sensors == other.sensors, where
-            assert by_set(tested.told()) == by_set(plain.told()), where
-            invariants.check(before, one, batch)
-            before = one
+            after = compare(batch, tested, plain, f"walk {seed}, step {step}")
+            invariants.check(before, after, batch)
+            before = after
+
+
+@pytest.mark.parametrize("part", first(1, range(SLICES)))
+def test_both_memories_agree_on_items_that_leave_contradicting_layers(
+    part: int,
+) -> None:
+    for seed in DEPARTURES[part::SLICES]:
+        tested, plain = UnderTest(MARKED), ByHand(MARKED)
+        before = tested.picture()
+        for step, batch in enumerate(Visits(seed).batches()):
+            for side in (tested, plain):
+                side.run(step, batch)
+            after = compare(batch, tested, plain, f"visits {seed}, step {step}")
+            invariants.layers_are_equally_large(after)
+            invariants.a_layer_stays_apart(before, after)
+            before = after
 
 
 def digest(seeds: range) -> str:

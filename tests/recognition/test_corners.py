@@ -17,28 +17,79 @@ def side(request: pytest.FixtureRequest) -> Side:
     return cast(Side, request.param(DEPOT))
 
 
-def test_nothing_merges_where_no_member_can_stand_once_in_each_layer(
-    side: Side,
-) -> None:
+def _alike_in_two_layers(side: Side) -> Story:
+    """See 1 in both layers; 6 is like 1 in the first layer, and like 4 in the second.
+
+    Where 6 then is moved, 1 alone stands once in each layer.
+    """
     story = Story(side, "drum")
     known: Looked = {"color": "red", "mark": "cross"}
     like: Looked = {"color": "red", "content": "full"}
-    story.see("dock", {"1": known, "2": {"size": 1}, "3": {"size": 2}})
+    near: Looked = {"mark": "cross", "size": 1}
+    story.see("dock", {"1": known, "2": near, "3": {"size": 2}})
     story.leave()
     seen: Seen = {"1b": known, "4": like, "5": {"is-empty": "false"}}
-    assert story.see("dock", seen) == [("@1", "@1b", 30, 10)]
+    assert story.see("dock", seen) == [("@1", "@1b", 30, 20)]
     story.leave()
     assert story.see("dock", {"6": like, "7": like}) == []
-    # 6 is like 1 in the first layer and like 4 in the second, where 1 stands too.
+    return story
+
+
+def test_item_leaves_by_the_member_that_stands_once_in_each_layer(side: Side) -> None:
+    story = _alike_in_two_layers(side)
     side.run(9, [("move", "@6", "bay")])
     moved, *merged = side.told()
-    assert moved == Told("moved", "@6", "6", "drum", "bay", None, None, None)
-    assert [(each.item, each.other) for each in merged] == [("@1", "@7")]
-    assert story.values("@6") == like
-    assert story.values("@1") == {"color": "red", "mark": "cross", "content": "full"}
+    assert moved == Told("moved", "@1", "6", "drum", "bay", "@6", 20, 30)
+    assert [(each.item, each.other) for each in merged] == [("@4", "@7")]
+    assert story.name("@6") == "@1"
+    assert story.values("@6") == {"color": "red", "mark": "unknown", "content": "full"}
+    assert story.values("@4") == {"color": "red", "mark": "unknown", "content": "full"}
     first, second = story.set("dock").layers
-    assert (items(first), items(second)) == ({"@2", "@3"}, {"@1", "@5"})
-    assert not any("@4" in fact for fact in side.picture().facts)
+    assert (items(first), items(second)) == ({"@2", "@3"}, {"@4", "@5"})
+
+
+def test_items_seen_side_by_side_stay_two_after_another_leaves(side: Side) -> None:
+    story = _alike_in_two_layers(side)
+    story.do(("move", "@6", "bay"))
+    assert len({story.name(item) for item in ("@1", "@2", "@3")}) == 3
+
+
+def test_members_that_are_no_candidates_complete_a_departure(side: Side) -> None:
+    story = Story(side, "drum")
+    first: Looked = {"color": "red", "size": 1}
+    second: Looked = {"color": "blue", "size": 1, "content": "full"}
+    story.see("paint-shop", {"1": first, "2": {"color": "green"}})
+    story.leave()
+    story.see("paint-shop", {"1b": first, "3": second})
+    story.leave()
+    story.see("paint-shop", {"3b": second, "4": {"color": "black"}})
+    story.leave()
+    like: Looked = {"size": 1, "content": "full"}
+    assert story.see("paint-shop", {"5": like, "6": like}) == []
+    # 1 is the best in the first layer and 3 in the others; 3 and 1 stand side by side.
+    side.run(9, [("move", "@5", "bay")])
+    moved, *merged = side.told()
+    assert moved == Told("moved", "@1", "5", "drum", "bay", "@5", 20, 30)
+    assert (story.name("@5"), story.name("@4")) == ("@1", "@1")
+    assert [(e.item, e.other) for e in merged] == [("@3", "@6"), ("@2", "@3")]
+    assert story.values("@6") == {"color": "green", "size": 1, "content": "full"}
+    assert story.set("paint-shop").size == 1
+
+
+def test_layers_that_contradict_each_other_lose_an_item_wholly(side: Side) -> None:
+    story = Story(side, "drum")
+    seen = {"1": "red", "2": "blue"}, {"2b": "blue", "3": "green"}
+    for view in (*seen, {"1b": "red", "3b": "green"}):
+        story.see("paint-shop", {label: {"color": c} for label, c in view.items()})
+        story.leave()
+    layers = [items(layer) for layer in story.set("paint-shop").layers]
+    assert layers == [{"@1", "@2"}, {"@2", "@3"}, {"@1", "@3"}]
+    story.see("paint-shop", {"4": {}})
+    story.do(("move", "@4", "bay"))
+    assert story.name("@4") == "@4"
+    assert {each.item for each in story.set("paint-shop").layers[0]} == {"@3"}
+    assert story.set("paint-shop").size == 1
+    assert story.values("@3") == {"color": "green"}
 
 
 def test_a_moved_item_keeps_what_is_known_of_itself(side: Side) -> None:

@@ -9,7 +9,7 @@ are few groups; above that, groups are hit greedily.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 
 import msgspec
@@ -36,22 +36,19 @@ class Collection(msgspec.Struct, frozen=True):
     """Which descriptions an item that leaves may be.
 
     `members` become alike; `leaving` are those of them that stand exactly once in
-    each layer to be served. `score` is the item's best in any layer, `rival` its best
-    with a candidate group none of which leaves; None where there is no such group.
+    each layer to be served. `score` is the item's best with a candidate group of which
+    one leaves, `rival` its best with one none of which leaves; None where there is no
+    such group.
     """
 
     members: Members
     leaving: Members
-    score: Number
+    score: Number | None
     rival: Number | None
 
 
 class _Candidate(msgspec.Struct, frozen=True):
-    """A description with the groups it is in and the layers it would serve, as bits.
-
-    `layers` is 0 where it must not leave: it stands in a layer as a member of a group
-    that is no candidate there.
-    """
+    """A description with the groups it is in and the layers it would serve, as bits."""
 
     description: Description
     groups: int
@@ -91,53 +88,86 @@ def candidate_groups(
 def collect(
     of: ExpectationSet, item: Description, score: Score
 ) -> tuple[list[View], list[tuple[Number, list[list[Description]]]]]:
-    """The layers that must lose a description for an item, with candidate groups."""
+    """The layers that must lose a description for an item, with candidate groups.
+
+    A layer in which the item stands itself is none of them, nor is one whose members
+    are all known to be other items: there the item was never expected.
+    """
     outside = item.mask | of.local.bit
-    served = [layer for layer in of.layers if not item.mask & layer.bit]
+    served = [
+        layer
+        for layer in of.layers
+        if not item.mask & layer.bit
+        and any(not d.mask & outside for d in layer.members)
+    ]
     return served, [candidate_groups(v, item, outside, score) for v in served]
 
 
 def smallest(
     served: Sequence[View], found: Sequence[tuple[Number, list[list[Description]]]]
 ) -> Collection | None:
-    """The collection, or None if no member stands exactly once in each layer."""
+    """The collection, or None if no descriptions stand once in each layer.
+
+    If the candidates alone do not, others that may be the item complete them.
+    """
     hits: dict[Description, int] = {}
-    here: dict[Description, int] = {}
     count = 0
-    for at, (_, grouped) in enumerate(found):
+    for _, grouped in found:
         for group in grouped:
             for description in group:
                 hits[description] = hits.get(description, 0) | 1 << count
-                here[description] = here.get(description, 0) | 1 << at
             count += 1
-    bits = [(1 << at, layer.bit) for at, layer in enumerate(served)]
-    candidates = []
-    for description, hit in hits.items():
-        stands = sum(own for own, bit in bits if description.mask & bit)
-        layers = stands if stands == here[description] else 0
-        candidates.append(_Candidate(description, hit, layers))
-    chosen = _choose(_thinned(candidates), count, len(served))
+    chosen = _choose(_candidates(served, hits), count, len(served))
+    if chosen is None:
+        own = sum(layer.bit for layer in served)
+        others = [d for v in served for d in v.members if not d.mask & ~own]
+        hits = {**dict.fromkeys(others, 0), **hits}
+        chosen = _choose(_candidates(served, hits), count, len(served))
     if chosen is None:
         return None
     members, leaving = chosen
-    best = max((s for s, _ in found), default=0)
     going = {c.description for c in leaving}
-    rivals = [s for s, groups in found for g in groups if going.isdisjoint(g)]
-    rival = max(rivals, default=None)
-    return Collection(_descriptions(members), _descriptions(leaving), best, rival)
+    groups = [(s, going.isdisjoint(g)) for s, grouped in found for g in grouped]
+    return Collection(
+        _descriptions(members),
+        _descriptions(leaving),
+        max((s for s, stays in groups if not stays), default=None),
+        max((s for s, stays in groups if stays), default=None),
+    )
 
 
-def next_best(
-    of: ExpectationSet, layer: View, candidates: Sequence[Sequence[Description]]
-) -> Description:
-    """Return what a layer loses by itself: an empty candidate, or the oldest.
+def _candidates(
+    served: Sequence[View], hits: Mapping[Description, int]
+) -> list[_Candidate]:
+    """Descriptions with the candidate groups that each is in, one of each kind."""
+    found = []
+    for description, groups in hits.items():
+        stands = [description.mask & layer.bit > 0 for layer in served]
+        layers = sum(1 << at for at, there in enumerate(stands) if there)
+        found.append(_Candidate(description, groups, layers))
+    return _thinned(found)
 
-    A layer without candidates loses a member that is not accessible.
+
+def drop_each(
+    of: ExpectationSet,
+    served: Sequence[View],
+    found: Sequence[tuple[Number, list[list[Description]]]],
+) -> list[Description]:
+    """Let each layer lose one that may be the item; return what then is in no view.
+
+    For layers that contradict each other: no way to leave serves each of them once. A
+    description that goes leaves all layers, for in one that it does not leave it could
+    be taken for a description that it stood beside. So a layer can lose more than one.
     """
-    found = [d for group in candidates for d in group if d in layer.members]
-    if not found:
-        found = [d for d in layer.members if d not in of.local.members]
-    return min(found or layer.members, key=lambda d: (not d.empty, d.number))
+    gone: list[Description] = []
+    for layer, (_, groups) in zip(served, found, strict=True):
+        if not any(member.mask & layer.bit for member in gone):
+            free = [d for group in groups for d in group]
+            gone.append(min(free, key=lambda d: (not d.empty, d.number)))
+    for member in gone:
+        for layer in of.layers:
+            of.discard(layer, member)
+    return gone
 
 
 def _descriptions(chosen: Sequence[_Candidate]) -> Members:

@@ -289,11 +289,8 @@ class Recognizer:
         self._touch(home)
         self._memory.tell("location")
         if choice is None:
-            for layer, (_, candidates) in zip(served, found, strict=True):
-                member = departure.next_best(home, layer, candidates)
-                home.discard(layer, member)
-                if not member.mask:
-                    self._forget(member)
+            for member in departure.drop_each(home, served, found):
+                self._forget(member)
             self._fill(home)
             return item, None
         merging.make_alike(self._memory, choice.members)
