@@ -22,6 +22,7 @@ from rapc.base.diagnostics import Applicability
 from rapc.base.files import lies_in, path_of, read_standard_input
 from rapc.base.later import later
 from rapc.base.names import plural
+from rapc.base.outputs import BASELINE, FINDINGS
 from rapc.base.writing import remove_parts
 from rapc.cli.check_options import Chosen, Options, settle
 from rapc.cli.common import (
@@ -31,7 +32,7 @@ from rapc.cli.common import (
     diff,
     findings_text,
     print_findings,
-    refuse_input,
+    refuse_output,
     rewrite,
     write_output,
 )
@@ -215,9 +216,9 @@ def _tell(
     if chosen.baseline is not None:
         report, known = _without_known(report, chosen.baseline)
     if options.output_file is not None:
-        refuse_input("--output-file", options.output_file, report.files, _OF_LIBRARY)
         settled = (chosen.configured_by, chosen.baseline)
-        refuse_input("--output-file", options.output_file, settled, _SETTLED)
+        inputs = (report.files, _OF_LIBRARY), (settled, _SETTLED)
+        refuse_output("--output-file", options.output_file, FINDINGS, *inputs)
         text = findings_text(report, chosen.format, options.statistics)
         write_output(options.output_file, text.encode())
     else:
@@ -239,8 +240,8 @@ def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
 
 def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
     """Write a baseline; that of before may be replaced."""
-    refuse_input("--write-baseline", file, report.files, _OF_LIBRARY)
-    refuse_input("--write-baseline", file, [chosen.configured_by], _SETTLED)
+    inputs = (report.files, _OF_LIBRARY), ([chosen.configured_by], _SETTLED)
+    refuse_output("--write-baseline", file, BASELINE, *inputs)
     write_output(file, baseline.baseline_text(report, file).encode())
     if not settings().quiet:
         click.echo(f"wrote {plural(len(report.findings), 'finding')} to {file}")

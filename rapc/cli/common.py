@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, TextIO
 import click
 
 from rapc.analysis.driver import CheckReport
-from rapc.base.files import path_of, same_file
+from rapc.base.files import path_of
 from rapc.base.later import later
+from rapc.base.outputs import Output, check_output
 from rapc.base.writing import write_whole
 from rapc.cli.options import USAGE, fail, say, say_error, settings
 from rapc.errors import LoadError, WriteError
@@ -55,20 +56,24 @@ def read_paths(paths: Iterable[str]) -> Loaded:
     return loaded
 
 
-def refuse_input(
-    option: str, file: str, inputs: Iterable[str | Path | None], told: str
+def refuse_output(
+    option: str,
+    file: str,
+    output: Output,
+    *inputs: tuple[Iterable[str | Path | None], str],
 ) -> None:
-    """End the command if what an option has written is one of the files that are read.
+    """End the command if an option may not write its file.
 
     Args:
         option: the option.
-        file: where it writes.
-        inputs: the files that are read; None is none.
-        told: what is said of one: "is a file of the library".
+        file: the file.
+        output: the kind of file that it writes.
+        inputs: as for `rapc.base.outputs.check_output`.
     """
-    read = [path_of(str(each)) for each in inputs if each is not None]
-    if any(same_file(file, each) for each in read):
-        fail(f"{option}: `{file}` {told}")
+    try:
+        check_output(file, output, *inputs)
+    except WriteError as error:
+        fail(f"{option}: {error.message}", error.help)
 
 
 def refuse_faulty(*reports: CheckReport) -> None:

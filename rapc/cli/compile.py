@@ -10,8 +10,9 @@ import click
 from rapc.analysis.driver import CheckReport
 from rapc.base.files import read_compiled
 from rapc.base.gc_paused import gc_paused
+from rapc.base.outputs import COMPILED_LIBRARY
 from rapc.cli.checked import load_checked
-from rapc.cli.common import refuse_faulty, refuse_input, write_output
+from rapc.cli.common import refuse_faulty, refuse_output, write_output
 from rapc.cli.options import command, fail, say
 from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program
@@ -75,8 +76,10 @@ def _encoded(library: Program, path: str, output: str) -> bytes:
     """The library with its tests, none of which lies where it is to be written."""
     with gc_paused():
         suites = list(_suites(path))
-        for used in (library.library, *[suite.library for suite in suites]):
-            refuse_input("-o", output, used.files, "is a file of the library")
+        used = (library.library, *[suite.library for suite in suites])
+        files = [file for one in used for file in one.files]
+        told = "is a file of the library"
+        refuse_output("-o", output, COMPILED_LIBRARY, (files, told))
         return encode(library.library, library.name, suites)
 
 

@@ -12,6 +12,7 @@ import click
 
 from rapc.base.interrupts import INTERRUPTED
 from rapc.base.later import later
+from rapc.base.outputs import PNG, RUN_COMMANDS, SVG, TABLES, check_output
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
 from rapc.cli.common import width_of
@@ -100,6 +101,7 @@ def experiment(
         raise click.UsageError("--jobs is for this machine, --cluster for others")
     session = _session(name, parts, seeds)
     folder = _folder(out or f"{session.made.name}-results")
+    _check_outputs(session, folder)
     with sole_user(folder), Store(folder / output.RESULTS) as store:
         faults = _run_missing(session, store, cluster, processes)
         summaries = list(session.summaries(store))
@@ -125,6 +127,21 @@ def _folder(name: str) -> Path:
     except OSError as error:
         fail(f"cannot make `{name}`: {reason(error)}")
     return Path(name)
+
+
+def _check_outputs(session: Batch, folder: Path) -> None:
+    """Check that nothing else is lost where tables, plots and commands are written.
+
+    Raises:
+        WriteError: as `rapc.base.outputs.check_output`.
+    """
+    for name in (output.TABLES, output.TASKS):
+        check_output(folder / name, TABLES)
+    check_output(folder / output.COMMANDS, RUN_COMMANDS)
+    for part in session.made.part:
+        if part.vary is not None:
+            check_output((folder / part.name).with_suffix(".svg"), SVG)
+            check_output((folder / part.name).with_suffix(".png"), PNG)
 
 
 def _run_missing(

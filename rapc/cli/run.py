@@ -14,10 +14,11 @@ import click
 from rapc.analysis.endless import endless, reached
 from rapc.base.interrupts import interrupts_held
 from rapc.base.later import later
+from rapc.base.outputs import TRACE
 from rapc.base.values import format_list, number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
-from rapc.cli.common import PIPED_WIDTH, refuse_input
+from rapc.cli.common import PIPED_WIDTH, refuse_output
 from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.errors import reason
@@ -203,9 +204,9 @@ def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
         files: those of the library.
         world: the world of the run, a module of its own.
     """
-    refuse_input("--trace", trace, files, "is a file of the library")
     module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
-    refuse_input("--trace", trace, [module], "is the file of the world")
+    inputs = (files, "is a file of the library"), ([module], "is the file of the world")
+    refuse_output("--trace", trace, TRACE, *inputs)
     try:
         return Path(trace).open("w", encoding="utf-8")
     except OSError as error:

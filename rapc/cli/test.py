@@ -10,8 +10,9 @@ from typing import Any
 import click
 
 from rapc.base.files import same_file
+from rapc.base.outputs import COVERAGE, JUNIT
 from rapc.base.visible import visible
-from rapc.cli.common import refuse_faulty, refuse_input, write_output
+from rapc.cli.common import refuse_faulty, refuse_output, write_output
 from rapc.cli.given import read_option
 from rapc.cli.options import Amount, WholeNumber, command, fail, settings
 from rapc.console.lines import wrapped
@@ -112,10 +113,13 @@ def test(
     running = TestSession(range(seed, seed + seeds), injected, gathered, tuple(modules))
     cases = _find(paths)
     inputs = {*paths, *(file for case in cases for file in _files(case))}
-    for option, file in (("--junit", junit), ("--coverage", coverage)):
+    told = "is a file of the tests or of their library"
+    for option, file, output in (
+        ("--junit", junit, JUNIT),
+        ("--coverage", coverage, COVERAGE),
+    ):
         if file:
-            told = "is a file of the tests or of their library"
-            refuse_input(option, file, inputs, told)
+            refuse_output(option, file, output, (inputs, told))
     if junit and coverage and same_file(junit, coverage):
         fail(f"--junit and --coverage are to be written to one file, `{junit}`")
     useless = list(running.useless(cases))

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.base.files import path_of, same_file
 from rapc.base.names import did_you_mean
+from rapc.base.outputs import Output, check_output
 from rapc.base.resources import Value
 from rapc.base.source import Span
 from rapc.base.values import format_atom
@@ -28,7 +28,7 @@ from rapc.debug.reload import changed
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
 from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
-from rapc.errors import ArgumentError, Error, RefusedError, StateError, TextError
+from rapc.errors import Error, RefusedError, StateError, TextError
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import ShownAnswer, failure, say, table
@@ -129,19 +129,18 @@ class Shell:
         self._told_of = 0
         self.forget_trace()
 
-    def refuse_input(self, path: Path) -> None:
-        """See that a file to be written is none that the run was read from.
+    def refuse_output(self, path: Path, output: Output) -> None:
+        """Check that a command may write a file of some kind.
 
         Raises:
-            ArgumentError: if it is one of the library, or that of the world.
+            WriteError: as `rapc.base.outputs.check_output`, also for a file of the
+                library or of the world.
         """
         machine = self.session.run.machine
         world = getattr(machine.world, "__wrapped__", machine.world)
         module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
-        read = [path_of(name) for name in (*self.paths, *machine.library.library.files)]
-        read += [Path(module)] if module else []
-        if any(same_file(path, file) for file in read):
-            raise ArgumentError(f"`{path}` is a file of the library or of the world")
+        read = (*self.paths, *machine.library.library.files, module)
+        check_output(path, output, (read, "is a file of the library or of the world"))
 
     @property
     def session(self) -> Session:

@@ -70,6 +70,29 @@ def naps(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("tasks.md", "a table of results"),
+        ("tables.md", "a table of results"),
+        ("commands.txt", "a list of commands"),
+        ("naps.svg", "an SVG picture"),
+        ("naps.png", "a PNG picture"),
+    ],
+)
+def test_a_file_of_the_user_in_the_folder_is_kept(
+    naps: Path, name: str, kind: str
+) -> None:
+    """Before any run is begun."""
+    (naps / name).write_text("# Mine\nas this\n")
+    done = rapc("experiment", "naps.toml", "--out", ".", cwd=naps)
+    assert (done.returncode, done.stdout) == (2, "")
+    said = f"error: cannot write `{name}`: the file is not {kind}\n"
+    assert done.stderr.startswith(said)
+    assert (naps / name).read_text() == "# Mine\nas this\n"
+    assert not (naps / "results.sqlite").exists()
+
+
 @pytest.mark.slow
 def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
     done = rapc("experiment", "naps.toml", "--jobs", "2", cwd=naps)

@@ -135,3 +135,15 @@ def test_worlds_of_modules_are_permitted_by_a_setting(
     setting = ("-o", f"rap_world_modules={world}") if permitted else ()
     result = _run(pytester, *setting)
     result.assert_outcomes(passed=permitted, failed=not permitted)
+
+
+@pytest.mark.parametrize("name", ["arms.py", "notes.json"])
+def test_coverage_replaces_no_file_of_another_kind(
+    name: str, pytester: pytest.Pytester
+) -> None:
+    (pytester.path / "arms.test.rap").write_text(LIBRARY + GOOD)
+    (pytester.path / name).write_text("mine = 1\n")
+    result = _run(pytester, "--rap-coverage", name)
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    result.stderr.fnmatch_lines([f"ERROR: --rap-coverage: cannot write `{name}`: *"])
+    assert (pytester.path / name).read_text() == "mine = 1\n"

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from rapc.base.outputs import COVERAGE, check_output
 from rapc.console.testing import coverage_table
+from rapc.errors import WriteError
 from rapc.testing.coverage import Coverage
 
 
@@ -18,7 +20,7 @@ class PytestCoverage:
 
     Raises:
         UsageError: where several processes run the tests, each of which would see a
-            part.
+            part, and for a file that may not be written.
     """
 
     def __init__(self, config: pytest.Config) -> None:
@@ -28,6 +30,13 @@ class PytestCoverage:
             raise pytest.UsageError("--rap-coverage needs all tests in one process")
         self.gathered = Coverage()
         self._file: str | None = config.option.rap_coverage
+        if self._file:
+            try:
+                check_output(self._file, COVERAGE)
+            except WriteError as error:
+                raise pytest.UsageError(
+                    f"--rap-coverage: {error.message}; {error.help}"
+                ) from None
         self._least: float | None = config.option.rap_coverage_min
 
     @pytest.hookimpl(trylast=True)

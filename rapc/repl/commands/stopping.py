@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.names import plural
+from rapc.base.outputs import BREAKPOINTS, TRACE
 from rapc.base.values import format_atom
 from rapc.debug import differences, recorded
 from rapc.debug.breakpoints import KINDS, Breakpoint
@@ -82,7 +83,7 @@ def _listed(shell: Shell) -> ShownAnswer:
 
 
 def _save(shell: Shell, path: Path) -> ShownAnswer:
-    shell.refuse_input(path)
+    shell.refuse_output(path, BREAKPOINTS)
     points = [
         msgspec.structs.replace(point, met=0)
         for point in shell.breakpoints.all.values()
@@ -170,7 +171,7 @@ def _record(shell: Shell, args: Arguments) -> ShownAnswer:
     `rapc repl run.jsonl` opens it again.
     """
     path = Path(args.word("a file"))
-    shell.refuse_input(path)
+    shell.refuse_output(path, TRACE)
     count = recorded.write_trace(shell.session, path)
     done = len(shell.session.branch.acts)
     notes = ["what was done by hand is not in it"] if done else []
