@@ -63,3 +63,12 @@ def test_widest_doorway_is_noticed_by_sonar(seed: int) -> None:
     assert driver.sim.state.space == "room"
     (told,) = [one for _, one in driver.heard if one.event == "passed-doorway"]
     assert told.arguments == pytest.approx((2.66, 2.7, EAST), abs=0.15)
+
+
+@pytest.mark.parametrize("seed", first(1, [4, 6, 8, 10, 14]))
+def test_open_doorway_found_closed_is_passed_by_direction(seed: int) -> None:
+    text = _text("narrow-hall")
+    journey = travel(seed, _map("narrow-hall"), {"map": Text(text)})
+    assert journey.arrived, journey
+    assert journey.time < 300
+    assert journey.strays == []
