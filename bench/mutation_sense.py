@@ -223,7 +223,7 @@ def _clauses(
 ) -> Iterator[tuple[nodes.DefineRap, nodes.Formula]]:
     for rap in base.raps:
         for one in formulas(rap):
-            if one.clause == clause:
+            if one.clause.word == clause:
                 yield rap, one.formula
 
 

@@ -12,7 +12,7 @@ from collections.abc import Container, Iterator
 import msgspec
 
 from rapc.base.source import Span
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.operands import operands
 
 
@@ -50,23 +50,16 @@ def sites(rap: nodes.DefineRap, functions: Container[str]) -> Iterator[Site]:
         yield Site(variable.name, variable.span, "input")
     for resource in rap.resources:
         yield Site(resource.variable.name, resource.variable.span, "resource")
-    for word, formula in (
-        ("monitor-state", rap.monitor_state),
-        ("succeed", rap.succeed),
-        ("preconditions", rap.preconditions),
-        ("constraints", rap.constraints),
-        ("repeat-while", rap.repeat_while),
-    ):
-        if formula is not None:
-            yield from _formula(Site("", rap.span, word), formula, functions)
+    for clause, formula in clauses.held(clauses.RAP, rap):
+        yield from _formula(Site("", rap.span, clause.word), formula, functions)
     for method in rap.methods:
         yield from _method(method, functions)
 
 
 def _method(method: nodes.Method, functions: Container[str]) -> Iterator[Site]:
-    if method.context is not None:
-        place = Site("", method.span, "context", method)
-        yield from _formula(place, method.context, functions)
+    for clause, formula in clauses.held(clauses.METHOD, method):
+        place = Site("", method.span, clause.word, method)
+        yield from _formula(place, formula, functions)
     if isinstance(method.body, nodes.TaskNet):
         for at, step in enumerate(method.body.steps):
             place = Site("", step.span, "step", method, at)

@@ -16,7 +16,7 @@ from rapc.analysis.asking import Asking, asking
 from rapc.analysis.index import Form, Index, use_key
 from rapc.analysis.places import Place, Places
 from rapc.ir import nodes
-from rapc.ir.walk import Clause, formulas, subformulas
+from rapc.ir.walk import formulas, subformulas
 from rapc.library.library import Library
 
 MOST_PLACES = 12
@@ -125,16 +125,10 @@ def _conditions(library: Library) -> Iterator[tuple[str, str]]:
     for form in library.forms:
         if isinstance(form, nodes.DefineRap):
             for whole in formulas(form):
-                if whole.clause in CONDITIONS:
+                if whole.clause.is_condition:
                     for part in subformulas(whole.formula):
                         if isinstance(part, nodes.Proposition):
                             yield form.span.file, part.name
-
-
-CONDITIONS: frozenset[Clause] = frozenset(
-    ("context", "preconditions", "constraints", "repeat-while", "for")
-)
-"""The clauses that have to hold when a task comes up."""
 
 
 def _changed(index: Index) -> Iterator[tuple[str, str]]:

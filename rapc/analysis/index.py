@@ -17,6 +17,7 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
+from rapc.ir.clauses import METHOD, held
 from rapc.ir.fields import CHILDREN
 from rapc.language.heads import CALLS
 from rapc.library.library import Library, word_span
@@ -303,7 +304,7 @@ def _row_uses(row: nodes.ScriptRow, owner: Form) -> Iterator[NameUse]:
 def _use(fact: nodes.Proposition, parent: nodes.Node) -> Use | None:
     """Say how a proposition in `parent` is used; None where `parent` tells better."""
     if type(parent) is nodes.Method:
-        asked = fact is parent.context or fact is parent.constraints
+        asked = any(fact is formula for _, formula in held(METHOD, parent))
         return "test" if asked else "asserted"
     if type(parent) is nodes.RuleAction:
         return "asserted" if parent.op == "mem-add" else "erased"

@@ -24,7 +24,7 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.literals import literals
 from rapc.base.source import Span
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.walk import steps
 from rapc.library.kinds import Kinds
 from rapc.library.signatures import Signatures
@@ -100,19 +100,16 @@ INFERRED = Analyzer(
 
 
 def _scopes(rap: nodes.DefineRap) -> Iterator[_Scope]:
-    for formula in (
-        rap.monitor_state,
-        rap.succeed,
-        rap.preconditions,
-        rap.constraints,
-    ):
-        if formula is not None:
+    handed: _Scope = []
+    for clause, formula in clauses.held(clauses.RAP, rap):
+        if clause.hands_on:
+            handed += _facts(formula)
+        else:
             yield list(_facts(formula))
-    looped = [] if rap.repeat_while is None else list(_facts(rap.repeat_while))
     for method in rap.methods:
-        scope: _Scope = [*looped, *method.notations, *method.claims, *method.skills]
-        if method.context is not None:
-            scope += _facts(method.context)
+        scope: _Scope = [*handed, *method.notations, *method.claims, *method.skills]
+        for _, formula in clauses.held(clauses.METHOD, method):
+            scope += _facts(formula)
         if isinstance(method.body, nodes.Primitive):
             scope.append(method.body.request)
         for step in steps(method):

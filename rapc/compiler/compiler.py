@@ -62,12 +62,6 @@ class Compiler:
         span = formula.span if formula.span.file else span
         return Query(formula, self.signatures, self.place(what, span))
 
-    def clause(
-        self, formula: nodes.Formula | None, what: str, node: nodes.DefineRap
-    ) -> Query | None:
-        """A clause that need not be there."""
-        return None if formula is None else self.query(formula, what, node.span)
-
     def assertion(self, pattern: nodes.Pattern, what: str) -> RequestPlan:
         """A proposition whose arguments are filled in at run time."""
         relation = self.signatures.relations.get(pattern.name)

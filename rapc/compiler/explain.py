@@ -15,7 +15,7 @@ from rapc.compiler.program import Program
 from rapc.compiler.query.plan_steps import AccessPath, PlanStep
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_term
 
 
@@ -50,10 +50,9 @@ def explain(library: Program, name: str) -> tuple[ClausePlan, ...]:
 
 def _of_rap(plan: RapPlan) -> Iterator[ClausePlan]:
     own = (*plan.inputs, *(r.variable.name for r in plan.node.resources))
-    clauses = (plan.succeed, plan.monitor_state, plan.preconditions, plan.constraints)
-    for clause in clauses:
-        if clause is not None:
-            yield _clause_plan(clause, own)
+    for clause in clauses.RAP:
+        if clause.word in plan.clauses and not clause.hands_on:
+            yield _clause_plan(plan.clauses[clause.word], own)
     for method in plan.methods:
         yield from _of_method(method, own)
 

@@ -19,7 +19,7 @@ from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.rules import memory_rules
 from rapc.compiler.things import ThingPlan, things_of
 from rapc.compiler.watches import ANYTHING, Watch
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 
 
 class MethodPlan:
@@ -128,6 +128,7 @@ class RapPlan:
 
     __slots__ = (
         "ages",
+        "clauses",
         "conditional",
         "constraints",
         "duration",
@@ -165,16 +166,21 @@ class RapPlan:
         self.outputs = tuple(v.name for v in node.outputs)
         #: The identity of a task without inputs.
         self.identity = (node.name,)
+        #: The clauses that the RAP has, by their words.
+        self.clauses = {
+            clause.word: compiler.query(formula, clause.word, node.span)
+            for clause, formula in clauses.held(clauses.RAP, node)
+        }
         #: None where no clause is given: `(last-result okay)`.
-        self.succeed = compiler.clause(node.succeed, "succeed", node)
+        self.succeed = self.clauses.get("succeed")
         #: Whether `succeed` can never hold.
         self.never_succeeds = (
             isinstance(node.succeed, nodes.Truth) and not node.succeed.value
         )
-        self.preconditions = compiler.clause(node.preconditions, "preconditions", node)
-        self.constraints = compiler.clause(node.constraints, "constraints", node)
-        self.repeat_while = compiler.clause(node.repeat_while, "repeat-while", node)
-        self.monitor_state = compiler.clause(node.monitor_state, "monitor-state", node)
+        self.preconditions = self.clauses.get("preconditions")
+        self.constraints = self.clauses.get("constraints")
+        self.repeat_while = self.clauses.get("repeat-while")
+        self.monitor_state = self.clauses.get("monitor-state")
         self.watches: tuple[Watch, ...] = ()
         #: Whether `monitor-state` asks how old beliefs are.
         self.ages = False

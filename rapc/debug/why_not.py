@@ -17,6 +17,7 @@ from rapc.debug.acts import live_task
 from rapc.debug.clause import ClauseAsked, ask
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError
+from rapc.ir import clauses
 from rapc.parser.parse import parse_formula
 from rapc.runtime.events.events import Goal, TaskSelected
 from rapc.runtime.machine import Machine
@@ -68,7 +69,7 @@ class TaskAnswer(msgspec.Struct, frozen=True):
     under_way: str | None
 
 
-CLAUSES = ("succeed", "monitor-state", "preconditions", "constraints")
+CLAUSES = tuple(clause.word for clause in clauses.RAP if not clause.hands_on)
 """The clauses of a RAP that can be asked about by their names."""
 
 
@@ -154,13 +155,12 @@ def _before(entry: AgendaEntry, entries: Iterable[AgendaEntry]) -> tuple[int, ..
 def _clauses(machine: Machine, task: Task) -> Iterator[ClauseAsked]:
     """Ask the clauses of a task that a cycle asks before methods."""
     plan, env = task.plan, task.env
-    if plan.succeed is not None and task.bound:
-        yield ask(machine, f"succeed of `{plan.name}`", plan.succeed, task, env)
-    if plan.monitor_state is not None and task.bound:
-        clause = f"monitor-state of `{plan.name}`"
-        yield ask(machine, clause, plan.monitor_state, task, env)
-    for clause, query, asker, bound in (*conditions(task), *_of_methods(task)):
-        yield ask(machine, clause, query, asker, bound)
+    for clause in clauses.RAP if task.bound else ():
+        if clause.word in plan.clauses and not clause.is_condition:
+            words = f"{clause.word} of `{plan.name}`"
+            yield ask(machine, words, plan.clauses[clause.word], task, env)
+    for words, query, asker, bound in (*conditions(task), *_of_methods(task)):
+        yield ask(machine, words, query, asker, bound)
 
 
 def _of_methods(task: Task) -> Iterator[Condition]:

@@ -7,24 +7,13 @@ here: that depends on declarations and on the order of evaluation (`rapc.analysi
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal
 
 import msgspec
 
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
+from rapc.ir.clauses import Clause
 from rapc.ir.fields import CHILDREN
 from rapc.ir.operands import PARTS
-
-Clause = Literal[
-    "monitor-state",
-    "repeat-while",
-    "succeed",
-    "preconditions",
-    "constraints",
-    "context",
-    "for",
-]
-"""Where a formula of a RAP stands."""
 
 
 class FormulaAt(msgspec.Struct, frozen=True):
@@ -37,26 +26,16 @@ class FormulaAt(msgspec.Struct, frozen=True):
 
 
 def formulas(rap: nodes.DefineRap) -> Iterator[FormulaAt]:
-    """Iterate over the formulas of a RAP: its own, then contexts and annotations."""
-    own: tuple[tuple[nodes.Formula | None, Clause], ...] = (
-        (rap.monitor_state, "monitor-state"),
-        (rap.repeat_while, "repeat-while"),
-        (rap.succeed, "succeed"),
-        (rap.preconditions, "preconditions"),
-        (rap.constraints, "constraints"),
-    )
-    for formula, clause in own:
-        if formula is not None:
-            yield FormulaAt(formula, clause)
+    """Iterate over the formulas of a RAP: its own, then those of methods and steps."""
+    for clause, formula in clauses.held(clauses.RAP, rap):
+        yield FormulaAt(formula, clause)
     for method in rap.methods:
-        if method.context is not None:
-            yield FormulaAt(method.context, "context", method)
-        if method.constraints is not None:
-            yield FormulaAt(method.constraints, "constraints", method)
+        for clause, formula in clauses.held(clauses.METHOD, method):
+            yield FormulaAt(formula, clause, method)
         for step in steps(method):
             for note in step.annotations:
                 if isinstance(note, nodes.For) and note.formula is not None:
-                    yield FormulaAt(note.formula, "for", method, step)
+                    yield FormulaAt(note.formula, clauses.FOR, method, step)
 
 
 def steps(method: nodes.Method) -> tuple[nodes.Step, ...]:

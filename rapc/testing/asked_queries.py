@@ -21,7 +21,7 @@ def asked_with(library: Library) -> Mapping[Asker, frozenset[str]]:
     for rap in library.raps.values():
         for at in walk.formulas(rap):
             method = "" if at.method is None else traced_name(at.method)
-            clause = at.clause if at.clause == "context" else ""
+            clause = "context" if at.clause.word == "context" else ""
             named = found.setdefault((rap.name, method, clause), set())
             named.update(_within(library, at.formula))
     return {asker: frozenset(named) for asker, named in found.items() if named}

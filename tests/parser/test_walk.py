@@ -27,13 +27,13 @@ def _rap() -> nodes.DefineRap:
 
 def test_formulas_with_their_places() -> None:
     places = [
-        (at.clause, at.method and at.method.position, at.step and at.step.tag)
+        (at.clause.word, at.method and at.method.position, at.step and at.step.tag)
         for at in walk.formulas(_rap())
     ]
     assert places == [
-        ("repeat-while", None, None),
         ("succeed", None, None),
         ("constraints", None, None),
+        ("repeat-while", None, None),
         ("context", 1, None),
         ("for", 1, "t1"),
         ("context", 2, None),
@@ -61,7 +61,7 @@ def test_terms_in_formulas() -> None:
         for term in walk.terms(place.formula)
     ]
     assert found == [
-        *("?x", "3", "?x", "?y", "(+ ?y 1)", "?n", "?z", "?x"),
+        *("?x", "?y", "(+ ?y 1)", "?n", "?z", "?x", "?x", "3"),
         *("?set", "?x", "?x", "?x", "true"),
     ]
 

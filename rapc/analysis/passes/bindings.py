@@ -20,7 +20,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import BindingWalker, Bound, Findings
 from rapc.analysis.named_bindings import query_arguments
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 
 
 class Missing(msgspec.Struct, frozen=True):
@@ -126,28 +126,17 @@ def _rap(walk: _Walk, rap: nodes.DefineRap) -> None:
     if rap.monitor_time is not None:
         walker.values((rap.monitor_time.start, rap.monitor_time.stop), base)
         walk.note("monitor-time")
-    if rap.monitor_state is not None:
-        walker.findings.ages.clear()
-        walker.formula(rap.monitor_state, Bound(base))
-        walk.note("monitor-state")
-        walk.ages.extend(walker.findings.ages)
-    for clause, formula in (
-        ("succeed", rap.succeed),
-        ("preconditions", rap.preconditions),
-        ("constraints", rap.constraints),
-    ):
-        if formula is not None:
-            walker.formula(formula, Bound(base))
-            walk.note(clause)
     if rap.effects:
         _effects(walk, rap, base)
-    looped = base
-    if rap.repeat_while is not None:
-        looped = Bound(base)
-        walker.formula(rap.repeat_while, looped)
-        walk.note("repeat-while")
+    handed = Bound(base)
+    for clause, formula in clauses.held(clauses.RAP, rap):
+        walker.findings.ages.clear()
+        walker.formula(formula, handed if clause.hands_on else Bound(base))
+        walk.note(clause.word)
+        if clause.when == "wake":
+            walk.ages.extend(walker.findings.ages)
     for method in rap.methods:
-        _method(walk, method, Bound(looped))
+        _method(walk, method, Bound(handed))
 
 
 def _effects(walk: _Walk, rap: nodes.DefineRap, base: Bound) -> None:
@@ -163,15 +152,12 @@ def _is_anonymous(term: nodes.Term) -> bool:
 
 
 def _method(walk: _Walk, method: nodes.Method, bound: Bound) -> None:
-    if method.context is not None:
-        walk.walker.formula(method.context, bound)
-        walk.note("context", method)
+    for clause, formula in clauses.held(clauses.METHOD, method):
+        walk.walker.formula(formula, bound if clause.hands_on else Bound(bound))
+        walk.note(clause.word, method)
     for notation in method.notations:
         walk.walker.values(notation.args, bound)
         walk.note("notations", method)
-    if method.constraints is not None:
-        walk.walker.formula(method.constraints, Bound(bound))
-        walk.note("constraints", method)
     if method.claims:
         _things(walk, method.claims, bound, "claims", method)
     if method.skills:

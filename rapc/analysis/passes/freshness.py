@@ -13,7 +13,6 @@ import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, Census
-from rapc.analysis.file_census import CONDITIONS
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import number_of
 from rapc.analysis.passes.standing import is_described
@@ -91,7 +90,7 @@ def _told(run: Pass) -> Iterator[nodes.Believe]:
         whole.formula
         for rap in library.raps.values()
         for whole in formulas(rap)
-        if whole.clause in CONDITIONS
+        if whole.clause.is_condition
     ]
     waiting = list(run.result(CENSUS).conditions())
     seen: set[str] = set()

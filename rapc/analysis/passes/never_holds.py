@@ -8,7 +8,7 @@ theirs.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 import msgspec
 
@@ -20,7 +20,8 @@ from rapc.analysis.passes.contradictions import Reports, first_clash, said
 from rapc.analysis.passes.settled import ANALYZER as SETTLED
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
+from rapc.ir.clauses import Clause
 
 UNREACHABLE = Rule(
     code="RAP111",
@@ -131,19 +132,14 @@ def _succeeds_first(
     goals: Sequence[_Goal],
 ) -> bool:
     """Report a clause that has to hold for a method, and holds with `succeed` alone."""
-    clauses = {
-        "monitor-state": rap.monitor_state,
-        "preconditions": rap.preconditions,
-        "constraints": rap.constraints,
-    }
-    for clause, formula in clauses.items() if rap.methods else ():
-        own = [one.literal for one in held if one.clause == clause]
-        for goal in goals if own and formula is not None else ():
-            assert formula is not None
+    for clause, formula in _required(rap) if rap.methods else ():
+        own = [one.literal for one in held if one.clause == clause.word]
+        for goal in goals if own else ():
             if follows(goal.literals, own, goal.free):
                 reports.report(
                     UNREACHABLE,
-                    f"no method is ever chosen: where `{clause}` holds, `succeed` does",
+                    f"no method is ever chosen: where `{clause.word}` holds, "
+                    "`succeed` does",
                     formula.span,
                     Label(goal.span, "the RAP has succeeded then"),
                 )
@@ -178,21 +174,23 @@ def _held(
 
     Clauses whose ids are among `never` hold nowhere, as is said of them already.
     """
-    clauses: Mapping[str, nodes.Formula | None] = {
-        "monitor-state": rap.monitor_state,
-        "preconditions": rap.preconditions,
-        "constraints": rap.constraints,
-    }
-    for clause, formula in clauses.items():
-        if formula is not None and id(formula) not in never:
-            for one in literals(apart(formula, given, f"@{clause}")):
-                yield _Asked(one, clause)
+    for clause, formula in _required(rap):
+        if id(formula) not in never:
+            for one in literals(apart(formula, given, f"@{clause.word}")):
+                yield _Asked(one, clause.word)
     goal = rap.succeed
     parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
     for part in parts:
         if isinstance(part, nodes.Not):
             for one in literals(apart(part.part, given, "@succeed")):
                 yield _Asked(one, "succeed")
+
+
+def _required(rap: nodes.DefineRap) -> Iterator[tuple[Clause, nodes.Formula]]:
+    """Yield the clauses that hold where a method is chosen and keep no bindings."""
+    for clause, formula in clauses.held(clauses.RAP, rap):
+        if clause.required and not clause.hands_on:
+            yield clause, formula
 
 
 def _ways_to_succeed(rap: nodes.DefineRap) -> Iterator[nodes.Formula]:

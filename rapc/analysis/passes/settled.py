@@ -13,7 +13,7 @@ from rapc.analysis.endless import is_never
 from rapc.analysis.first_values import FirstValues
 from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.operands import operands
 from rapc.library.signature import CONSTANT_DEFAULTS, Signature
 from rapc.library.signatures import Signatures
@@ -249,17 +249,12 @@ def _settled(
 
 
 def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnostic]:
-    clauses = {
-        "repeat-while": rap.repeat_while,
-        "preconditions": rap.preconditions,
-        "constraints": rap.constraints,
-    }
-    for clause, formula in clauses.items():
-        failing = first.fails(formula)
+    for clause, formula in clauses.held(clauses.RAP, rap):
+        failing = first.fails(formula) if clause.is_condition else None
         if failing is not None:
             yield Diagnostic(
                 rule=NOT_AT_FIRST.name,
-                message=f"`{clause}` of `{rap.name}` does not hold at first, "
+                message=f"`{clause.word}` of `{rap.name}` does not hold at first, "
                 "so no method ever begins",
                 span=failing.span,
                 labels=tuple(

@@ -22,7 +22,7 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.base.source import Span
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.library.library import Library
 
 _GARDEN = """\
@@ -254,8 +254,8 @@ def _unready(
     """Yield a fact that all methods ask for, though the monitor does not."""
     if rap.monitor_state is None or rap.succeed is None or not is_never(rap.succeed):
         return
-    clauses = [rap.monitor_state, rap.repeat_while]
-    asked = {n for one in clauses if one is not None for n in asked_by(library, one)}
+    waking = [rap.monitor_state, rap.repeat_while]
+    asked = {n for one in waking if one is not None for n in asked_by(library, one)}
     every = [list(literals(method.context)) for method in rap.methods]
     for one in every[0] if every else ():
         if not all(one in there for there in every):
@@ -282,7 +282,7 @@ def _failing(
         return
     heard = asked_by(library, monitor)
     given = {variable.name for variable in rap.inputs}
-    conditions = [rap.preconditions, rap.constraints, rap.repeat_while]
+    conditions = [f for c, f in clauses.held(clauses.RAP, rap) if c.is_condition]
     for one in (one for formula in conditions for one in literals(formula)):
         asked = asked_through(library, one.formula)
         facts = set() if asked is None else asked - library.queries.keys()

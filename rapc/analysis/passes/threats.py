@@ -15,7 +15,7 @@ from rapc.analysis.certain import contradict, done, fact_name, put_in
 from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal
 
 WORLD = """\
@@ -167,10 +167,15 @@ _MOST = 20
 def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
     """Yield the facts that the RAP of a goal asks for before it begins."""
     rap = run.library.raps.get(goal.name)
-    if rap is None or (rap.preconditions is None and rap.constraints is None):
+    if rap is None:
         return
-    asked = [*literals(rap.preconditions), *literals(rap.constraints)]
-    facts = [one for one in asked if fact_name(one)]
+    facts = [
+        one
+        for clause, formula in clauses.held(clauses.RAP, rap)
+        if clause.required and clause.when == "select"
+        for one in literals(formula)
+        if fact_name(one)
+    ]
     pairs = zip(rap.inputs, goal.args, strict=False)
     yield from put_in(facts, {variable.name: term for variable, term in pairs})
 

@@ -7,7 +7,7 @@ from rapc.analysis.binding_sites import sites
 from rapc.analysis.endless import is_never
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import nearest
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 
 UNBINDABLE = Rule(
     code="RAP028",
@@ -36,8 +36,8 @@ nothing is said.)""",
 """,
 )
 
-_LOST = ("monitor-state", "preconditions", "constraints")
-"""Clauses whose bindings nobody sees."""
+_LOST = {c.word for c in clauses.RAP if c.required and not c.hands_on}
+"""Clauses of which nothing reads the bindings."""
 
 
 def _run(run: Pass) -> None:

@@ -19,7 +19,7 @@ from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 
 UNBOUND = Rule(
     code="RAP012",
@@ -226,7 +226,7 @@ def _out_of_sight(site: Site, missing: Missing) -> str:
         return "bound here in one branch of an `or` only"
     if missing.method is None and site.clause not in (missing.clause, "resource"):
         return f"bound here, which `{missing.clause}` does not see"
-    if site.clause in ("monitor-state", "succeed", "preconditions", "constraints"):
+    if site.clause in {c.word for c in clauses.CLAUSES if not c.hands_on}:
         return f"bound here, but {site.what} keeps no bindings"
     return "bound here, but only after that"
 

@@ -8,7 +8,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.walk import steps, subformulas
 
 _WORLD = """\
@@ -115,16 +115,10 @@ def _asked_for(method: nodes.Method, *, alone: bool) -> Iterator[nodes.Term]:
 
 def _asks(rap: nodes.DefineRap, method: nodes.Method) -> bool:
     """Whether a method, or what holds for all of them, asks for a sensor name."""
-    clauses = (
-        method.context,
-        rap.repeat_while,
-        rap.preconditions,
-        rap.constraints,
-        rap.monitor_state,
-    )
+    asked = [*clauses.held(clauses.METHOD, method), *clauses.held(clauses.RAP, rap)]
     return any(
         isinstance(part, nodes.SensorName | nodes.Otherwise)
-        for formula in clauses
-        if formula is not None
+        for clause, formula in asked
+        if clause.required
         for part in subformulas(formula)
     )

@@ -14,6 +14,7 @@ from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal
+from rapc.ir.walk import formulas
 
 _WORLD = """\
 (declare-memory-proposition bay-open ())
@@ -82,11 +83,12 @@ def _asked(rap: nodes.DefineRap) -> set[str]:
 
     Those that the clauses deny surely do not.
     """
-    clauses = [rap.monitor_state, rap.preconditions, rap.constraints, rap.repeat_while]
-    for method in rap.methods:
-        clauses += [method.context, method.constraints]
     found = set()
-    waiting = [(formula, True) for formula in clauses if formula is not None]
+    waiting = [
+        (one.formula, True)
+        for one in formulas(rap)
+        if one.clause.required and one.step is None
+    ]
     while waiting:
         formula, holds = waiting.pop()
         match formula:

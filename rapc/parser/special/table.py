@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from rapc.ir import nodes, productions
+from rapc.ir.clauses import METHOD, RAP
 from rapc.parser import parameters, terms
 from rapc.parser.context import Read
 from rapc.parser.declared import declaration
@@ -42,13 +43,7 @@ SPECIAL: Mapping[str, Read] = {
     "datum_effects": declarations.datum_effects,
     "result_effects": declarations.result_effects,
     # clauses
-    **dict.fromkeys(
-        (
-            *("succeed", "preconditions", "constraints", "repeat_while"),
-            *("monitor_state", "context"),
-        ),
-        formulas.lone_formula,
-    ),
+    **{clause.field: formulas.lone_formula for clause in (*RAP, *METHOD)},
     "resources": rap.resources,
     "effects": declarations.rap_effects,
     "task_net": steps.task_net,

@@ -21,7 +21,7 @@ from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_goal, format_term
 from rapc.ir.walk import subterms
 from rapc.runtime.events.events import Cause
@@ -124,19 +124,22 @@ def conditions(task: Task) -> Iterator[Condition]:
     if run is not None and step is not None:
         for carrier, query in step.conditions:
             if not run.was_ended_by_until(carrier):
-                clause = f"`for` formula of step `{run.plan.steps[carrier].node.tag}`"
-                clause += f" of `{run.task.plan.name}`"
-                yield clause, query, run.task, run.env
-    if plan.preconditions is not None:
-        yield f"preconditions of `{plan.name}`", plan.preconditions, task, task.env
+                words = f"`for` formula of step `{run.plan.steps[carrier].node.tag}`"
+                words += f" of `{run.task.plan.name}`"
+                yield words, query, run.task, run.env
+    for clause in clauses.RAP:
+        own = clause.when == "select" and clause.required and not clause.inherited
+        if own and clause.word in plan.clauses:
+            words = f"{clause.word} of `{plan.name}`"
+            yield words, plan.clauses[clause.word], task, task.env
     stated = task if plan.constraints is not None else task.constrained
     while stated is not None:
         if isinstance(stated, MethodRun):
             stated = stated.constrained_above
             continue
         if stated.plan.constraints is not None:
-            clause = f"constraints of `{stated.plan.name}`"
-            yield clause, stated.plan.constraints, stated, stated.env
+            words = f"constraints of `{stated.plan.name}`"
+            yield words, stated.plan.constraints, stated, stated.env
         stated = stated.constrained
 
 
