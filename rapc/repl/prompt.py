@@ -18,6 +18,7 @@ from prompt_toolkit import PromptSession
 from prompt_toolkit.application import Application
 from prompt_toolkit.application.current import get_app_or_none
 from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
+from prompt_toolkit.buffer import Buffer
 from prompt_toolkit.completion import (
     CompleteEvent,
     Completer,
@@ -149,6 +150,11 @@ class Prompt:
             bottom_toolbar=self._toolbar,
             style=_STYLE,
         )
+        self._typed = False
+        self._session.default_buffer.on_text_changed += self._note_typed
+
+    def _note_typed(self, buffer: Buffer) -> None:
+        self._typed = True
 
     def run(self) -> None:
         """Answer inputs until the user leaves."""
@@ -160,12 +166,13 @@ class Prompt:
         sys.stdout.write(f"{shell.subject.stand()}; {GREETING}\n")
         interrupted = False
         while not shell.left:
+            self._typed = False
             try:
                 text = self._session.prompt(pre_run=fresh, handle_sigint=False)
             except EOFError:
                 return
             except KeyboardInterrupt:
-                if interrupted:
+                if interrupted and not self._typed:
                     return
                 interrupted = True
                 sys.stdout.write("Ctrl-C once more leaves\n")

@@ -55,6 +55,22 @@ def test_ctrl_c_clears_the_line_and_twice_leaves(tmp_path: Path) -> None:
     assert terminal.leave("\x03") == 0
 
 
+@pytest.mark.parametrize("erased", ["", "\x7f" * 6])
+def test_ctrl_c_does_not_leave_after_typing(erased: str, tmp_path: Path) -> None:
+    terminal = Terminal(80, tmp_path, *TASK)
+    terminal.see("Ctrl-D leaves")
+    terminal.press("\x03")
+    for _ in range(2):
+        terminal.see("Ctrl-C once more leaves")
+        terminal.press(":agend")
+        terminal.see("rapc> :agend")
+        terminal.clear()
+        terminal.press(f"{erased}\x03")
+    terminal.see("Ctrl-C once more leaves")
+    terminal.ask(":step", "cycle 1, time 0")
+    assert terminal.leave() == 0
+
+
 def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
     """The run takes some 40,000 cycles: Ctrl-C is not too late on a busy machine."""
     orders = [word for _ in range(60) for word in ("--task", "(rock-order red 4)")]
