@@ -96,6 +96,16 @@ def test_what_is_wanted_fails_now(tmp_path: Path) -> None:
     assert statuses(path) == [Status.FAILED]
 
 
+def test_hallway_run_becomes_a_test(tmp_path: Path) -> None:
+    """The test is shortened by trials, in some of which no fact tells the space."""
+    path = tmp_path / "errand.test.rap"
+    session = Session.open(rapc.load("stdlib/hallway"), "hallway", agenda="errand")
+    shell = Shell(session, commands(), ["stdlib/hallway"])
+    told = said(shell, ":to 8", f":export-test {path}", width=400)
+    assert "errand, which passes now" in told
+    assert statuses(path) == [Status.PASSED]
+
+
 def test_what_was_done_by_hand_is_in_it(tmp_path: Path) -> None:
     shell = arms(tmp_path, *CATCHES, task="")
     path = tmp_path / "by-hand.test.rap"

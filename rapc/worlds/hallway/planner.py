@@ -27,14 +27,18 @@ Doorways = Sequence[tuple[str, str]]
 def plan(goal: Fact, memory: AskedMemory) -> Sequence[nodes.Method]:
     """Return a method for `(travel-to-distant-space space)`, or none.
 
-    A doorway that was found closed is used only where there is no other way.
+    There is none if memory does not have the robot's space. A doorway that was found
+    closed is used only where there is no other way.
 
     Args:
         goal: what the task is to bring about.
         memory: what the robot believes.
     """
     wanted = str(goal[1])
-    (here,) = (str(fact[-1]) for fact in memory.query("current-space", "robot", None))
+    spaces = [str(fact[-1]) for fact in memory.query("current-space", "robot", None)]
+    if not spaces:
+        return []
+    here = spaces[-1]
     joined = [
         (str(space), str(mark), str(beyond))
         for _, mark, space, beyond in memory.query("connects", None, None, None)
