@@ -102,8 +102,12 @@ class Side(ABC):
         memory = self.memory()
         if what == "introduce":
             sensor, kind, place = args
-            name = memory.introduce(str(sensor), str(kind), place)
-            if name not in self.labels and name != sensor:
+            # Figures of the thesis name items by numbers, which are no symbols.
+            sensor_name = str(sensor)
+            if sensor_name.isdecimal():
+                sensor_name = f"seen-{sensor}"
+            name = memory.introduce(sensor_name, str(kind), place)
+            if name not in self.labels and name != sensor_name:
                 self.labels[name] = f"@{sensor}"
                 self.names[f"@{sensor}"] = name
         elif what == "move":
