@@ -40,7 +40,7 @@ class HandlerMemory(AskedMemory, Protocol):
         """The robot's own place: the one last given to `arrive`."""
 
     def assert_fact(self, *fact: Atom) -> None:
-        """Assert a fact now; a property replaces its old value.
+        """Assert a fact now, all arguments stated; a property replaces its old value.
 
         Raises:
             ValueError: for an undeclared name, a wrong number of arguments, a

@@ -167,15 +167,20 @@ def _untellable(
     for fact in facts:
         name = str(fact[0])
         fault = signatures.fault("asserted", name, len(fact) - 1)
-        if fault is None or name in told:
+        known = signatures.relations.get(name)
+        short = known is not None and known.leaves_value_out(len(fact) - 1)
+        if (fault is None and not short) or name in told:
             continue
         told.add(name)
-        if fault.declared is None:
-            unknown[f"`{name}`"] = None
-        else:
+        telling = f"the world `{world.name}` tells {format_list(fact)}"
+        if known is not None and fault is None:
+            said = f"`{known.written}` takes all of its arguments from a world"
+            yield f"{_place(library, known.span)}{said}: {telling}"
+        elif fault is not None and fault.declared is not None:
             place = _place(library, fault.declared.span)
-            telling = f"the world `{world.name}` tells {format_list(fact)}"
             yield f"{place}{fault.message}: {telling}"
+        else:
+            unknown[f"`{name}`"] = None
     if unknown:
         yield (
             f"the world `{world.name}` tells of {', '.join(unknown)}, not declared in "

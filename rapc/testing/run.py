@@ -13,10 +13,11 @@ import msgspec
 
 from rapc.analysis.driver import Finding
 from rapc.base.source import Span
-from rapc.base.values import format_atom
+from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
+from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.prepare import Given, prepare
 from rapc.runtime.task_request import TaskRequest, of_agenda, of_node
@@ -177,7 +178,7 @@ class _Run:
         self._broken = False
         self._note = ""
         scripted = ScriptedWorld(
-            [row_of(row) for row in case.test.script],
+            [row_of(row, case.library.signatures) for row in case.test.script],
             declared=case.library.library,
             kit=kit,
             leaving=self._leaving,
@@ -337,15 +338,24 @@ def _later_tasks(test: nodes.DefineTest) -> list[TaskRequest]:
     return [of_node(task) for task in actions if isinstance(task, nodes.GivenTask)]
 
 
-def row_of(row: nodes.ScriptRow) -> Row:
-    """Return a row of a test's script as the scripted world takes it."""
+def row_of(row: nodes.ScriptRow, signatures: Signatures) -> Row:
+    """Return a row of a test's script as the scripted world takes it.
+
+    The value `true` that a property leaves out in text is written out [L 2.26].
+    """
+
+    def stated(fact: nodes.Proposition) -> Fact:
+        known = signatures.relations.get(fact.name)
+        args = fact.args if known is None else known.full(fact.args)
+        return (fact.name, *map(atom, args))
+
     return Row(
         pattern=flat(row.request),
         result=row.result or "okay",
         times=row.times,
         takes=row.takes,
         after=row.after,
-        asserts=tuple(map(flat, row.asserts)),
+        asserts=tuple(map(stated, row.asserts)),
         erases=tuple(map(flat, row.erases)),
         moves=tuple((atom(one.item), atom(one.place)) for one in row.moves),
         loses=tuple(map(atom, row.loses)),

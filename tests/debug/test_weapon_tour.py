@@ -30,7 +30,9 @@ def tour() -> Session:
     assert test.world is not None
     helper = registry.build_world(registry.find_world(test.world), 0, {})
     world = ScriptedWorld(
-        [row_of(row) for row in test.script], declared=library.library, kit=helper.kit
+        [row_of(row, library.signatures) for row in test.script],
+        declared=library.library,
+        kit=helper.kit,
     )
     session = Session.open(
         CheckedLibrary(library),

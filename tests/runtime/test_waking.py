@@ -104,7 +104,7 @@ def test_a_default_wakes_when_a_first_value_comes() -> None:
         """,
         "(watch)",
         facts=["(p arm)"],
-        times=[at(3, "(ready arm)")],
+        times=[at(3, "(ready arm true)")],
     )
     assert ran.told("asked", times=True) == ["3 asked (act a)"]
 

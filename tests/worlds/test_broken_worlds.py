@@ -152,6 +152,25 @@ def test_world_without_end_of_first_facts_is_blamed(
         run(endless)
 
 
+def test_handler_that_leaves_out_a_value_is_blamed_with_the_declaration() -> None:
+    def paints(memory: Any, request: Fact, result: str) -> None:
+        memory.assert_fact("colour", request[1])
+
+    said = (
+        f"the handler of `look` failed at test_{HERE}:.*: .colour one. lacks "
+        r"the value of `.colour .thing .colour.`, declared at <text>:\d+:1; a handler"
+    )
+    with pytest.raises(rapc.PortError, match=said):
+        run(handlers(paints, ignored))
+
+
+def test_world_whose_first_facts_leave_out_a_value_is_refused() -> None:
+    short = with_(facts=answers([("colour", "mouse")]))
+    said = r"<text>:\d+:\d+: `.colour .thing .colour.` takes all .*colour mouse."
+    with pytest.raises(rapc.RefusedError, match=said):
+        run(short)
+
+
 def test_a_run_in_a_broken_world_is_ended_in_its_trace() -> None:
     events: list[Any] = []
     bad = with_(perform=answers(Reply("bang")))

@@ -51,4 +51,5 @@ def assemble(
     memory = Memory(signatures, recorder, declared, classes, sets)
     scores = Scores(classes.values(), library.comparators, comparators)
     recognizer = Recognizer(memory, recorder, tuple(classes), scores, max_layers, sets)
-    return Assembled(memory, recognizer, Gate(memory, recorder, recognizer))
+    gate = Gate(memory, recorder, recognizer, library.files)
+    return Assembled(memory, recognizer, gate)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any
 
+from rapc.base import source
 from rapc.base.values import Atom, Fact, format_list
 from rapc.errors import FactError
 from rapc.ir.nodes import Formula
@@ -64,12 +66,18 @@ class Gate(MemoryView):
         memory: the facts and items.
         recorder: is told of items.
         recognizer: keeps the items of indistinct classes; without one there are none.
+        files: the files of the library, for the positions of its declarations.
     """
 
     def __init__(
-        self, memory: Memory, recorder: Recorder, recognizer: Recognizer | None = None
+        self,
+        memory: Memory,
+        recorder: Recorder,
+        recognizer: Recognizer | None = None,
+        files: Mapping[str, source.SourceFile] = MappingProxyType({}),
     ) -> None:
         super().__init__(memory, recorder)
+        self._files = files
         self._recognizer = recognizer or Recognizer(memory, recorder)
         self._counted: dict[Atom, None] = {}
         #: For the names of facts whose arguments have declared kinds, the places of
@@ -125,7 +133,16 @@ class Gate(MemoryView):
             self._recognizer.settle()
 
     def assert_fact(self, *fact: Atom) -> None:
-        """Assert a fact now. Raises FactError as `assert_for`."""
+        """Assert a fact now, all of its arguments stated.
+
+        Raises:
+            FactError: as `assert_for`, and for a property without its value.
+        """
+        relation = self._memory.signatures.relations.get(str(fact[0]) if fact else "")
+        if relation is not None and relation.leaves_value_out(len(fact) - 1):
+            at = source.place(relation.span, self._files)
+            said = f"{format_list(fact)} lacks the value of `{relation.written}`"
+            raise FactError(f"{said}, declared at {at}; a handler states all arguments")
         self.assert_for("handler", fact)
 
     def erase(self, *prefix: Atom) -> None:
