@@ -83,6 +83,18 @@ class Told:
     rival: float | None
 
 
+def sensor_named(step_name: str) -> str:
+    """The sensor name of an item: figures of the thesis have numbers, no symbols."""
+    return f"n{step_name}" if step_name.isdecimal() else step_name
+
+
+def step_named(sensor_name: str | None) -> str | None:
+    """What steps call the item of a sensor name."""
+    if sensor_name and sensor_name[1:].isdecimal() and sensor_name.startswith("n"):
+        return sensor_name[1:]
+    return sensor_name
+
+
 @dataclass
 class Side(ABC):
     """One of the two memories."""
@@ -102,10 +114,7 @@ class Side(ABC):
         memory = self.memory()
         if what == "introduce":
             sensor, kind, place = args
-            # Figures of the thesis name items by numbers, which are no symbols.
-            sensor_name = str(sensor)
-            if sensor_name.isdecimal():
-                sensor_name = f"seen-{sensor}"
+            sensor_name = sensor_named(str(sensor))
             name = memory.introduce(sensor_name, str(kind), place)
             if name not in self.labels and name != sensor_name:
                 self.labels[name] = f"@{sensor}"
@@ -159,7 +168,7 @@ class Side(ABC):
         shown = [(self.labelled(i), (self.label(v), at)) for i, (v, at) in values]
         return Described(
             item=None if name is None else str(self.label(name)),
-            sensor=sensor,
+            sensor=step_named(sensor),
             values=tuple(sorted(shown, key=repr)),
             stands=stands[number],
         )

@@ -7,7 +7,7 @@ from rapc.library.loader import load_text
 from rapc.runtime.events.events import ItemEvent
 from tests.memory.bench import DescriptionView, MemoryBench
 
-from .pictures import Pictured, Read, Side, Told
+from .pictures import Pictured, Read, Side, Told, step_named
 from .plain import Plain
 from .plain_facts import NEVER
 from .plain_parts import Declared, Thing
@@ -95,7 +95,7 @@ class UnderTest(Side):
         return Told(
             what=what,
             item=str(self.label(event.item)),
-            sensor=event.sensor,
+            sensor=step_named(event.sensor),
             kind=event.kind,
             place=str(self.label(event.location)),
             other=None if event.with_ is None else str(self.label(event.with_)),
@@ -159,7 +159,7 @@ class ByHand(Side):
             Told(
                 what=what,
                 item=str(self.label(item)),
-                sensor=sensor,
+                sensor=step_named(sensor),
                 kind=kind,
                 place=str(self.label(place)),
                 other=None if other is None else str(self.label(other)),

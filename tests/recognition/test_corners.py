@@ -39,7 +39,7 @@ def test_item_leaves_by_the_member_that_stands_once_in_each_layer(side: Side) ->
     story = _alike_in_two_layers(side)
     side.run(9, [("move", "@6", "bay")])
     moved, *merged = side.told()
-    assert moved == Told("moved", "@1", "seen-6", "drum", "bay", "@6", 20, 30)
+    assert moved == Told("moved", "@1", "6", "drum", "bay", "@6", 20, 30)
     assert [(each.item, each.other) for each in merged] == [("@4", "@7")]
     assert story.name("@6") == "@1"
     assert story.values("@6") == {"color": "red", "mark": "unknown", "content": "full"}
