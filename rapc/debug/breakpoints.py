@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
+from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom, is_variable, match_pattern
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
@@ -22,7 +23,7 @@ from rapc.world import Time
 KINDS: Mapping[str, str] = {
     "rap": "a task of a RAP comes up: NAME, or a goal with variables",
     "task": "a task comes up or ends: its number",
-    "method": "a method is chosen: NAME",
+    "method": "a method is chosen: NAME, or NAME of RAP",
     "failure": "a task fails: a reason or result, or nothing for any",
     "primitive": "a request goes to the world: a request with variables",
     "fact": "a fact is asserted or erased: a fact with variables",
@@ -146,10 +147,11 @@ class Breakpoints:
             return self._of_goal(what)
         if point.kind in ("primitive", "fact"):
             return self._of_list(point.kind, what)
+        if point.kind == "method":
+            return self._of_method(what)
         number = _number(what) if point.kind == "task" else None
         kinds, wanted = {
             "task": (_OF_TASKS, lambda keys: keys["task"] == number),
-            "method": ((events.MethodChosen,), lambda keys: keys["method"] == what),
             "failure": (
                 (events.TaskFailed,),
                 lambda keys: what in ("", keys["reason"], keys["result"]),
@@ -157,6 +159,44 @@ class Breakpoints:
             "deadline": ((events.DeadlineMissed,), lambda keys: True),
         }[point.kind]
         return _of(kinds, wanted)
+
+    def _of_method(self, what: str) -> Meets:
+        """Return what says whether an event is the choice of a method."""
+        name, _, rap = what.lower().partition(" of ")
+        raps = self.raps_with(name)
+        if rap:
+            self._see_rap(rap)
+        if not raps and not name.startswith("#"):  # a problem solver's have numbers
+            known = self._methods()
+            raise ArgumentError(f"unknown method `{name}`{hint(name, known)}")
+        if rap and raps and rap not in raps:
+            listed = ", ".join(f"`{one}`" for one in raps)
+            raise ArgumentError(
+                f"`{rap}` has no method `{name}`; it is one of {listed}"
+            )
+        return _of(
+            (events.MethodChosen,),
+            lambda keys: keys["method"] == name and rap in ("", keys["rap"]),
+        )
+
+    def raps_with(self, method: str) -> list[str]:
+        """Return the RAPs that have a method of a name."""
+        return self._methods().get(method, [])
+
+    def _methods(self) -> Mapping[str, list[str]]:
+        """Return the RAPs that have a method, by its name or number."""
+        found: dict[str, list[str]] = {}
+        for rap in self._session.library.program.library.raps.values():
+            for number, method in enumerate(rap.methods, 1):
+                name = f"#{number}" if method.name is None else str(method.name)
+                found.setdefault(name, []).append(rap.name)
+        return found
+
+    def _see_rap(self, name: str) -> None:
+        """Raise ArgumentError if the library has no RAP of a name."""
+        known = self._session.library.program
+        if name not in known.library.raps:
+            raise ArgumentError(str(known.signatures.unknown("goal", name)))
 
     def _of_list(self, kind: str, what: str) -> Meets:
         """Return what says whether an event is about a request or a fact."""
@@ -172,9 +212,7 @@ class Breakpoints:
     def _of_goal(self, what: str) -> Meets:
         if not what.startswith("("):
             name = what.lower()
-            if name not in self._session.library.program.library.raps:
-                known = self._session.library.program.signatures
-                raise ArgumentError(str(known.unknown("goal", name)))
+            self._see_rap(name)
             return _of((events.TaskSelected,), lambda keys: _goal(keys).name == name)
         pattern = self._pattern(what)
         return _of(
@@ -286,6 +324,8 @@ def _words(told: ToldEvent) -> str:
     )
     if isinstance(about, tuple):
         about = f"({' '.join(map(format_atom, about))})"
+    if told.kind is events.MethodChosen:
+        about = f"{about} of {keys['rap']}"
     task = keys.get("task")
     return " ".join(
         str(word) for word in (tag, about, "" if task is None else f"[{task}]") if word

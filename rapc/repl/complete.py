@@ -129,10 +129,23 @@ def _of_break(shell: Shell, before: list[str], prefix: str) -> Named:
         return _files(prefix)
     if before == ["rap"]:
         return _raps(library)
-    if before == ["method"]:
-        raps = library.raps.values()
-        return [(str(one.name), rap.name) for rap in raps for one in rap.methods]
-    return [("if", "a query"), ("after", "times"), ("log", ""), ("before", "")]
+    if before[0] == "method":
+        return _of_break_method(library, before[1:])
+    return _AFTER_BREAK
+
+
+def _of_break_method(library: Library, before: list[str]) -> Named:
+    raps = library.raps.values()
+    if not before:
+        methods = [(one.name, rap.name) for rap in raps for one in rap.methods]
+        return [(str(name), rap) for name, rap in methods if name is not None]
+    if before[1:] == ["of"]:
+        having = [r for r in raps if before[0] in [str(m.name) for m in r.methods]]
+        return [(rap.name, f"method {before[0]}") for rap in having]
+    return [*_AFTER_BREAK, ("of", "a RAP")] if not before[1:] else _AFTER_BREAK
+
+
+_AFTER_BREAK = (("if", "a query"), ("after", "times"), ("log", ""), ("before", ""))
 
 
 def _of_history(shell: Shell, before: list[str]) -> Named:

@@ -12,8 +12,11 @@ from rapc.debug.find import Finder, find_event
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
 from rapc.repl.arguments import read_pattern
+from rapc.repl.commands.table import commands
+from rapc.repl.complete import candidates
+from rapc.repl.shell import Shell
 from rapc.runtime.events import events
-from tests.debug.sessions import truck
+from tests.debug.sessions import row, scripted, truck
 from tests.repl.shells import said, truck_shell
 
 
@@ -74,6 +77,42 @@ def test_a_run_stops_wherever_it_happens(
     assert stopped
 
 
+TWICE = """
+(declare-primitive walk (?place) (okay))
+(define-rap (fetch) (method carry (task-net (t1 (bring)))))
+(define-rap (bring) (method carry (primitive (walk dock))))
+"""
+
+
+@pytest.mark.parametrize(
+    ("what", "cycles"),
+    [("carry", [1, 2]), ("carry of fetch", [1]), ("Carry of BRING", [2])],
+)
+def test_method_breakpoint_stops_in_the_rap_it_names(
+    what: str, cycles: list[int]
+) -> None:
+    session = scripted(TWICE, "(fetch)", rows=(row("(walk dock)"),))
+    points = Breakpoints(session, read_pattern)
+    points.add(Breakpoint("method", what))
+    assert _cycles(session) == cycles
+
+
+def test_method_breakpoint_tells_the_raps_it_stands_for() -> None:
+    shell = Shell(scripted(TWICE, "(fetch)", rows=(row("(walk dock)"),)), commands())
+    text = said(shell, ":break method carry", width=200)
+    assert "`carry` is a method of `fetch`, `bring`; `:break method carry of f" in text
+    text = said(shell, ":break method carry of bring after 0", width=200)
+    assert text == "breakpoint 2: method carry of bring\n"
+    assert "stopped: breakpoint 1 (method carry): method-chosen carry of fetch [1]" in (
+        said(shell, ":run", width=200)
+    )
+    assert [one.text for one in candidates(shell, ":break method carry of ")] == [
+        "bring",
+        "fetch",
+    ]
+    assert "of" in [one.text for one in candidates(shell, ":break method carry ")]
+
+
 def test_conditions_counts_and_logs() -> None:
     session, points = _with(
         Breakpoint("primitive", "(truck-move)", condition="(truck-location zone-2)"),
@@ -124,6 +163,9 @@ def test_what_is_no_breakpoint_is_said() -> None:
     for point, said_of in (
         (Breakpoint("frob"), "`frob` is nothing to stop at"),
         (Breakpoint("rap", "fill-oder"), "did you mean `fill-order`"),
+        (Breakpoint("method", "outsid"), "did you mean `outside`"),
+        (Breakpoint("method", "outside of travel-road"), "has no method `outside`"),
+        (Breakpoint("method", "outside of travel-raod"), "mean `travel-road`"),
         (Breakpoint("true", "(frob)"), "`frob` is not declared"),
         (Breakpoint("time", "noon"), "a number is wanted"),
     ):

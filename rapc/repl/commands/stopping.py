@@ -26,7 +26,8 @@ _KINDS = f"Kinds: {'; '.join(f'`{kind}`: {said}' for kind, said in KINDS.items()
     ":break rap fill-order",
     ":break rap (travel-road ?from ?way zone-2)",
     ":break task 12",
-    ":break method carry",
+    ":break method look",
+    ":break method look of fuel-up",
     ":break failure interference",
     ":break primitive (arm-grasp ? ?) if (truck-status ready)",
     ":break fact (location ?thing bay1) after 2",
@@ -53,6 +54,8 @@ def _break(shell: Shell, args: Arguments) -> ShownAnswer:
     point = Breakpoint(kind)
     if args and args.peek() not in _OPTIONS:
         point.what = args.word("what to stop at")
+    if kind == "method" and args.takes("of"):
+        point.what += f" of {args.word('a RAP')}"
     while args:
         option = args.word("an option")
         if option == "if":
@@ -66,7 +69,17 @@ def _break(shell: Shell, args: Arguments) -> ShownAnswer:
         else:
             raise TextError(f"`{option}` is none of if, after, log, before")
     number = shell.breakpoints.add(point)
-    return say(f"breakpoint {number}: {point}")
+    return say(f"breakpoint {number}: {point}", *_several(shell, point))
+
+
+def _several(shell: Shell, point: Breakpoint) -> list[str]:
+    """Return what to say where several RAPs have the method of a breakpoint."""
+    raps = shell.breakpoints.raps_with(point.what.lower())
+    if point.kind != "method" or len(raps) < 2:
+        return []
+    listed = ", ".join(f"`{rap}`" for rap in raps)
+    one = f"`:break method {point.what} of {raps[0]}` stops at that of one RAP"
+    return [f"`{point.what}` is a method of {listed}; {one}"]
 
 
 _OPTIONS = ("if", "after", "log", "before")
