@@ -23,6 +23,7 @@ from rapc.base.files import lies_in, path_of, read_standard_input
 from rapc.base.later import later
 from rapc.base.names import plural
 from rapc.base.outputs import BASELINE, FINDINGS
+from rapc.base.visible import visible
 from rapc.base.writing import remove_parts
 from rapc.cli.check_options import Chosen, Options, settle
 from rapc.cli.common import (
@@ -232,9 +233,10 @@ def _tell(
 def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
     """Return a report without what a baseline knows, and words about it."""
     compared = baseline.compare(report, file)
-    words = f"; {compared.known} known from {file}" if compared.known else ""
+    name = visible(str(file))
+    words = f"; {compared.known} known from {name}" if compared.known else ""
     if compared.gone:
-        words += f"; {compared.gone} of {file} are gone: write it again"
+        words += f"; {compared.gone} of {name} are gone: write it again"
     return compared.report, words
 
 
@@ -244,7 +246,8 @@ def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
     refuse_output("--write-baseline", file, BASELINE, *inputs)
     write_output(file, baseline.baseline_text(report, file).encode())
     if not settings().quiet:
-        click.echo(f"wrote {plural(len(report.findings), 'finding')} to {file}")
+        count = plural(len(report.findings), "finding")
+        click.echo(f"wrote {count} to {visible(file)}")
     return Done(report, grave=False)
 
 

@@ -20,6 +20,7 @@ from rapc.analysis.driver import CheckReport
 from rapc.base.files import path_of
 from rapc.base.later import later
 from rapc.base.outputs import Output, check_output
+from rapc.base.visible import visible
 from rapc.base.writing import write_whole
 from rapc.cli.options import USAGE, fail, say, say_error, settings
 from rapc.errors import LoadError, WriteError
@@ -161,7 +162,8 @@ def findings_text(report: CheckReport, output_format: str, statistics: bool) -> 
 def diff(name: str, before: str, after: str) -> str:
     """Return how a text changes, as a unified diff."""
     old, new = (text.splitlines(keepends=True) for text in (before, after))
+    shown = visible(name)
     return "".join(
         line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n"
-        for line in difflib.unified_diff(old, new, name, name)
+        for line in difflib.unified_diff(old, new, shown, shown)
     )

@@ -110,7 +110,7 @@ def experiment(
             _print(summary)
     _write(session, summaries, folder)
     if not settings().quiet:
-        click.echo(f"Results, tables and plots are in `{folder}`.")
+        click.echo(f"Results, tables and plots are in `{visible(str(folder))}`.")
     _tell_faults(faults)
     raise SystemExit(1 if faults else 0)
 
@@ -228,11 +228,11 @@ def _tell(session: Batch, done: BatchResult) -> list[str]:
         if result.measures is not None:
             say(f"{where}, seed {result.seed}: done in {result.seconds:.2f} s")
             continue
-        say(result.trace)
+        for line in result.trace.splitlines():
+            say(line)
         repeat = session.command(point, result.seed)
-        faults.append(
-            f"{where}, seed {result.seed}: {result.fault}\n  to see it again: {repeat}"
-        )
+        fault = visible(f"{where}, seed {result.seed}: {result.fault}")
+        faults.append(f"{fault}\n  to see it again: {repeat}")
     return faults
 
 

@@ -11,6 +11,7 @@ from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.files import names_at, path_of, read_standard_input, read_text
 from rapc.base.names import plural
 from rapc.base.source import SourceFile
+from rapc.base.visible import visible
 from rapc.base.writing import remove_parts
 from rapc.cli.common import diff, print_findings, rewrite
 from rapc.cli.options import USAGE, command, say, settings
@@ -94,7 +95,7 @@ def _change(source: SourceFile, text: str, check: bool, differ: bool) -> bool:
     if differ:
         click.echo(diff(source.name, source.text, text), nl=False)
     elif check:
-        click.echo(f"would change {source.name}")
+        click.echo(f"would change {visible(source.name)}")
     elif rewrite(source.name, source.text, text):
         say(f"changed {source.name}")
     else:

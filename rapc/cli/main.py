@@ -98,7 +98,7 @@ def main(args: Sequence[str] | None = None) -> None:
         _tell(error.format_message())
         sys.exit(USAGE)
     except click.ClickException as error:
-        _tell(f"error: {_message(error)}")
+        _tell(f"error: {visible(_message(error))}")
         sys.exit(USAGE)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(INTERRUPTED)

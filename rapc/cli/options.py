@@ -140,6 +140,6 @@ def show_traceback(error: Exception) -> None:
 
 
 def say(message: str) -> None:
-    """Tell on standard error what is done, if `-v` asks for it."""
+    """Print on standard error, on one line, what is done, if `-v` asks for it."""
     if settings().verbose:
-        click.echo(message, err=True)
+        click.echo(visible(message), err=True)

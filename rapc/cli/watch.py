@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from rapc.base.files import files_at, path_named, path_of
+from rapc.cli.options import say_error
 from rapc.errors import Error, LoadError
 
 _INTERVAL = 0.2
@@ -43,7 +44,7 @@ def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
             try:
                 others = list(act())
             except Error as error:
-                click.echo(f"error: {error.message}", err=True)
+                say_error(error.message)
             # Files that were not watched before may have changed since they were read.
             for name, found in _stamps(map(path_of, others)).items():
                 read_late = name not in before and found[0] >= began

@@ -21,6 +21,7 @@ from rapc.base.diagnostics import Applicability, Fix, Rule, Severity
 from rapc.base.files import seen_from
 from rapc.base.source import SourceFile, Span
 from rapc.base.version import VERSION
+from rapc.base.visible import visible
 from rapc.console import findings as text
 from rapc.console.xml import as_xml, legal
 
@@ -244,7 +245,9 @@ def _commands(report: CheckReport) -> Iterator[str]:
 
 
 def _escaped(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    """Return text as a workflow command takes it; GitHub reads no other escapes."""
+    text = text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    return visible(text)
 
 
 def _property(text: str) -> str:

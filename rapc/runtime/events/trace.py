@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, Protocol, TextIO
 import msgspec
 
 from rapc.base.values import Fact, format_atom, format_list
+from rapc.base.visible import visible
 from rapc.runtime.events import events
 from rapc.runtime.events.report import cause_in_a_line
 from rapc.world import Time
@@ -285,7 +286,9 @@ def _short(cause: events.Cause) -> str:
 
 def _run_started(event: Any) -> str:
     tasks = ", ".join(event.tasks) or "no task"
-    return f"run of {event.library} in {event.world}, seed {event.seed}: {tasks}"
+    return (
+        f"run of {visible(event.library)} in {event.world}, seed {event.seed}: {tasks}"
+    )
 
 
 _LINES: Mapping[type, Callable[[Any], str | None]] = {
