@@ -1,6 +1,6 @@
-"""The configuration of `rapc check`: `rapc.toml`, or `[tool.rapc]` in pyproject.toml.
+"""The configuration of a project: `rapc.toml`, or `[tool.rapc]` in pyproject.toml.
 
-The nearest one counts: that of the folder checked, else of the one above it, and so on.
+The nearest one counts: that of the folder named, else of the one above it, and so on.
 In one folder `rapc.toml` comes first. Nothing is merged. Files are read by
 `rapc.analysis.config_file`, which those who have none do without.
 """
@@ -30,7 +30,7 @@ class Config(
     rename="kebab",
     kw_only=True,
 ):
-    """What a project says about checking it; rules are given by name or code."""
+    """What a project says about checks and tests; rules are given by name or code."""
 
     #: The rules that report; all that are not opt-in if None.
     select: tuple[str, ...] | None = None
@@ -50,6 +50,8 @@ class Config(
     baseline: str | None = None
     #: The folder of caches, likewise.
     cache_dir: str | None = None
+    #: The modules of which tests may name worlds; `rapc check` imports none.
+    world_modules: tuple[str, ...] = ()
 
 
 class Configured(msgspec.Struct, frozen=True):
@@ -89,7 +91,7 @@ class Configured(msgspec.Struct, frozen=True):
 
 
 def files(place: Path) -> Iterator[Path]:
-    """Yield the files that may configure the check of a file or folder, nearest first.
+    """Yield the files that may configure commands for a path, nearest first.
 
     A pyproject.toml need not have a configuration in it.
     """

@@ -111,14 +111,23 @@ def _configured(options: Options) -> Configured:
     """Return the configuration that counts; an empty one if there is none."""
     if options.isolated:
         return Configured()
-    said = options.config
-    files = config.files(Path(options.paths[0])) if said is None else [Path(said)]
-    for file in files:
+    if options.config is None:
+        return nearest_config(options.paths[0])
+    found = config_file.read_config(Path(options.config))
+    return found or fail(f"`{options.config}` has no table `tool.rapc`")
+
+
+def nearest_config(path: str) -> Configured:
+    """Return the configuration that counts for a path; an empty one if there is none.
+
+    Raises:
+        ConfigError: for one that cannot be used.
+        LoadError: for one that cannot be read.
+    """
+    for file in config.files(Path(path)):
         found = config_file.read_config(file)
         if found is not None:
             return found
-    if said is not None:
-        fail(f"`{said}` has no table `tool.rapc`")
     return Configured()
 
 

@@ -12,6 +12,7 @@ import click
 from rapc.base.files import same_file
 from rapc.base.outputs import COVERAGE, JUNIT
 from rapc.base.visible import visible
+from rapc.cli.check_options import nearest_config
 from rapc.cli.common import refuse_faulty, refuse_output, write_output
 from rapc.cli.given import read_option
 from rapc.cli.options import Amount, WholeNumber, command, fail, settings
@@ -102,6 +103,9 @@ def test(
 ) -> None:
     """Run the tests in files, and in all *.test.rap files below folders.
 
+    The `world-modules` of the nearest rapc.toml, or of `[tool.rapc]` in a
+    pyproject.toml, permit modules as --world-module does.
+
     Exit status: 0 if all passed, 1 if one failed, 2 if one could not be run.
     """
     if coverage and not coverage.endswith(".json"):
@@ -110,7 +114,8 @@ def test(
         raise click.UsageError("a file or folder with tests is missing")
     gathered = None if coverage is None and least is None else Coverage()
     injected = tuple([read_option("--fault", read_fault, text) for text in faults])
-    running = TestSession(range(seed, seed + seeds), injected, gathered, tuple(modules))
+    permitted = (*modules, *nearest_config(paths[0]).config.world_modules)
+    running = TestSession(range(seed, seed + seeds), injected, gathered, permitted)
     cases = _find(paths)
     inputs = {*paths, *(file for case in cases for file in _files(case))}
     told = "is a file of the tests or of their library"

@@ -202,9 +202,8 @@ WORDS: Mapping[str, Words] = {
         "the name of a world",
         more=(
             "its handlers, functions and problem solvers are those that the library "
-            'needs: an installed one, or `"module:Class"` of a module that `rapc '
-            "test --world-module MODULE`, or the setting `rap_world_modules` of "
-            "pytest, permits"
+            'needs: an installed one, or `"module:Class"` of a module that the user '
+            "permits"
         ),
     ),
     "options": Words(

@@ -81,8 +81,8 @@ def find_permitted(name: str, modules: Collection[str]) -> type[World]:
     if ":" in name and module not in modules:
         raise WorldError(
             f"the module `{module}` may not be imported for a test",
-            f"permit it by `--world-module {module}`, or under pytest in "
-            "`rap_world_modules`",
+            f"permit it by `--world-module {module}` or by `world-modules` in "
+            "`rapc.toml`, under pytest by `rap_world_modules`",
         )
     return find_world(name)
 

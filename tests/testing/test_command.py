@@ -253,6 +253,37 @@ def test_a_test_imports_no_module_that_nobody_has_permitted(
     assert (tmp_path / "imported").exists()
 
 
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("rapc.toml", 'world-modules = ["evil"]'),
+        ("pyproject.toml", '[tool.rapc]\nworld-modules = ["others", "evil"]'),
+    ],
+)
+def test_the_configuration_permits_worlds_of_modules(
+    file: str, text: str, tmp_path: Path
+) -> None:
+    """The nearest one of the first path; `rapc check` imports nothing all the same."""
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "evil.test.rap").write_text(EVIL)
+    (tmp_path / "evil.py").write_text(EVIL_PY)
+    (tmp_path / file).write_text(text)
+    assert rapc("check", "tests/evil.test.rap", cwd=tmp_path).returncode == 0
+    assert not (tmp_path / "imported").exists()
+    done = rapc("test", "tests", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    (tmp_path / "tests" / "rapc.toml").write_text("")
+    done = rapc("test", "tests", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "or by `world-modules` in `rapc.toml`" in done.stdout
+    (tmp_path / "tests" / "rapc.toml").write_text("world-module = 3")
+    done = rapc("test", "tests", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert (
+        "there is no key `world-module`\n  did you mean `world-modules`?" in done.stderr
+    )
+
+
 def test_a_world_whose_class_has_capitals_is_wanted_in_quotes(tmp_path: Path) -> None:
     (tmp_path / "evil.test.rap").write_text(EVIL.replace('"', "", 2))
     (tmp_path / "evil.py").write_text(EVIL_PY)
