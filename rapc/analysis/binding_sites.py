@@ -1,19 +1,20 @@
-"""The places of a RAP where a variable gets a value, for messages.
+"""The places of a RAP where a variable gets a value, or may get one.
 
 Slower and simpler than `rapc.analysis.passes.bindings`, and asked only about RAPs in
-which something is wrong: it says where a name is bound and what is special about the
-place, not whether it is bound where somebody needs it.
+which something may be wrong: it says where a name is bound and what is special about
+the place, not whether it is surely bound where somebody needs it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 import msgspec
 
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
 from rapc.ir.operands import operands
+from rapc.ir.walk import FormulaAt
 
 
 class Site(msgspec.Struct, frozen=True):
@@ -99,3 +100,89 @@ def _terms(place: Site, terms: tuple[nodes.Term, ...]) -> Iterator[Site]:
     for term in terms:
         if isinstance(term, nodes.Var) and not term.anonymous:
             yield msgspec.structs.replace(place, name=term.name, span=term.span)
+
+
+def sites_by_name(
+    rap: nodes.DefineRap, functions: Container[str]
+) -> Mapping[str, Sequence[Site]]:
+    """Return the places of a RAP that bind variables, by the names of these."""
+    found: dict[str, list[Site]] = {}
+    for site in sites(rap, functions):
+        found.setdefault(site.name, []).append(site)
+    return found
+
+
+class MayBeBound:
+    """Tells which variables of a RAP may have values where a formula is asked.
+
+    Args:
+        rap: the RAP.
+        functions: the declared functions.
+    """
+
+    def __init__(self, rap: nodes.DefineRap, functions: Container[str]) -> None:
+        self._rap = rap
+        self._functions = functions
+        self._sites: Mapping[str, Sequence[Site]] | None = None
+
+    def at(self, place: FormulaAt) -> Container[str]:
+        """Return the variables that may have values before a formula is asked."""
+        return _BoundBefore(self, place)
+
+    def sites(self, name: str) -> Sequence[Site]:
+        """Return the places that bind a variable."""
+        if self._sites is None:
+            self._sites = sites_by_name(self._rap, self._functions)
+        return self._sites.get(name, ())
+
+
+class _BoundBefore(Container[str]):
+    """The variables that may have values before a formula is asked [L 3.64, 3.67].
+
+    Steps share the variables of their method: what any of them has bound may be there
+    when a condition of another one is asked, or a constraint of the method.
+    """
+
+    def __init__(self, bound: MayBeBound, place: FormulaAt) -> None:
+        self._bound = bound
+        self._place = place
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and any(
+            self._comes_before(site) for site in self._bound.sites(name)
+        )
+
+    def _comes_before(self, site: Site) -> bool:
+        method, own = self._place.method, self._place.formula.span
+        if site.clause in _WORDS:
+            return True
+        if site.negated or method is None or site.clause in _KEPT_BACK:
+            return False
+        if site.method is None:
+            return True
+        within = own.start <= site.span.start < own.end
+        return self._place.clause.when == "run" and site.method is method and not within
+
+
+_KEPT_BACK = {
+    clause.word for clause in (*clauses.RAP, *clauses.METHOD) if not clause.hands_on
+}
+"""The clauses whose bindings stay theirs."""
+
+
+def rules_over_memory(
+    form: nodes.MemoryRule | nodes.EventRule,
+) -> Iterator[tuple[Sequence[nodes.Rule], set[str]]]:
+    """Yield rules that run together, with the variables that have values there."""
+    if isinstance(form, nodes.EventRule):
+        yield form.rules, _variables(form.args)
+        return
+    index = _variables((*form.index.args, *form.index.outputs))
+    for case in form.cases:
+        result = case.result
+        args = result.args if isinstance(result, nodes.Signal) else (result,)
+        yield case.rules, index | _variables(args)
+
+
+def _variables(terms: tuple[nodes.Term, ...]) -> set[str]:
+    return {t.name for t in terms if isinstance(t, nodes.Var) and not t.anonymous}

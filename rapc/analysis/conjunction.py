@@ -10,14 +10,11 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.following import follows, has_a_chance, may_be
-from rapc.analysis.literals import Literal, holds_between, literals, names, number_of
+from rapc.analysis.following import Relations, follows, has_a_chance, may_be, unbound
+from rapc.analysis.literals import Literal, holds_between, literals, number_of, put
 from rapc.base.values import Atom
 from rapc.ir import nodes
 from rapc.library.signature import Signature
-
-Relations = Mapping[str, Signature]
-"""The propositions and properties of a library."""
 
 
 class Clash(msgspec.Struct, frozen=True):
@@ -58,8 +55,17 @@ MOST = 24
 """A conjunction with more literals than this is not looked at."""
 
 
+class _Denial(msgspec.Struct, frozen=True):
+    """What has no solution, and the literals that then do not all hold."""
+
+    literal: Literal
+    wanted: Sequence[Literal]
+    #: The variables of `wanted` that have no value: whatever they stand for will do.
+    free: Container[str]
+
+
 class Conjunction:
-    """Literals that hold together, put in one after another.
+    """Literals that hold together, put in one after another, as they are asked.
 
     Args:
         relations: the propositions and properties.
@@ -70,9 +76,7 @@ class Conjunction:
         self.held: list[Literal] = []
         self._relations = relations
         self._given = given
-        #: What has no solution, each with the literals that then do not all hold.
-        self._denials: list[tuple[Literal, Sequence[Literal]]] = []
-        self._names: dict[int, set[str]] = {}
+        self._denials: list[_Denial] = []
         #: By name: the first fact that holds, and what says so.
         self._earliest: dict[str, tuple[nodes.Proposition, Literal]] = {}
         #: By name and arguments of a property: the first literal that says its value.
@@ -105,38 +109,32 @@ class Conjunction:
 
     def _ruled_out(self, literal: Literal) -> Literal | None:
         """A literal from which a formula that has no solution would follow."""
-        wanted = list(literals(literal.formula))
-        self._denials.append((literal, wanted))
+        own = unbound(literal, self.held, self._given)
+        new = {name: nodes.Var(f"{name}@not") for name in own}
+        wanted = list(literals(put(literal.formula, new)))
+        denial = _Denial(literal, wanted, {one.name for one in new.values()})
+        self._denials.append(denial)
         if not all(has_a_chance(goal, self.held) for goal in wanted):
             return None
-        used = follows(wanted, self.held, self._own(literal, self.held))
+        used = self._follows(denial, self.held)
         return used[-1] if used else None
 
     def _denied(self, literal: Literal) -> Literal | None:
         """A formula without a solution that a new literal makes follow."""
-        for other, wanted in self._denials:
-            if not any(may_be(goal, literal) for goal in wanted):
+        for denial in self._denials:
+            if not any(may_be(goal, literal) for goal in denial.wanted):
                 continue
-            everything = [*self.held, literal]
-            used = follows(wanted, everything, self._own(other, everything))
+            used = self._follows(denial, [*self.held, literal])
             if used and literal in used:
-                return other
+                return denial.literal
         return None
 
-    def _own(self, literal: Literal, others: Iterable[Literal]) -> set[str]:
-        """The variables that occur nowhere else: whatever they stand for will do."""
-        own = {name for name in self._known(literal) if name not in self._given}
-        for other in others if own else ():
-            if other is not literal:
-                own -= self._known(other)
-        return own
-
-    def _known(self, literal: Literal) -> set[str]:
-        """The names of the variables of a literal, gathered once."""
-        found = self._names.get(id(literal))
-        if found is None:
-            found = self._names[id(literal)] = names(literal.formula)
-        return found
+    def _follows(self, denial: _Denial, held: Sequence[Literal]) -> list[Literal]:
+        """The literals from which what a denial denies follows; none if it may not."""
+        return (
+            follows(denial.wanted, held, denial.free, self._relations, self._given)
+            or []
+        )
 
     def _other_value(self, fact: nodes.Proposition, literal: Literal) -> Literal | None:
         declared = self._relations.get(fact.name)

@@ -62,34 +62,36 @@ def names(formula: nodes.Formula) -> set[str]:
 def apart(formula: nodes.Formula, kept: Container[str], mark: str) -> nodes.Formula:
     """Return a formula whose variables that are not kept have names of their own."""
     found = names(formula)
-    new = {name: f"{name}{mark}" for name in found if name not in kept}
-    return _renamed(formula, new) if new else formula
+    new = {name: nodes.Var(f"{name}{mark}") for name in found if name not in kept}
+    return put(formula, new)
 
 
-def _renamed(formula: nodes.Formula, new: Mapping[str, str]) -> nodes.Formula:
-    """Return a formula with other names of variables."""
+def put(formula: nodes.Formula, terms: Mapping[str, nodes.Term]) -> nodes.Formula:
+    """Return a formula with terms for some of its variables."""
+    if not terms:
+        return formula
     changed: dict[str, object] = {}
     for field in formula.__struct_fields__:
         value = getattr(formula, field)
         if isinstance(value, nodes.Node):
-            changed[field] = _term_or_formula(value, new)
+            changed[field] = _term_or_formula(value, terms)
         elif type(value) is tuple and not field.endswith("span"):
             changed[field] = tuple(
                 [
-                    _term_or_formula(v, new) if isinstance(v, nodes.Node) else v
+                    _term_or_formula(v, terms) if isinstance(v, nodes.Node) else v
                     for v in value
                 ]
             )
     return msgspec.structs.replace(formula, **changed) if changed else formula
 
 
-def _term_or_formula(node: nodes.Node, new: Mapping[str, str]) -> nodes.Node:
+def _term_or_formula(node: nodes.Node, terms: Mapping[str, nodes.Term]) -> nodes.Node:
     if isinstance(node, nodes.Var):
-        name = new.get(node.name)
-        return node if name is None else nodes.Var(name, node.span)
+        new = terms.get(node.name)
+        return node if new is None else msgspec.structs.replace(new, span=node.span)
     if isinstance(node, nodes.Const):
         return node
-    return _renamed(node, new)  # type: ignore[arg-type]  # no term: a formula
+    return put(node, terms)  # type: ignore[arg-type]  # no term: a formula
 
 
 def number_of(term: nodes.Term | None) -> Number | None:

@@ -18,6 +18,7 @@ import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import BindingWalker, Bound, Findings
+from rapc.analysis.binding_sites import rules_over_memory
 from rapc.analysis.named_bindings import query_arguments
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
 from rapc.ir import clauses, nodes
@@ -55,10 +56,9 @@ def _run(run: Pass) -> Bindings:
     for form in run.library.forms:
         if type(form) is nodes.DefineRap:
             _rap(walk, form)
-        elif type(form) is nodes.MemoryRule:
-            _memory_rule(walk, form)
-        elif type(form) is nodes.EventRule:
-            _rules(walk, form.rules, Bound(None, _names(form.args)))
+        elif isinstance(form, nodes.MemoryRule | nodes.EventRule):
+            for rules, names in rules_over_memory(form):
+                _rules(walk, rules, Bound(None, names))
         elif type(form) is nodes.DefineQuery:
             walk.walker.formula(form.formula, Bound(None, query_arguments(form)))
             walk.note("query")
@@ -333,14 +333,6 @@ class _Names(Container[str]):
 
 
 # --- rules over memory --------------------------------------------------------------
-
-
-def _memory_rule(walk: _Walk, rule: nodes.MemoryRule) -> None:
-    base = Bound(None, _names((*rule.index.args, *rule.index.outputs)))
-    for case in rule.cases:
-        result = case.result
-        args = result.args if isinstance(result, nodes.Signal) else (result,)
-        _rules(walk, case.rules, Bound(base, _names(args)))
 
 
 def _rules(walk: _Walk, rules: Iterable[nodes.Rule], bound: Bound) -> None:

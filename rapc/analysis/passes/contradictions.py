@@ -6,11 +6,15 @@ never hold together; each branch of an `or` is asked with what stands around it.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Sequence
+from typing import NamedTuple
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.binding_rules import Bound
+from rapc.analysis.binding_sites import MayBeBound, rules_over_memory
 from rapc.analysis.conjunction import Clash, Conjunction, may_clash
-from rapc.analysis.literals import Literal, literals
+from rapc.analysis.literals import Literal, literals, names
+from rapc.analysis.named_bindings import query_arguments
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -52,12 +56,10 @@ class Reports:
 
     Args:
         run: the run of the pass.
-        given: the variables that have values before a formula is asked.
     """
 
-    def __init__(self, run: Pass, given: Container[str]) -> None:
+    def __init__(self, run: Pass) -> None:
         self.run = run
-        self.given = given
         self._told: set[Span] = set()
 
     def report(self, rule: Rule, message: str, span: Span, label: Label) -> None:
@@ -68,31 +70,23 @@ class Reports:
         labels = (label,) if label.span != span else ()
         self.run.report(Diagnostic(rule.name, message, span, labels=labels))
 
-    def conjunction(self, held: Iterable[Literal]) -> Conjunction:
-        """Return a conjunction that has literals in it already."""
-        made = Conjunction(self.run.signatures.relations, self.given)
-        for one in held:
-            made.add(one)
-        return made
-
 
 def _run(run: Pass) -> set[int]:
     """Report, and return the ids of the formulas of RAPs that never hold."""
     never: set[int] = set()
     for form in run.library.forms:
+        reports = Reports(run)
         if isinstance(form, nodes.DefineRap):
-            given = {v.name for v in form.inputs}
-            given |= {r.variable.name for r in form.resources}
-            reports = Reports(run, given)
+            bound = MayBeBound(form, run.library.functions)
             for one in formulas(form):
-                if _contradictions(reports, one.formula):
+                if _contradictions(reports, one.formula, bound.at(one)):
                     never.add(id(one.formula))
         elif isinstance(form, nodes.DefineQuery):
-            given = {arg.variable.name for arg in form.args}
-            _contradictions(Reports(run, given), form.formula)
+            _contradictions(reports, form.formula, set(query_arguments(form)))
         elif isinstance(form, nodes.MemoryRule | nodes.EventRule):
-            for formula in _queries(form):
-                _contradictions(Reports(run, ()), formula)
+            for rules, given in rules_over_memory(form):
+                for alternative in (one for rule in rules for one in rule.alternatives):
+                    _contradictions(reports, alternative.query, given)
     return never
 
 
@@ -105,42 +99,59 @@ ANALYZER = Analyzer(
 )
 
 
-def _queries(form: nodes.MemoryRule | nodes.EventRule) -> Iterator[nodes.Formula]:
-    rules = (
-        form.rules
-        if isinstance(form, nodes.EventRule)
-        else [rule for case in form.cases for rule in case.rules]
-    )
-    for rule in rules:
-        for alternative in rule.alternatives:
-            yield alternative.query
+class _Asked(NamedTuple):
+    """A formula with what is asked together with it."""
+
+    formula: nodes.Formula
+    #: The variables that may have values before all of that.
+    given: Container[str]
+    before: Sequence[Literal] = ()
+    behind: Sequence[Literal] = ()
 
 
-def _contradictions(reports: Reports, formula: nodes.Formula) -> bool:
-    """Report what never holds in a formula; return whether anything was found."""
+def _contradictions(
+    reports: Reports, formula: nodes.Formula, given: Container[str]
+) -> bool:
+    """Report what never holds in a formula; return whether anything was found.
+
+    Args:
+        reports: where findings go.
+        formula: the formula.
+        given: the variables that may have values before it is asked.
+    """
     if not isinstance(formula, _JOINED):
         return False
     found = False
-    waiting: list[tuple[nodes.Formula, list[Literal]]] = [(formula, [])]
+    waiting = [_Asked(formula, given)]
     while waiting:
-        here, outer = waiting.pop()
-        own = list(literals(here))
-        clash = first_clash(reports, outer, own)
+        here = waiting.pop()
+        own = list(literals(here.formula))
+        after = [*own, *here.behind]
+        clash = first_clash(reports.run, here.before, after, here.given)
         if clash is not None:
+            if any(clash.second is one for one in here.behind):
+                clash = Clash(clash.second, clash.first)
             _report_contradiction(reports, clash)
             found = True
             continue
-        for literal in own:
+        for at, literal in enumerate(own):
             inner = literal.formula
             if not isinstance(inner, _JOINED):
                 continue
-            if isinstance(inner, nodes.Or):
-                others = [*outer, *(one for one in own if one is not literal)]
-                kept = others if literal.holds else []
-                waiting += [(part, kept) for part in reversed(inner.parts)]
+            before = [*here.before, *own[:at]]
+            if literal.holds:
+                asked = _Asked(inner, here.given, before, after[at + 1 :])
             else:
-                waiting.append((inner, []))
+                asked = _Asked(inner, _bound_by(here.given, before))
+            parts = inner.parts if isinstance(inner, nodes.Or) else (inner,)
+            waiting += [asked._replace(formula=part) for part in reversed(parts)]
     return found
+
+
+def _bound_by(given: Container[str], before: Iterable[Literal]) -> Container[str]:
+    """The variables that may have values behind some literals."""
+    held = [names(one.formula) for one in before if one.holds]
+    return Bound(given, set().union(*held)) if held else given
 
 
 _JOINED = (nodes.And, nodes.Or, nodes.Not)
@@ -148,18 +159,24 @@ _JOINED = (nodes.And, nodes.Or, nodes.Not)
 
 
 def first_clash(
-    reports: Reports, held: Sequence[Literal], own: Sequence[Literal]
+    run: Pass,
+    held: Sequence[Literal],
+    own: Sequence[Literal],
+    given: Container[str],
 ) -> Clash | None:
     """Return the first of some literals that contradicts another.
 
     Args:
-        reports: tell which variables have values.
+        run: the run of the pass.
         held: literals that hold, and do not contradict each other.
         own: the literals that are put to them, one after another.
+        given: the variables that may have values before all of them.
     """
     if not may_clash([*held, *own]):
         return None
-    made = reports.conjunction(held)
+    made = Conjunction(run.signatures.relations, given)
+    for literal in held:
+        made.add(literal)
     for literal in own:
         clash = made.add(literal)
         if clash is not None:

@@ -200,7 +200,7 @@ def _endless(
             span=monitor.span,
             help=_said(done),
         )
-    elif _brings_it_about(run.library, rap, monitor):
+    elif _brings_it_about(run, rap, monitor):
         yield Diagnostic(
             rule=ENDLESS.name,
             message=f"what `{rap.name}` does brings about what wakes it",
@@ -218,14 +218,15 @@ def _ends(library: Library, monitor: nodes.Formula, done: Sequence[Effect]) -> b
     )
 
 
-def _brings_it_about(
-    library: Library, rap: nodes.DefineRap, monitor: nodes.Formula
-) -> bool:
+def _brings_it_about(run: Pass, rap: nodes.DefineRap, monitor: nodes.Formula) -> bool:
     """Whether the monitor surely holds when any method has ended well."""
-    wanted = list(literals(apart(monitor, (), "@monitor")))
-    free = {name for one in wanted for name in names(one.formula)}
+    given = {variable.name for variable in rap.inputs}
+    own = apart(monitor, given, "@monitor")
+    wanted, free = list(literals(own)), names(own) - given
+    relations = run.signatures.relations
     return all(
-        follows(wanted, done_by_method(library, method), free) for method in rap.methods
+        follows(wanted, done_by_method(run.library, method), free, relations)
+        for method in rap.methods
     )
 
 

@@ -16,7 +16,7 @@ from rapc.analysis.certain import done_by_method
 from rapc.analysis.effects import EFFECTS, Effect
 from rapc.analysis.endless import is_never
 from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals, names
+from rapc.analysis.literals import apart, literals, names
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -187,18 +187,11 @@ def _is_enough(run: Pass, rap: nodes.DefineRap, method: nodes.Method) -> bool:
     done = done_by_method(run.library, method)
     parts = rap.succeed.parts if isinstance(rap.succeed, nodes.Or) else (rap.succeed,)
     for part in parts:
-        wanted: Sequence[Literal] = list(literals(apart(part, _given(rap), "@goal")))
+        wanted = list(literals(apart(part, _given(rap), "@goal")))
         free = {name for one in wanted for name in names(one.formula)} - _given(rap)
-        if any(not one.holds and _is_open(one, free) for one in wanted):
-            continue
-        if follows(wanted, done, free):
+        if follows(wanted, done, free, run.signatures.relations):
             return True
     return False
-
-
-def _is_open(literal: Literal, free: set[str]) -> bool:
-    """Whether a literal speaks of whatever there is, and not of one thing."""
-    return any(v.anonymous or v.name in free for v in variables(literal.formula))
 
 
 def _said(done: Sequence[Effect]) -> str:

@@ -13,6 +13,7 @@ from collections.abc import Container, Iterator, Sequence
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.conjunction import Clash
 from rapc.analysis.following import follows
 from rapc.analysis.literals import Literal, apart, literals, names
 from rapc.analysis.passes.contradictions import ANALYZER as CONTRADICTIONS
@@ -74,6 +75,29 @@ class _Goal(msgspec.Struct, frozen=True):
     free: Container[str]
 
 
+class _Chosen(msgspec.Struct, frozen=True):
+    """What is so wherever a method of a RAP is chosen, and where findings go."""
+
+    reports: Reports
+    #: The inputs and resources of the RAP.
+    given: Container[str]
+    held: list[_Asked]
+    goals: Sequence[_Goal]
+
+    def clash(self, own: Sequence[Literal]) -> Clash | None:
+        """Return two literals that never hold together, of what is so and some more."""
+        held = [one.literal for one in self.held]
+        return first_clash(self.reports.run, held, own, self.given) if held else None
+
+    def goal_of(self, held: Sequence[Literal]) -> _Goal | None:
+        """Return a way to succeed that follows from literals, if any does."""
+        relations = self.reports.run.signatures.relations
+        for goal in self.goals if held else ():
+            if follows(goal.literals, held, goal.free, relations, self.given):
+                return goal
+        return None
+
+
 def _goal(formula: nodes.Formula, given: Container[str]) -> _Goal:
     renamed = apart(formula, given, "@goal")
     free = {name for name in names(renamed) if name not in given}
@@ -98,19 +122,18 @@ ANALYZER = Analyzer(
 
 def _rap(run: Pass, rap: nodes.DefineRap) -> None:
     given = {v.name for v in rap.inputs} | {r.variable.name for r in rap.resources}
-    reports = Reports(run, given)
     never = run.result(CONTRADICTIONS)
-    held = list(_held(rap, given, never))
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
     if id(rap) in run.result(SETTLED):
         goals = []
-    if _succeeds_first(reports, rap, held, goals) or _apart(reports, rap, held):
+    at = _Chosen(Reports(run), given, list(_held(rap, given, never)), goals)
+    if _succeeds_first(at, rap) or _apart(at, rap):
         return
     looped = rap.repeat_while
     if looped is not None and id(looped) not in never:
-        if _never(reports, looped, held, goals, "repeat-while"):
+        if _never(at, looped, "repeat-while"):
             return
-        held += [_Asked(one, "repeat-while") for one in literals(looped)]
+        at.held.extend(_Asked(one, "repeat-while") for one in literals(looped))
     always: nodes.Method | None = None
     behind: list[nodes.Formula] = []
     for method in rap.methods:
@@ -120,44 +143,41 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
             if always is not None and _asks_otherwise(method.context):
                 behind.append(method.context)
             else:
-                _never(reports, method.context, held, goals, "this method")
+                _never(at, method.context, "this method")
     if always is not None and behind:
         _report_otherwise(run, behind, always)
 
 
-def _succeeds_first(
-    reports: Reports,
-    rap: nodes.DefineRap,
-    held: Sequence[_Asked],
-    goals: Sequence[_Goal],
-) -> bool:
+def _succeeds_first(at: _Chosen, rap: nodes.DefineRap) -> bool:
     """Report a clause that has to hold for a method, and holds with `succeed` alone."""
     for clause, formula in _required(rap) if rap.methods else ():
-        own = [one.literal for one in held if one.clause == clause.word]
-        for goal in goals if own else ():
-            if follows(goal.literals, own, goal.free):
-                reports.report(
-                    UNREACHABLE,
-                    f"no method is ever chosen: where `{clause.word}` holds, "
-                    "`succeed` does",
-                    formula.span,
-                    Label(goal.span, "the RAP has succeeded then"),
-                )
-                return True
+        own = [one.literal for one in at.held if one.clause == clause.word]
+        goal = at.goal_of(own)
+        if goal is not None:
+            at.reports.report(
+                UNREACHABLE,
+                f"no method is ever chosen: where `{clause.word}` holds, "
+                "`succeed` does",
+                formula.span,
+                Label(goal.span, "the RAP has succeeded then"),
+            )
+            return True
     return False
 
 
-def _apart(reports: Reports, rap: nodes.DefineRap, held: Sequence[_Asked]) -> bool:
+def _apart(at: _Chosen, rap: nodes.DefineRap) -> bool:
     """Report clauses that have to hold for any method, and never hold together."""
-    every = [one.literal for one in held]
-    clash = first_clash(reports, (), every) if every and rap.methods else None
+    every = [one.literal for one in at.held]
+    if not every or not rap.methods:
+        return False
+    clash = first_clash(at.reports.run, (), every, at.given)
     if clash is None:
         return False
-    clauses = {id(one.literal): one.clause for one in held}
+    clauses = {id(one.literal): one.clause for one in at.held}
     one = clauses.get(id(clash.first))
     if one is None or one == clauses.get(id(clash.second)):
         return False
-    reports.report(
+    at.reports.report(
         UNREACHABLE,
         f"no method is ever chosen: {said(clash.second)} never holds where "
         f"`{one}` does",
@@ -205,42 +225,31 @@ def _ways_to_succeed(rap: nodes.DefineRap) -> Iterator[nodes.Formula]:
         yield goal
 
 
-def _never(
-    reports: Reports,
-    formula: nodes.Formula,
-    held: Sequence[_Asked],
-    goals: Sequence[_Goal],
-    what: str,
-) -> bool:
-    """Report a formula, or branches of it, that never holds with what is held."""
+def _never(at: _Chosen, formula: nodes.Formula, what: str) -> bool:
+    """Report a formula, or branches of it, that never holds at a choice."""
     own = list(literals(formula))
-    whole = _refuted(reports, own, formula.span, held, goals, what)
+    whole = _refuted(at, own, formula.span, what)
     if whole is not None:
-        reports.report(UNREACHABLE, *whole)
+        at.reports.report(UNREACHABLE, *whole)
         return True
-    for literal in own:
+    for place, literal in enumerate(own):
         if isinstance(literal.formula, nodes.Or) and literal.holds:
-            others = [one for one in own if one is not literal]
+            before, behind = own[:place], own[place + 1 :]
             parts = literal.formula.parts
             found = [
                 _refuted(
-                    reports,
-                    [*others, *literals(part)],
-                    part.span,
-                    held,
-                    goals,
-                    "this branch",
+                    at, [*before, *literals(part), *behind], part.span, "this branch"
                 )
                 for part in parts
             ]
             if parts and all(found):
                 message = f"{what} is never chosen: no branch of this ever holds"
                 label = found[0][2] if found[0] else Label(formula.span, "")
-                reports.report(UNREACHABLE, message, literal.span, label)
+                at.reports.report(UNREACHABLE, message, literal.span, label)
                 return True
             for one in found:
                 if one is not None:
-                    reports.report(UNREACHABLE, *one)
+                    at.reports.report(UNREACHABLE, *one)
     return False
 
 
@@ -249,17 +258,12 @@ _Refuted = tuple[str, Span, Label]
 
 
 def _refuted(
-    reports: Reports,
-    own: Sequence[Literal],
-    span: Span,
-    held: Sequence[_Asked],
-    goals: Sequence[_Goal],
-    what: str,
+    at: _Chosen, own: Sequence[Literal], span: Span, what: str
 ) -> _Refuted | None:
     """Say why literals, none of which contradict each other, never hold."""
-    clash = first_clash(reports, [a.literal for a in held], own) if held else None
+    clash = at.clash(own)
     if clash is not None:
-        clause = next((a.clause for a in held if a.literal is clash.first), None)
+        clause = next((a.clause for a in at.held if a.literal is clash.first), None)
         if clause is None:
             return None
         return (
@@ -267,15 +271,15 @@ def _refuted(
             clash.second.span,
             Label(clash.first.span, _why(clause)),
         )
-    everything = [*(a.literal for a in held if a.clause != "succeed"), *own]
-    for goal in goals:
-        if follows(goal.literals, everything, goal.free):
-            return (
-                f"{what} is never chosen: where this holds, `succeed` does",
-                span,
-                Label(goal.span, "the RAP has succeeded then"),
-            )
-    return None
+    held = [one.literal for one in at.held if one.clause != "succeed"]
+    goal = at.goal_of([*held, *own])
+    if goal is None:
+        return None
+    return (
+        f"{what} is never chosen: where this holds, `succeed` does",
+        span,
+        Label(goal.span, "the RAP has succeeded then"),
+    )
 
 
 def _why(clause: str) -> str:

@@ -9,7 +9,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_through, through
 from rapc.analysis.certain import done_by_method
 from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals, names
+from rapc.analysis.literals import Literal, apart, literals, names, put
 from rapc.analysis.passes.crossed_claims import things
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -88,11 +88,12 @@ def _run(run: Pass) -> None:
     told: set[tuple[str, str]] = set()
     for agenda in run.library.agendas.values():
         tasks = [one for one in agenda.tasks if one.background]
-        standing = {task.goal.name: task for task in tasks}
-        for one, other in combinations(list(standing.values())[:_MOST], 2):
+        for one, other in combinations(tasks[:_MOST], 2):
+            if one.goal.name == other.goal.name:
+                continue
             if (agenda.name, other.goal.name) in told:
                 continue
-            for found in _between(run.library, one, other):
+            for found in _between(run, one, other):
                 told.add((agenda.name, other.goal.name))
                 run.report(found)
 
@@ -111,15 +112,15 @@ _MOST = 40
 
 
 def _between(
-    library: Library, one: nodes.GivenTask, other: nodes.GivenTask
+    run: Pass, one: nodes.GivenTask, other: nodes.GivenTask
 ) -> Iterator[Diagnostic]:
-    first = library.raps.get(one.goal.name)
-    second = library.raps.get(other.goal.name)
+    library = run.library
+    first, second = library.raps.get(one.goal.name), library.raps.get(other.goal.name)
     if first is None or second is None:
         return
     if first.monitor_state is None or second.monitor_state is None:
         return
-    if _wakes(library, first, second) and _wakes(library, second, first):
+    if _wakes(run, one.goal, other.goal) and _wakes(run, other.goal, one.goal):
         yield Diagnostic(
             rule=UNDOING.name,
             message=f"`{first.name}` and `{second.name}` wake each other for good",
@@ -128,7 +129,7 @@ def _between(
             help="let one of them ask for more",
         )
     elif one.priority == other.priority:
-        shared = _shared_facts(library, first, second)
+        shared = _shared_facts(library, one.goal, other.goal)
         both = sorted(
             _needed(library, first) & _needed(library, second), key=format_formula
         )
@@ -143,19 +144,31 @@ def _between(
             )
 
 
+def _inputs(library: Library, goal: nodes.Goal) -> dict[str, nodes.Term]:
+    """The terms that the inputs of the RAP of a goal have."""
+    pairs = zip(library.raps[goal.name].inputs, goal.args, strict=False)
+    return {variable.name: term for variable, term in pairs}
+
+
+def _monitor(library: Library, goal: nodes.Goal) -> nodes.Formula:
+    """The monitor of the RAP of a goal, with the arguments of the goal in it."""
+    monitor = library.raps[goal.name].monitor_state
+    assert monitor is not None
+    return put(monitor, _inputs(library, goal))
+
+
 def _shared_facts(
-    library: Library, first: nodes.DefineRap, second: nodes.DefineRap
+    library: Library, first: nodes.Goal, second: nodes.Goal
 ) -> Sequence[str]:
     """The facts that can wake both."""
-    assert first.monitor_state is not None
-    assert second.monitor_state is not None
-    if asked_through(library, first.monitor_state) is None:
+    monitor = _monitor(library, first)
+    if asked_through(library, monitor) is None:
         return ()
-    others = list(_facts(library, second.monitor_state))
+    others = list(_facts(library, _monitor(library, second)))
     return sorted(
         {
             one.name
-            for one in _facts(library, first.monitor_state)
+            for one in _facts(library, monitor)
             if any(_may_be_one(one, other) for other in others)
         }
     )
@@ -192,14 +205,21 @@ def _needed(library: Library, rap: nodes.DefineRap) -> frozenset[nodes.Thing]:
     return frozenset(found)
 
 
-def _wakes(library: Library, one: nodes.DefineRap, other: nodes.DefineRap) -> bool:
-    """Whether what a RAP does surely brings about what another one waits for."""
-    monitor = other.monitor_state
-    assert monitor is not None
-    wanted = list(literals(apart(monitor, (), "@other")))
-    free = {name for literal in wanted for name in names(literal.formula)}
-    done = [_plain(done_by_method(library, method)) for method in one.methods]
-    return bool(done) and all(follows(wanted, there, free) for there in done)
+def _wakes(run: Pass, one: nodes.Goal, other: nodes.Goal) -> bool:
+    """Whether what a task does surely brings about what another one waits for."""
+    library = run.library
+    monitor = apart(_monitor(library, other), (), "@other")
+    wanted = list(literals(monitor))
+    given = _inputs(library, one)
+    done = [
+        [Literal(put(fact.formula, given), fact.holds) for fact in facts]
+        for method in library.raps[one.name].methods
+        for facts in [_plain(done_by_method(library, method))]
+    ]
+    relations = run.signatures.relations
+    return bool(done) and all(
+        follows(wanted, there, names(monitor), relations) for there in done
+    )
 
 
 def _plain(found: Sequence[Literal]) -> list[Literal]:

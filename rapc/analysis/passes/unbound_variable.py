@@ -6,12 +6,12 @@ variable is bound and why that does not help, or which variable was probably mea
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.binding_sites import Site, sites
+from rapc.analysis.binding_sites import Site, sites_by_name
 from rapc.analysis.index import Form
 from rapc.analysis.passes.bindings import BINDINGS, Missing
 from rapc.analysis.passes.explained import EXPLAINED
@@ -106,10 +106,9 @@ class _Places:
     """Where the variables of a RAP or rule are bound, by name, and their names."""
 
     def __init__(self, form: Form, functions: Container[str]) -> None:
-        self.by_name: dict[str, list[Site]] = {}
+        self.by_name: Mapping[str, Sequence[Site]] = {}
         if isinstance(form, nodes.DefineRap):
-            for site in sites(form, functions):
-                self.by_name.setdefault(site.name, []).append(site)
+            self.by_name = sites_by_name(form, functions)
         self.names = Suggestions(self.by_name)
 
     def binds(self, missing: Missing) -> bool:
