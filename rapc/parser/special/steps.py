@@ -39,12 +39,33 @@ def _grouped(ctx: Context, word: Datum) -> None:
 
 
 def _holds_steps(items: Sequence[Datum]) -> bool:
-    """Whether what stands behind a word like `sequence` is a step and no goal."""
+    """Whether a word like `sequence` stands before steps or goals, and is no tag.
+
+    A tag stands before one goal, and annotations follow the goal.
+    """
     first = items[0] if items else None
-    if not isinstance(first, List) or len(first.items) < 2:
+    if not isinstance(first, List):
         return False
-    asked = first.items[1]
-    return type(asked) is List and head_of(asked) not in CALLS
+    asked = first.items[1] if len(first.items) > 1 else None
+    if type(asked) is List and head_of(asked) not in CALLS:
+        return True
+    return len(items) > 1 and all(map(_is_goal, items))
+
+
+def _is_goal(datum: Datum) -> bool:
+    """Whether a list can be a goal, and can hardly be an annotation."""
+    name = head_of(datum)
+    if name is None or name in ELSEWHERE or _is_like_annotation(name):
+        return False
+    return not any(_is_for(item) for item in cast(List, datum).items)
+
+
+def _is_like_annotation(name: str) -> bool:
+    return (
+        name in ANNOTATIONS
+        or SLIPS.get(name) in ANNOTATIONS
+        or nearest(name, ANNOTATIONS) is not None
+    )
 
 
 def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
@@ -168,7 +189,7 @@ def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
     if not isinstance(first, Symbol):
         ctx.report("malformed-annotation", "this is no annotation", datum, help=help)
         return None
-    if SLIPS.get(first.name) in ANNOTATIONS or nearest(first.name, ANNOTATIONS):
+    if _is_like_annotation(first.name):
         meant = ctx.unknown("unknown-annotation", "annotation", first, ANNOTATIONS)
         known = ctx.readers.group("annotation")
         return known[meant](ctx, datum) if meant else None
