@@ -40,6 +40,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from tests import slips_said
+from tests.damage import with_other_parenthesis
 
 HERE = Path(__file__).resolve().parent.parent
 """The checkout whose texts are the inputs."""
@@ -162,10 +163,8 @@ def broken() -> Iterator[tuple[str, str]]:
         p.read_text("utf-8") for p in files() if p.parts[-3:-1] != ("tests", "rap")
     ]
     for number in range(BROKEN_TEXTS):
-        text = chance.choice(texts)
-        at = chance.choice([i for i, c in enumerate(text) if c in "()"] or [0])
-        again = text[at] if chance.random() < 0.5 else ""
-        yield f"{number:03}", text[:at] + again * 2 + text[at + 1 :]
+        text, _ = with_other_parenthesis(chance.choice(texts), chance)
+        yield f"{number:03}", text
 
 
 # --- sections -------------------------------------------------------------------------

@@ -47,7 +47,12 @@ def slips(text: str) -> Iterator[Slip]:
         slipped = lines[about - 1].replace(old, "" if new == "nothing" else new)
         changed = [*lines[: about - 1], slipped, *lines[about:]]
         findings = tuple(_findings(about, said["rules"]))
-        yield Slip(row, "\n".join(map(_alone, changed)), findings)
+        yield Slip(row, without("\n".join(changed)), findings)
+
+
+def without(text: str) -> str:
+    """Return a program with an empty line for each comment that tells of a slip."""
+    return "\n".join(map(_alone, text.split("\n")))
 
 
 def _alone(line: str) -> str:

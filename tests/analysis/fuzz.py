@@ -7,7 +7,6 @@ raise an exception or break a promise.
 from __future__ import annotations
 
 import random
-import re
 import sys
 import traceback
 from collections import Counter
@@ -23,17 +22,14 @@ from rapc.console import findings, formats
 from rapc.console import graphs as drawn
 from rapc.library.loader import Loaded, load_text
 from rapc.parser.formatter import formatted
+from tests.damage import with_other_tokens
 from tests.parser.programs import for_each_program
 
 EVERYTHING = Selection(frozenset(suite.rules()))
 """All rules, those that are opt-in too."""
 
-_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[()]|[^\s()"]+')
 _TEXT = "<text>"
 """What spans call the text."""
-
-_DAMAGE = 5
-"""So many tokens are changed at most."""
 
 
 def broken(text: str) -> list[str]:
@@ -105,32 +101,13 @@ def _more(loaded: Loaded) -> Iterator[str]:
                 yield f"{name} of {graph.title} is empty"
 
 
-def damaged(text: str, dice: random.Random) -> str:
-    """Return a text with tokens left out, doubled, swapped or put elsewhere."""
-    tokens = _TOKEN.findall(text)
-    for _ in range(dice.randint(1, _DAMAGE)):
-        if len(tokens) < 2:
-            break
-        at, other = dice.randrange(len(tokens)), dice.randrange(len(tokens))
-        match dice.randrange(4):
-            case 0:
-                del tokens[at]
-            case 1:
-                tokens.insert(at, tokens[other])
-            case 2:
-                tokens[at], tokens[other] = tokens[other], tokens[at]
-            case _:
-                tokens[at] = dice.choice(("?x", "a", "7", "(", ")", "not", ":a", "#1"))
-    return " ".join(tokens)
-
-
 def run(count: int, seed: int = 0) -> Iterator[str]:
     """Check so many programs, each whole and damaged; yield what is wrong with them."""
     dice = random.Random(seed)
     wrong: list[str] = []
 
     def hold(text: str) -> None:
-        for one in (text, damaged(text, dice)):
+        for one in (text, with_other_tokens(text, dice)):
             try:
                 wrong.extend(f"{said}\n{one}" for said in broken(one))
             except Exception:  # whatever it is, it is told with the text
