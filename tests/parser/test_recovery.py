@@ -6,12 +6,20 @@ text once the fix is applied.
 
 from __future__ import annotations
 
+import random
+import re
 from typing import NamedTuple
 
 import pytest
 
 from rapc.analysis.driver import check_library
 from rapc.library.loader import load_text
+from tests.damage import (
+    shipped_raps,
+    shipped_texts,
+    slipped,
+    with_other_parenthesis,
+)
 from tests.parser.reading import fixed, only, parsed, rules, shown
 
 PARTS = {
@@ -324,3 +332,63 @@ def test_a_part_alone_is_put_right_where_it_goes_on_too_long(part: str) -> None:
     assert found.rule == "surplus-parenthesis"
     place = unit.file.position(found.span.start)
     assert (place.row, place.column) == (row, column)
+
+
+MISPLACED = """\
+(define-rap (go ?place)
+  (succeed (at ?place))
+  (context (at home))
+  (method
+    (primitive (drive ?place)))
+"""
+
+
+def test_a_misplaced_clause_before_a_missing_parenthesis_is_one_finding() -> None:
+    assert rules(MISPLACED) == ["missing-parenthesis"]
+    assert fixed(MISPLACED) == f"{MISPLACED.rstrip()})\n"
+
+
+def test_a_rap_closed_before_a_clause_in_its_line_is_one_finding() -> None:
+    text = "(define-rap (go) (succeed (p))) (method (task-net)))"
+    found = only(text)
+    assert found.span.start == text.index(") (method")
+    assert [shown(text, label.span) for label in found.labels] == ["(", ")"]
+    assert fixed(text) == "(define-rap (go) (succeed (p)) (method (task-net)))"
+
+
+def _contradicts(text: str) -> bool:
+    """Whether a `)` is taken out where another one is put in."""
+    fixes = [found.fix for found in parsed(text).diagnostics if found.fix]
+    edits = [edit for fix in fixes for edit in fix.edits]
+    put = {edit.span.start for edit in edits if edit.content.startswith(")")}
+    for edit in edits:
+        at = edit.span.start
+        if not edit.content and text[at] == ")":
+            run = re.compile(r"[)\s]*").match(text, at)
+            if run and any(at <= other <= run.end() for other in put):
+                return True
+    return False
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_parenthesis_is_taken_out_where_one_is_put_in(seed: int) -> None:
+    """A line in the middle of another form may reopen many lists."""
+    dice = random.Random(f"contradictions:{seed}")
+    texts = [slipped(dice.choice(shipped_raps()), dice) for _ in range(250)]
+    assert [text for text in texts if _contradicts(text)] == []
+
+
+def test_most_single_slips_are_one_finding_on_their_line() -> None:
+    """Of 400 slips in shipped files 381 are one finding, 297 begin on the line."""
+    dice = random.Random(5)
+    alone = there = 0
+    for _ in range(400):
+        text, at = with_other_parenthesis(dice.choice(shipped_texts()), dice)
+        unit = parsed(text)
+        alone += len(unit.diagnostics) == 1
+        starts = [found.span.start for found in unit.diagnostics[:1]]
+        there += [unit.file.position(start).row for start in starts] == [
+            text.count("\n", 0, at) + 1
+        ]
+    assert alone >= 375
+    assert there >= 290

@@ -10,6 +10,7 @@ What they tell is believed if it needs no more repairs than the fewest.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import msgspec
@@ -46,8 +47,8 @@ def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
     guided = _Guided(source, tokens)
     meant = guided.repair()
     if meant is None or meant.edits > fewest.edits + 2 * guided.strays:
-        return fewest
-    return meant
+        meant = fewest
+    return _with_stray_clauses(source, tokens, meant)
 
 
 def plain_repair(tokens: Sequence[Token]) -> Repair:
@@ -63,6 +64,49 @@ def plain_repair(tokens: Sequence[Token]) -> Repair:
             drops.append((index, None))
     closes = tuple((len(tokens), opener) for opener in reversed(stack))
     return Repair(closes, tuple(drops))
+
+
+def _with_stray_clauses(
+    source: SourceFile, tokens: Sequence[Token], repair: Repair
+) -> Repair:
+    """Return a repair that keeps the clauses behind a RAP in the RAP.
+
+    If a `)` closes nothing behind these clauses, it closes the RAP, and the `)` before
+    the clauses goes. Otherwise `rejoin` would put a `)` where this one is taken out.
+    """
+    drops = dict(repair.drops)
+    closes = Counter(at for at, _ in repair.closes)
+    opened: list[int] = []
+    #: The last `)` of a RAP with its `(`, and whether clauses of a RAP follow.
+    end: tuple[int, int] | None = None
+    follows = False
+    for index, (kind, _, _) in enumerate(tokens):
+        del opened[len(opened) - closes[index] :]
+        word = _word(source, tokens, index)
+        if not opened and kind != CLOSE:
+            follows = end is not None and word in RAP_CLAUSES
+            end = end if follows else None
+        if index in repair.opens or (kind == OPEN and index not in repair.extra):
+            opened.append(index)
+        elif kind == CLOSE and end and follows and drops.get(index, 0) is None:
+            del drops[index]
+            drops[end[0]] = end[1]
+            end, follows = (index, end[1]), False
+        elif kind == CLOSE and index not in drops:
+            opener = opened.pop()
+            if not opened and _word(source, tokens, opener) == "define-rap":
+                end = (index, opener)
+    if drops.items() == dict(repair.drops).items():
+        return repair
+    return msgspec.structs.replace(repair, drops=tuple(sorted(drops.items())))
+
+
+def _word(source: SourceFile, tokens: Sequence[Token], index: int) -> str:
+    """Return the word at a token, behind its parenthesis if it is one."""
+    kind, start, end = tokens[index]
+    if kind == OPEN and index + 1 < len(tokens):
+        _, start, end = tokens[index + 1]
+    return source.text[start:end].lower()
 
 
 class _Guided:
@@ -139,8 +183,10 @@ class _Guided:
         column = self.places[index].column
         while self.closed:
             opener, closer = self.closed[-1]
-            inside = self.places[opener].column < column and self._begins_line(opener)
-            if not (self.indented and inside) and len(self.open) >= (depth or 0):
+            if self.indented and self.places[opener].column >= column:
+                return  # or `_close` would put the parenthesis back
+            inside = self.indented and self._begins_line(opener)
+            if not inside and len(self.open) >= (depth or 0):
                 return
             self.closed.pop()
             self.drops.append((closer, opener))
@@ -172,11 +218,7 @@ class _Guided:
         return None if depth is None else max(0, depth - self.above)
 
     def _word(self, index: int) -> str:
-        """Return the word that a line begins with, behind its parenthesis if any."""
-        kind, start, end = self.tokens[index]
-        if kind == OPEN and index + 1 < len(self.tokens):
-            _, start, end = self.tokens[index + 1]
-        return self.source.text[start:end].lower()
+        return _word(self.source, self.tokens, index)
 
     @staticmethod
     def _depth_of(word: str) -> int | None:
