@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from itertools import combinations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.runtime.memory.recognition import departure as leaving
-from rapc.runtime.memory.recognition.scoring import default_comparator
+from rapc.runtime.memory.recognition.scoring import (
+    DescribedItem,
+    default_comparator,
+    python_comparator,
+)
 from rapc.runtime.memory.recognition.sets import (
     Description,
     ExpectationSet,
@@ -76,6 +81,22 @@ def test_the_collection_is_the_smallest_and_the_fewest_leave(
         return
     assert (len(chosen.members), len(chosen.leaving)) == expected
     assert set(chosen.leaving) <= set(chosen.members)
+
+
+@pytest.mark.parametrize("empty_first", [True, False])
+def test_score_of_a_group_is_the_same_for_empty_and_real_members(
+    empty_first: bool,
+) -> None:
+    def compare(one: DescribedItem, other: DescribedItem) -> int:
+        return 10 if one.properties or other.properties else 14
+
+    of = _set([(1, 1)], 1)
+    empty, real = Description(2, "", "", "drum"), Description(3, "item-3", "", "drum")
+    for member in (empty, real) if empty_first else (real, empty):
+        of.add(of.layers[0], member)
+    item = Description(99, "item-99", "s", "drum")
+    _, found = leaving.collect(of, item, python_comparator("compare", compare))
+    assert found == [(14, [[empty, real] if empty_first else [real, empty]])]
 
 
 def test_many_groups_are_hit_greedily_and_each_layer_loses_one() -> None:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from rapc.base.values import Atom
 
 from .pictures import Operation
-from .plain_parts import Comparator, Declared
+from .plain_parts import Comparator, Declared, Known
 
 MOST = 3
 """So many items of a class are in reach at one place."""
@@ -25,12 +25,21 @@ VALUES: dict[str, tuple[Atom, ...]] = {
     "is-empty": ("true", "false"),
 }
 
+
+def _alike(one: Known, other: Known) -> float:
+    """Score by the share of what is known of both; two unknown ones match best."""
+    known = {*one.items(), *other.items()}
+    shared = one.items() & other.items()
+    return 4 + 10 * len(shared) / len(known) if known else 14
+
+
 WORLD = Declared(
     properties=("class", "location", "color", "size", "is-empty", "contains"),
     indistinct=("drum", "box"),
     excludes=(("is-empty", "true", "contains", "true"),),
     comparators={
         ("drum", "depot"): Comparator(veto=("color",), weights={"size": 30}),
+        ("drum", "bay"): Comparator(function=_alike),
         ("box", None): Comparator(veto=("size",), ignored=("is-empty",)),
     },
     max_layers=3,

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rapc.base.values import Atom, Fact
-
 from .plain_facts import Facts, Properties
-from .plain_parts import Comparator, Expected, Thing
-
-Known = dict[Fact, Atom]
-"""The values of a thing's further properties, without those that are unknown."""
+from .plain_parts import Comparator, Expected, Known, Thing
 
 
 @dataclass(frozen=True)
@@ -32,12 +27,12 @@ class Look:
         self._known: dict[Thing, Known] = {}
         for view in expected.views():
             for thing in view:
-                self._known[thing] = known(facts.of(thing))
+                self._known[thing] = (
+                    {} if thing.name is None else known(facts.of(thing))
+                )
 
     def score(self, one: Thing, other: Thing) -> float:
         """How well two things match; 0 or less rules them out."""
-        if one.name is None or other.name is None:
-            return 10
         return score(self._known[one], self._known[other], self._comparator)
 
     def groups(self, things: list[Thing]) -> list[list[Thing]]:
@@ -65,6 +60,8 @@ def known(properties: Properties) -> Known:
 
 def score(one: Known, other: Known, comparator: Comparator) -> float:
     """10 for the class and, unless declared otherwise, for each property shared."""
+    if comparator.function is not None:
+        return comparator.function(one, other)
     total: float = 10
     for index in one:
         name = str(index[0])

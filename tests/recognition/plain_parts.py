@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from rapc.base.values import Atom
+from rapc.base.values import Atom, Fact
+
+Known = Mapping[Fact, Atom]
+"""The values of a thing's further properties, without those that are unknown."""
 
 
 @dataclass(frozen=True)
 class Comparator:
-    """A comparator as RAP declares it: vetoing, weighted and ignored properties."""
+    """A comparator as RAP declares it: vetoing, weighted and ignored properties.
+
+    A `function` of what is known of two things takes the place of these.
+    """
 
     veto: Sequence[str] = ()
     weights: Mapping[str, float] = field(default_factory=dict)
     ignored: Sequence[str] = ()
+    function: Callable[[Known, Known], float] | None = None
 
 
 @dataclass(frozen=True)

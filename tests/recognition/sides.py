@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from rapc.base.values import Atom, Fact
 from rapc.library.loader import load_text
 from rapc.runtime.events.events import ItemEvent
+from rapc.runtime.memory.recognition.scoring import DescribedItem
 from tests.memory.bench import DescriptionView, MemoryBench
 
 from .pictures import Pictured, Read, Side, Told, step_named
 from .plain import Plain
 from .plain_facts import NEVER
-from .plain_parts import Declared, Thing
+from .plain_parts import Comparator, Declared, Thing
 
 
 def rap(declared: Declared) -> str:
@@ -32,12 +35,27 @@ def rap(declared: Declared) -> str:
         lines.append(f"(declare-memory-property {name} ({args}) unknown {excludes})")
     lines += [f"(declare-indistinct-class {kind})" for kind in declared.indistinct]
     for (kind, place), comparator in declared.comparators.items():
+        where = "" if place is None else place
+        if comparator.function is not None:
+            lines.append(f"(declare-class-comparator {kind} {where} in-python-{kind})")
+            continue
         rows = [f"(veto {name})" for name in comparator.veto]
         rows += [f"(score {name} {n})" for name, n in comparator.weights.items()]
         rows += [f"(ignore {name})" for name in comparator.ignored]
-        where = "" if place is None else place
         lines.append(f"(declare-class-comparator {kind} {where} {' '.join(rows)})")
     return "\n".join(lines)
+
+
+def _in_python(
+    comparator: Comparator,
+) -> Callable[[DescribedItem, DescribedItem], float]:
+    """The comparator as a library takes it."""
+
+    def compare(one: DescribedItem, other: DescribedItem) -> float:
+        assert comparator.function is not None
+        return comparator.function(one.properties, other.properties)
+
+    return compare
 
 
 class UnderTest(Side):
@@ -47,7 +65,13 @@ class UnderTest(Side):
         super().__init__(declared)
         loaded = load_text(rap(declared))
         assert loaded.diagnostics == (), loaded.diagnostics
-        self._memory = MemoryBench(loaded.library, max_layers=declared.max_layers)
+        functions = {
+            f"in-python-{kind}": _in_python(comparator)
+            for (kind, _), comparator in declared.comparators.items()
+            if comparator.function is not None
+        }
+        most = declared.max_layers
+        self._memory = MemoryBench(loaded.library, functions, max_layers=most)
         self._told = 0
 
     def memory(self) -> MemoryBench:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import cast
 
 import pytest
 
 from .pictures import Side, Told
+from .plain_parts import Comparator, Known
 from .sides import ByHand, UnderTest
 from .story import DEPOT, Looked, Seen, Story, items
 
@@ -90,6 +92,23 @@ def test_layers_that_contradict_each_other_lose_an_item_wholly(side: Side) -> No
     assert {each.item for each in story.set("paint-shop").layers[0]} == {"@3"}
     assert story.set("paint-shop").size == 1
     assert story.values("@3") == {"color": "green"}
+
+
+def _little_known(one: Known, other: Known) -> int:
+    """Score two of which nothing is known above all others."""
+    return 10 if one or other else 14
+
+
+@pytest.mark.parametrize("kind", [UnderTest, ByHand])
+def test_comparator_scores_an_empty_description_by_no_properties(
+    kind: type[UnderTest] | type[ByHand],
+) -> None:
+    compared = {("drum", None): Comparator(function=_little_known)}
+    story = Story(kind(replace(DEPOT, comparators=compared)), "drum")
+    story.see("dock", {"1": {"color": "red"}})
+    story.leave()
+    # 3 is the one of which the first visit says nothing: so 2 is 1.
+    assert story.see("dock", {"2": {"size": 1}, "3": {}}) == [("@1", "@2", 10, None)]
 
 
 def test_a_moved_item_keeps_what_is_known_of_itself(side: Side) -> None:

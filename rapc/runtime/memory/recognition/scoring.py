@@ -26,7 +26,8 @@ class DescribedItem(msgspec.Struct, frozen=True):
     """A description as comparators in Python are given it (T A.5).
 
     `properties` maps a property's index without the item (`("color",)`,
-    `("contains", "papers")`) to its known value. An empty description is never given.
+    `("contains", "papers")`) to its known value. An empty description has no properties
+    and the name "".
     """
 
     name: str
@@ -36,7 +37,11 @@ class DescribedItem(msgspec.Struct, frozen=True):
 
 
 Comparator = Callable[[DescribedItem, DescribedItem], Number]
-"""A comparator in Python, registered under a name."""
+"""A comparator in Python, registered under a name.
+
+Its score depends on class, place and properties alone: descriptions in which these are
+equal are compared once.
+"""
 
 
 class Score:
@@ -87,12 +92,12 @@ def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
 
 
 def python_comparator(name: str, compare: Comparator) -> Score:
-    """A comparator in Python; empty descriptions match anything."""
+    """A comparator in Python."""
 
     def score(a: Description, b: Description) -> Number:
-        if a.empty or b.empty:
-            return SHARED
-        found = compare(_described(a), _described(b))
+        home = a.home or b.home
+        place: Atom = "unknown" if home is None else home.place
+        found = compare(_described(a, place), _described(b, place))
         if type(found) not in (int, float) or isnan(found):
             whose = f"the comparator `{name}`{place_of(compare)}"
             raise PortError(f"{whose} returned {found!a:.60}, no number")
@@ -101,8 +106,7 @@ def python_comparator(name: str, compare: Comparator) -> Score:
     return Score(score, False)
 
 
-def _described(of: Description) -> DescribedItem:
-    place: Atom = of.home.place if of.home is not None else "unknown"
+def _described(of: Description, place: Atom) -> DescribedItem:
     return DescribedItem(of.name, of.kind, place, dict(of.known))
 
 
