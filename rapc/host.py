@@ -29,7 +29,14 @@ from rapc.ir.printer import format_node
 from rapc.library import loader
 from rapc.library.loader import Loaded
 from rapc.parser.parse import parse, parse_fact
-from rapc.runtime.arguments import kind, need_count, need_program, need_time
+from rapc.runtime.arguments import (
+    kind,
+    need_count,
+    need_program,
+    need_seed,
+    need_table,
+    need_time,
+)
 from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
@@ -144,6 +151,8 @@ class CheckedLibrary:
         """
         if agenda is not None and not isinstance(agenda, str):
             raise ArgumentError(f"`agenda` is {kind(agenda)}, no name")
+        need_seed(seed)
+        need_table(options, "`options`")
         first = () if agenda is None else of_agenda(self.program.library, agenda)
         requests = [_request(task) for task in _listed(tasks, "tasks")]
         known = [_fact(fact) for fact in _listed(facts, "facts")]

@@ -174,3 +174,68 @@ def test_what_was_once_told_by_accident_is_told_in_words() -> None:
     with pytest.raises(TypeError, match="'nope'"):
         rapc.Settings(nope=1)  # type: ignore[call-arg]
     run.call_at(10**400, len)  # type: ignore[arg-type]
+
+
+NOT_HELD: tuple[Any, ...] = (
+    *(True, math.nan, math.inf, (), object(), 1j, None, [1], b"x"),
+    *(Word("go"), "\ud800", "A b", "?x", "5", "a\x1b", rapc.world.Text("\ud800")),
+)
+"""Values that no run can hold: in no saved run, or in no text of a program."""
+
+NOT_HELD_SAID = r"(a value|an argument) of the (task|signal) is"
+
+
+@pytest.mark.parametrize("value", NOT_HELD, ids=ascii)
+def test_value_that_no_run_can_hold_is_refused_at_once(value: Any) -> None:
+    library = rapc.loads("(declare-event :ring (?x)) (define-rap (order ?a))")
+    run = library.start(ScriptedWorld([], declared=library.program.library))
+    with pytest.raises(rapc.ArgumentError, match=NOT_HELD_SAID):
+        run.submit(rapc.TaskRequest(("order", value)))
+    with pytest.raises(rapc.ArgumentError, match=NOT_HELD_SAID):
+        run.signal(":ring", value)
+    assert run.results() == ()
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"priority": 1.5},
+        {"priority": True},
+        {"deadline": "soon"},
+        {"deadline": math.inf},
+        {"at": -1},
+        {"at": math.nan},
+        {"background": 1},
+    ],
+    ids=ascii,
+)
+def test_task_request_of_other_types_is_refused_at_once(given: Any) -> None:
+    with pytest.raises(rapc.ArgumentError, match="of a task is"):
+        _run().submit(rapc.TaskRequest(("go",), **given))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"functions": [1]},
+        {"solvers": "x"},
+        {"comparators": "/"},
+        {"functions": {1: len}},
+        {"options": print},
+        {"options": ("rooms", 1)},
+        {"seed": None},
+        {"seed": "x"},
+        {"seed": True},
+        {"seed": 1.0},
+    ],
+    ids=ascii,
+)
+def test_start_refuses_arguments_of_other_types(given: Any) -> None:
+    (name,) = given
+    with pytest.raises(rapc.ArgumentError, match=f"`{name}`"):
+        _library().start("truck", **given)
+
+
+def test_world_is_opened_with_a_whole_number_as_seed() -> None:
+    with pytest.raises(rapc.ArgumentError, match="`seed`"):
+        rapc.open_world("truck", None)  # type: ignore[arg-type]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from math import isnan
+from collections.abc import Mapping
+from math import inf, isnan
 
 import msgspec
 
 from rapc.base.values import Text
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, SettingError
+from rapc.language.atoms import is_atom
 from rapc.runtime.settings import Settings
+from rapc.runtime.task_request import TaskRequest
 from rapc.world import World
 
 
@@ -46,6 +49,50 @@ def need_atoms(values: object, what: str) -> None:
     for value in values[1:]:
         if value is not None and not isinstance(value, str | int | float | Text):
             raise ArgumentError(f"an argument of {what} is {kind(value)}")
+
+
+def need_fact(values: object, what: str) -> None:
+    """Raise ArgumentError unless `values` are a name and values that a run can hold.
+
+    Args:
+        values: what a caller hands over as a signal or a goal, without variables.
+        what: what it is told of as.
+    """
+    need_atoms(values, what)
+    assert isinstance(values, tuple)
+    for value in values:
+        if not is_atom(value):
+            wanted = "symbols, numbers and `rapc.world.Text` can be held"
+            raise ArgumentError(f"a value of {what} is `{value!a:.60}`", wanted)
+
+
+def need_task(task: object) -> None:
+    """Raise ArgumentError unless `task` is a request that a run can hold."""
+    if not isinstance(task, TaskRequest):
+        raise ArgumentError(f"a task is {kind(task)}, no `rapc.TaskRequest`")
+    need_fact(task.goal, "the task")
+    need_count(task.priority, "the priority of a task")
+    for what, time in (("deadline", task.deadline), ("time", task.at)):
+        if time is not None:
+            need_time(time, f"the {what} of a task")
+            if not 0 <= time < inf:
+                raise ArgumentError(f"the {what} of a task is {time}, no time")
+    if type(task.background) is not bool:
+        raise ArgumentError(f"`background` of a task is {kind(task.background)}")
+
+
+def need_seed(value: object) -> None:
+    """Raise ArgumentError unless `value` is a whole number: the seed of a run."""
+    need_count(value, "`seed`")
+
+
+def need_table(value: object, what: str) -> None:
+    """Raise ArgumentError unless `value`, told of as `what`, has values by name."""
+    if value is not None and not isinstance(value, Mapping):
+        raise ArgumentError(f"{what} is {kind(value)}", "it takes a dict by name")
+    for name in value or ():
+        if not isinstance(name, str):
+            raise ArgumentError(f"a name in {what} is {kind(name)}, no text")
 
 
 def need_program(value: object, what: str) -> None:

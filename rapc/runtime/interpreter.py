@@ -23,8 +23,12 @@ from rapc.runtime.arguments import (
     need_atoms,
     need_call,
     need_count,
+    need_fact,
     need_program,
+    need_seed,
     need_settings,
+    need_table,
+    need_task,
     need_time,
     need_world,
 )
@@ -81,6 +85,10 @@ class Interpreter:
     ) -> None:
         need_program(library, "`library`")
         need_world(world)
+        need_seed(seed)
+        need_table(functions, "`functions`")
+        need_table(solvers, "`solvers`")
+        need_table(comparators, "`comparators`")
         self.seed = seed
         self._registered = (functions, solvers, comparators)
         self._world = world
@@ -182,7 +190,7 @@ class Interpreter:
         Raises:
             FactError: if no event is called so, or it has other arguments.
         """
-        need_atoms(content, "the signal")
+        need_fact(content, "the signal")
         self._machine.port.check_signal(content)
         signal(self._machine, self._machine.memory.canonical(content))
 
@@ -252,8 +260,7 @@ class Interpreter:
         """Look at tasks without running anything. Raises RefusedError as `submit`."""
         goals = []
         for task in tasks if isinstance(tasks, Iterable) else [tasks]:
-            if not isinstance(task, TaskRequest):
-                raise ArgumentError(f"a task is {kind(task)}, no `rapc.TaskRequest`")
+            need_task(task)
             goals.append(task.goal)
         refuse_tasks(self._machine.library, goals)
 

@@ -89,7 +89,7 @@ def results(given: Iterable[TopLevelTask]) -> tuple[TaskResult, ...]:
 
 
 def _result(given: TopLevelTask) -> TaskResult:
-    outcome = "unfinished"
+    outcome = "unfinished" if given.ended is None else "cancelled"
     if given.outcome is not None:
         outcome = "succeeded" if given.outcome == OKAY else "failed"
     return TaskResult(

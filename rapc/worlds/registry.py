@@ -271,8 +271,11 @@ def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
     """A world by its name, for programs; `fuel_capacity=20` sets `fuel-capacity`.
 
     Raises:
+        ArgumentError: if the seed is no whole number.
         WorldError: if there is no such world or option, or the world refuses a value.
     """
+    if type(seed) is not int:
+        raise ArgumentError("`seed` is not a whole number")
     world = find_world(name)
     return build_world(world, seed, check_options(world, options))
 

@@ -178,7 +178,7 @@ def test_a_cancelled_task_leaves_with_all_it_spawned() -> None:
         "over done",
     ]
     outcomes = [r.outcome for r in ran.interpreter.results()]
-    assert outcomes == ["unfinished", "unfinished", "succeeded"]
+    assert outcomes == ["cancelled", "cancelled", "succeeded"]
 
 
 def test_the_world_may_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:

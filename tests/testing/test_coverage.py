@@ -214,6 +214,12 @@ def test_queries_agendas_and_constraints_are_counted(tmp_path: Path) -> None:
     assert told["files"][0]["agendas"][0]["tasks"][1]["given"] == 0
 
 
+OWN = """\
+(define-rap (rest) (method (task-net)))
+(define-test rests (task (rest)) (expect (succeeds (rest))))
+"""
+
+
 def test_how_much_is_covered_in_all(tmp_path: Path) -> None:
     files = _more(tmp_path)
     assert share_in_all(files) == Share(10, 12)
@@ -222,7 +228,13 @@ def test_how_much_is_covered_in_all(tmp_path: Path) -> None:
         True,
         "coverage: 83.3 % (10 of 12), less than the 84 % that are asked for",
     )
-    assert verdict((), 100) == (False, "coverage: 100 % (0 of 0)")
+
+
+def test_coverage_of_nothing_meets_no_minimum() -> None:
+    said = "coverage: the tests run no library outside of test files"
+    assert verdict((), 0) == (False, said)
+    asked = f"{said}, less than the 100 % that are asked for"
+    assert verdict((), 100) == (True, asked)
 
 
 def test_less_coverage_than_asked_for_is_told_by_the_exit_status(
@@ -235,6 +247,9 @@ def test_less_coverage_than_asked_for_is_told_by_the_exit_status(
     done = command("test", ".", "--coverage-min", "90", "-q", cwd=tmp_path)
     assert done.returncode == 1
     assert "less than the 90 % that are asked for" in done.stdout
+    (tmp_path / "own.test.rap").write_text(OWN)
+    done = command("test", "own.test.rap", "--coverage-min", "100", cwd=tmp_path)
+    assert done.returncode == 1
     done = command("test", ".", "--coverage-min", "101", cwd=tmp_path)
     assert done.returncode == 2
 

@@ -45,6 +45,8 @@ _COUNTED = (
 
 _NAME = 24
 
+_NOTHING = "the tests run no library outside of test files"
+
 
 class Share(msgspec.Struct, frozen=True):
     """How many of how many things were exercised."""
@@ -106,11 +108,14 @@ def per_cent(share: Share) -> str:
 
 
 def verdict(files: Sequence[FileCoverage], least: float) -> tuple[bool, str]:
-    """Return whether less is covered than `least` per cent, and a line that says so."""
+    """Return whether less is covered than `least` per cent, and a line that says so.
+
+    Where the tests run no library, nothing meets a minimum.
+    """
     share = share_in_all(files)
-    short = share.covered * 100 < least * share.of
+    short = share.covered * 100 < least * share.of or (least > 0 and not files)
     more = f", less than the {least:g} % that are asked for" if short else ""
-    return short, f"coverage: {per_cent(share)}{more}"
+    return short, f"coverage: {per_cent(share) if files else _NOTHING}{more}"
 
 
 def as_json(files: Sequence[FileCoverage]) -> bytes:
@@ -134,7 +139,7 @@ def as_json(files: Sequence[FileCoverage]) -> bytes:
 def table(files: Sequence[FileCoverage]) -> Iterator[str]:
     """A line for each file, one for all, and what each RAP still lacks."""
     if not files:
-        yield "coverage: the tests run no library outside of test files"
+        yield f"coverage: {_NOTHING}"
         return
     yield _line("coverage", COLUMNS.values())
     for one in files:

@@ -371,7 +371,7 @@ class SolverCalled(Event, frozen=True, kw_only=True):
 
 
 class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):
-    """What became of a top-level task: `succeeded`, `failed` or `unfinished`."""
+    """The end of a top-level task: `succeeded`, `failed`, `cancelled`, `unfinished`."""
 
     task: int
     goal: Goal
