@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import msgspec
 
@@ -71,6 +71,15 @@ class Finder(msgspec.Struct, frozen=True):
         return all(word in text for word in self.words)
 
 
+def is_before(session: Stepped, finder: Finder) -> Callable[[ToldEvent], bool]:
+    """Return whether an event is one that a search backwards finds from here.
+
+    At the end of a run the last cycle is a moment before it.
+    """
+    end = session.cycle + session.over
+    return lambda told: told.cycle < end and finder.fits(told)
+
+
 def find_event(
     session: Stepped, finder: Finder, *, back: bool = False
 ) -> ToldEvent | None:
@@ -83,10 +92,7 @@ def find_event(
         StateError: if the run cannot be taken back in time and has to be.
     """
     if back:
-        found = session.last(
-            finder.kind,
-            want=lambda told: told.cycle < session.cycle and finder.fits(told),
-        )
+        found = session.last(finder.kind, want=is_before(session, finder))
         if found is not None:
             session.goto(found.cycle)
         return found
@@ -96,12 +102,12 @@ def find_event(
         if not met and finder.fits(told):
             met.append(told)
 
-    start = session.cycle
+    start, over = session.cycle, session.over
     before, session.log.watcher = session.log.watcher, watch
     try:
         session.go(lambda: "" if met else None, heed=False)
     finally:
         session.log.watcher = before
-    if not (met or session.no_way_back):
+    if not (met or over or session.no_way_back):
         session.goto(start)
     return met[0] if met else None

@@ -222,6 +222,31 @@ def test_events_are_found_back_and_forth() -> None:
         Finder.of("task-faild", [])
 
 
+FAILS = """
+(declare-primitive walk (?place) (okay blocked))
+(define-rap (go) (method there (primitive (walk dock))))
+"""
+
+
+def test_search_in_vain_tells_the_events_before() -> None:
+    shell = Shell(
+        scripted(FAILS, "(go)", rows=(row("(walk dock)", "blocked"),)), commands()
+    )
+    shell.answer(":run")
+    assert said(shell, ":find task-failed").splitlines()[:2] == [
+        "no task-failed is found after this cycle",
+        "1 event before it: `:find back task-failed`",
+    ]
+    text = said(shell, ":find method-ended result=blocked")
+    assert "events before it: `:find back method-ended result=blocked`" in text
+    last = shell.session.cycle
+    assert f"in cycle {last}\n" in said(shell, ":find back task-failed")
+    assert "no task-failed is found before this cycle" in said(
+        shell, ":find back task-failed"
+    )
+    assert "events before" not in said(shell, ":find signal")
+
+
 def test_two_moments_are_compared() -> None:
     session = truck()
     session.goto(60)

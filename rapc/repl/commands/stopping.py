@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ from rapc.base.outputs import BREAKPOINTS, TRACE
 from rapc.base.values import format_atom
 from rapc.debug import differences, recorded
 from rapc.debug.breakpoints import KINDS, Breakpoint
-from rapc.debug.find import Finder, find_event
+from rapc.debug.find import Finder, find_event, is_before
+from rapc.debug.stepped import Stepped
 from rapc.errors import ArgumentError, TextError
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
@@ -173,8 +175,20 @@ def _find(shell: Shell, args: Arguments) -> ShownAnswer:
     found = find_event(shell.subject, finder, back=back)
     shell.forget_trace()
     if found is None:
-        return say(f"no {kind} is found", shell.subject.stand())
+        lines = _not_found(shell.subject, finder, " ".join([kind, *said]), back=back)
+        return say(*lines, shell.subject.stand())
     return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.subject.stand())
+
+
+def _not_found(
+    session: Stepped, finder: Finder, said: str, *, back: bool
+) -> Iterator[str]:
+    """Yield what to say of a search in vain, with what lies the other way."""
+    yield f"no {said} is found {'before' if back else 'after'} this cycle"
+    if not (back or session.no_way_back):
+        count = len(session.scan(finder.kind, want=is_before(session, finder)))
+        if count:
+            yield f"{plural(count, 'event')} before it: `:find back {said}`"
 
 
 @command("FILE", ":record run.jsonl")
