@@ -24,6 +24,7 @@ from rapc.debug.acts import SubmitTask
 from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.course import Branch
 from rapc.debug.log import ToldEvent
+from rapc.debug.look import task_of
 from rapc.debug.reload import changed
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
@@ -189,11 +190,19 @@ class Shell:
     def task(self, args: Arguments) -> int:
         """Return the number of the task that a command is about.
 
-        The next argument, or the task whose cycle was run last.
+        The next argument, a number or the RAP of one live task, or the task whose
+        cycle was run last.
 
         Raises:
-            TextError: if it is no number, or no task was selected yet.
+            TextError: if it is neither, or no task was selected yet.
+            ArgumentError: for a RAP without a live task, or with several.
         """
+        name = args.peek().lower()
+        if name and not name.strip("[]").isdecimal():
+            session = self.session
+            if name in session.library.program.library.raps:
+                args.word("a task")
+                return task_of(session, name)
         number = args.count("a task", self.subject.selected or 0)
         if not number:
             raise TextError("no task has been chosen yet: say which is meant")

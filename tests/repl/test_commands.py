@@ -151,6 +151,21 @@ def test_what_cannot_be_is_said(text: str, answer: str) -> None:
     assert found.lines[0].startswith(answer)
 
 
+def test_rap_name_stands_for_its_live_task() -> None:
+    shell = truck_shell()
+    shell.answer(":step 12")
+    assert said(shell, ":why-not ROCK-order") == said(shell, ":why-not 1")
+    assert rows(shell, ":chain rock-order") == rows(shell, ":chain 1")
+    shell.answer("(rock-order blue 1)")
+    told = said(shell, ":why-not rock-order")
+    assert "[1] (rock-order red 1), [" in told
+    assert "(rock-order blue 1); give a number" in told
+    shell.answer(":show none")
+    shell.answer(":run")
+    assert said(shell, ":why-not load-weapon") == "`load-weapon` has no live task\n"
+    assert "has no live task; its last task was [" in said(shell, ":fail rock-order")
+
+
 def test_what_has_ended_is_told_of_all_the_same() -> None:
     shell = truck_shell()
     shell.answer(":run")

@@ -109,7 +109,7 @@ def _method(method: MethodAnswer) -> str:
 
 
 def _why_failed(shell: Shell, args: Arguments) -> ShownAnswer:
-    number = args.count("a task") if args else None
+    number = shell.task(args) if args else None
     found = failures.why_failed(shell.session, number)
     at = f"in cycle {found.cycle}, at time {format_atom(found.time)}"
     said = {
@@ -125,6 +125,7 @@ def _why_failed(shell: Shell, args: Arguments) -> ShownAnswer:
 @command(
     "[TASK] [METHOD | CLAUSE] | QUERY",
     ":why-not 12",
+    ":why-not fill-order",
     ":why-not 132 take",
     ":why-not 132 succeed",
     ":why-not (and (p ?x) (q ?x))",

@@ -40,7 +40,7 @@ def _export_test(shell: Shell, args: Arguments) -> ShownAnswer:
     may do.
     """
     path = Path(args.word("a file"))
-    task = 1 if args.peek() in ("", "succeeds") else args.count("a task")
+    task = 1 if args.peek() in ("", "succeeds") else shell.task(args)
     wanted = args.takes("succeeds")
     args.end()
     if not path.name.endswith(_SUFFIX):
