@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import click
 
 from rapc.base.later import later
+from rapc.base.values import Atom
 from rapc.cli.options import fail
 from rapc.compiler.program import Program
 from rapc.errors import FactError, RefusedError, SettingError, TextError
@@ -19,13 +20,16 @@ from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest, of_agenda, read_task_request
 from rapc.world import World
 from rapc.worlds import registry
+from rapc.worlds.registry import find_world
 
 if TYPE_CHECKING:
     from rapc.testing import faults as fault_texts
     from rapc.worlds import faults as worlds_faults
+    from rapc.worlds import scripted
     from rapc.worlds.faults import InjectedFault
 else:
     fault_texts = later("rapc.testing.faults")
+    scripted = later("rapc.worlds.scripted")
     worlds_faults = later("rapc.worlds.faults")
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -90,12 +94,15 @@ def run_options(command: F) -> F:
     return command
 
 
-def prepared(library: Program, world_name: str, asked: RunOptions) -> PreparedRun:
+def prepared(
+    library: Program, world_name: str | None, asked: RunOptions
+) -> PreparedRun:
     """Return a run of a library in a world that can begin; else end the command.
 
     Args:
         library: what is run.
-        world_name: the name of a world, or `module:Class`.
+        world_name: the name of a world, or `module:Class`; None for a world that offers
+            what the library declares and answers no request.
         asked: what the run is to begin with.
     """
     first = _of_agenda(library, asked.agenda)
@@ -104,10 +111,19 @@ def prepared(library: Program, world_name: str, asked: RunOptions) -> PreparedRu
     faults = [
         read_option("--fault", fault_texts.read_fault, text) for text in asked.faults
     ]
-    world_class = registry.find_world(world_name)
+    world_class: type[World]
+    world_class = (
+        scripted.ScriptedWorld if world_name is None else find_world(world_name)
+    )
     own, theirs = _by_owner(world_class, asked.values)
-    options = registry.read_options(world_class, theirs)
-    world = registry.build_world(world_class, asked.seed, options)
+    if world_name is None:
+        if theirs:
+            fail("--set: without a world there are no options of a world")
+        options: dict[str, Atom | bool] = {}
+        world: World = scripted.ScriptedWorld([], declared=library.library)
+    else:
+        options = registry.read_options(world_class, theirs)
+        world = registry.build_world(world_class, asked.seed, options)
     world = _with_faults(world, library.library, faults, asked.seed)
     given = Given(
         seed=asked.seed,

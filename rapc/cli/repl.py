@@ -24,6 +24,7 @@ from rapc.debug.texts import TYPED
 from rapc.errors import Error
 from rapc.host import load, loads
 from rapc.library.digest import digest
+from rapc.library.library import Library
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
@@ -74,6 +75,7 @@ def repl(
     """Debug a run of the library at PATH in a world, or a recorded run.
 
     Without PATH nothing is defined and there is no world: a place to try RAP text.
+    A library that declares no primitive and no skill needs no world.
     On a terminal there is a prompt, at which `:help` lists all commands. Else inputs
     are read from standard input, and the answers are written without decoration.
 
@@ -89,10 +91,13 @@ def repl(
         shell = Shell(Session.open(library, world, seed=asked.seed), commands())
     elif path.endswith(RECORDED):
         shell = _recorded(Path(path))
-    elif world_name is None:
-        fail("a world is missing: give --world", "`rapc worlds` lists those installed")
     else:
         program = load_checked(path)
+        if world_name is None and _asks_a_world(program.library):
+            fail(
+                "a world is missing: give --world",
+                "`rapc worlds` lists those installed",
+            )
         ready = prepared(program, world_name, asked)
         shell = Shell(_session(ready), commands(), [path])
     color = settings().colored()
@@ -104,6 +109,11 @@ def repl(
     width = width_of(sys.stdout)
     if not run_script(shell, texts, sys.stdout, width, color=color, as_json=as_json):
         raise SystemExit(1)
+
+
+def _asks_a_world(library: Library) -> bool:
+    """Whether a library declares something that a world does."""
+    return bool(library.primitives or library.skills)
 
 
 def _recorded(path: Path) -> Shell:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 from tests.cli.command import rapc
 
@@ -39,6 +40,20 @@ def test_answers_come_as_json() -> None:
         "goal": "(rock-order red 1)",
         "method": "red",
     }
+
+
+def test_library_without_primitives_needs_no_world(tmp_path: Path) -> None:
+    library = tmp_path / "signs.rap"
+    text = "(declare-memory-proposition lit (?lamp))\n"
+    text += "(define-rap (wait ?lamp) (succeed (lit ?lamp)))\n"
+    library.write_text(text)
+    args = ("repl", str(library), "--task", "(wait hall)", "--fact", "(lit hall)")
+    done = rapc(*args, "--set", "rapc.futile-limit=3", "-c", ":run")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "task accomplished (wait hall) [1]" in done.stdout
+    library.write_text(f"{text}(declare-primitive shine (?lamp) (okay))\n")
+    done = rapc(*args, "-c", ":run")
+    assert (done.returncode, "a world is missing" in done.stderr) == (2, True)
 
 
 def test_what_cannot_begin_is_said() -> None:
