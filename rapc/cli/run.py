@@ -15,7 +15,7 @@ from rapc.analysis.endless import endless, reached
 from rapc.base.interrupts import interrupts_held
 from rapc.base.later import later
 from rapc.base.outputs import TRACE
-from rapc.base.values import format_list, number
+from rapc.base.values import format_atom, format_list, number
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, refuse_output
@@ -24,7 +24,7 @@ from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.errors import reason
 from rapc.library.library import Library
 from rapc.runtime.authors import picture_of
-from rapc.runtime.events.events import TaskResult
+from rapc.runtime.events.events import Deadlock, Event, TaskResult
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter
@@ -121,8 +121,10 @@ def run(
             interpreter.listen(report, *RunReport.kinds)
             if drawn is not None:
                 _show(stack, interpreter, drawn, show_every or 0)
-            elif not settings().quiet:
-                interpreter.listen(TextTrace(_Shown(sys.stdout)))
+            else:
+                interpreter.listen(_tell_deadlock, Deadlock)
+                if not settings().quiet:
+                    interpreter.listen(TextTrace(_Shown(sys.stdout)))
             ready.begin()
         interpreter.run(until=end)
     for line in report.lines():
@@ -153,6 +155,13 @@ def _tell_endless(asked: Sequence[TaskRequest], library: Library) -> None:
                 f"{said}: give --until, or `:background true` with it and another task",
                 err=True,
             )
+
+
+def _tell_deadlock(event: Event) -> None:
+    """Report on standard error a deadlock that has closed; the run goes on."""
+    assert isinstance(event, Deadlock)
+    said = f"deadlock at time {format_atom(event.time)}: {'; '.join(event.waiting)}"
+    click.echo(f"note: {visible(said)}", err=True)
 
 
 def _went_well(result: TaskResult) -> bool:

@@ -20,7 +20,7 @@ from rapc.runtime.events import events
 from rapc.runtime.events.events import Cause, Goal, TaskCreated
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.store import NEVER
-from rapc.runtime.snapshot import waiting_circles
+from rapc.runtime.snapshot import deadlocks_in_words
 from rapc.runtime.state.task import Task
 from rapc.runtime.state.things import format_thing
 from rapc.world import Time
@@ -264,7 +264,7 @@ class Claim(msgspec.Struct, frozen=True):
 
 
 def claims(run: Interpreter) -> tuple[list[Claim], tuple[str, ...]]:
-    """Return what is held, by holder, and each circle of waiting in words."""
+    """Return what is held, by holder, and each deadlock in words."""
     things = run.machine.things
     found = []
     for _, holds in sorted(things.held.items()):
@@ -281,7 +281,7 @@ def claims(run: Interpreter) -> tuple[list[Claim], tuple[str, ...]]:
             )
             said = hold.said or format_thing(thing)
             found.append(Claim(said, task.number, task.goal(), hold.ask.used, waiters))
-    return found, waiting_circles(run.machine)
+    return found, deadlocks_in_words(run.machine)
 
 
 class RequestUnderWay(NamedTuple):

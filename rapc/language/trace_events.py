@@ -17,6 +17,10 @@ KEYS: Mapping[str, tuple[str, ...]] = {
         "task",
         "deadline",
     ),
+    "deadlock": (
+        "tasks",
+        "waiting",
+    ),
     "fact-asserted": (
         "fact",
         "by",

@@ -62,8 +62,11 @@ def end_run(machine: Machine, reason: str, because: str | None = None) -> None:
         because = machine.world.ended()
     if reason == "runaway" and machine.recorder.on:
         because = snapshot.looping(machine) or None
-    waiting = () if reason == "done" else snapshot.waiting(machine)
-    waiting += snapshot.waiting_circles(machine)
+    if reason == "stuck" and machine.waited_in_vain():
+        because = f"no cycle in {machine.state.waits} waits (`rapc.idle-waits`)"
+    waiting = snapshot.deadlocks_in_words(machine)
+    if reason != "done":
+        waiting += snapshot.waiting(machine)
     for given in machine.state.top_level:
         if given.task.live:
             remove(machine, given.task, "run-over")

@@ -308,7 +308,9 @@ class Interpreter:
     def step(self, wait: bool = True) -> bool:
         """Run one cycle, after its time has come; return False once the run is over.
 
-        Without `wait` also False, and nothing done, if no task can go on now.
+        Without `wait` also False, and nothing done, if no task can go on now. With it
+        the run is over after as many waits as `Settings.idle_waits` says: no step goes
+        on for ever because the world does.
         """
         return self._go(1, wait) == 1
 

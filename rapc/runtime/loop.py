@@ -22,7 +22,12 @@ from rapc.world import NOT_KNOWN, Time, World
 
 
 class Loop:
-    """The turns of one run, one after another."""
+    """The turns of one run, one after another.
+
+    Two settings bound what a run may do in vain, so that a host always gets control
+    back: `idle_cycles` cycles while the clock stands still, `idle_waits` waits without
+    a cycle.
+    """
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
@@ -87,6 +92,7 @@ class Loop:
                     break
                 continue
             recorder.cycle = cycle = cycle + 1
+            state.waits = 0
             run_cycle(machine, task)
             if cost:
                 self._spend(cost)
@@ -150,7 +156,7 @@ class Loop:
         machine, until = self._machine, self._machine.state.until
         now = machine.recorder.time
         known = self._coming_times()
-        if not known:
+        if not known or machine.waited_in_vain():
             return "stuck"
         target = max(min(known), now)
         end = None
@@ -162,6 +168,7 @@ class Loop:
             target = until
         for action in machine.when_waiting:
             action()
+        machine.state.waits += 1
         machine.world.advance(target)
         moved = machine.world.now() != now
         machine.state.idle = 0 if moved else machine.state.idle + 1

@@ -137,6 +137,10 @@ class Machine:
             return number(now)
         raise wrong_type(self.world, "now", "the time", now)
 
+    def waited_in_vain(self) -> bool:
+        """Whether the run has waited as often in a row as it may without a cycle."""
+        return self.state.waits >= self.settings.idle_waits
+
     def run_host_timers(self) -> None:
         """Do what the host wants done by now, in the order of its times."""
         due = self.host_timers

@@ -22,6 +22,8 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     futile_limit: _Count = 2
     #: The cycles without the clock moving after which a run is called off.
     idle_cycles: _Count = 100_000
+    #: The waits in a row without a cycle after which a run is over [L 4.48].
+    idle_waits: _Count = 100_000
     #: The time units that a cycle takes [T 7.2.1].
     cycle_cost: _Cost = 0
     #: How often a question may go back in vain before it is given up [L 2.70].

@@ -12,10 +12,10 @@ from rapc.base.values import format_list, number
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.events import Goal, TaskResult
 from rapc.runtime.machine import Machine
-from rapc.runtime.state.circles import circles
+from rapc.runtime.state.deadlocks import deadlocks, held, in_words
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import MethodRun, Task
-from rapc.runtime.state.things import Hold, ThingWait, words
+from rapc.runtime.state.things import ThingWait
 from rapc.runtime.state.top_level import TopLevelTask
 from rapc.world import OKAY, Time
 
@@ -147,24 +147,13 @@ def _awaited(machine: Machine, task: Task) -> str:
 
 def _things_in_the_way(machine: Machine, wait: ThingWait) -> str:
     hold = machine.things.obstacle_of(wait)
-    return "" if hold is None else _held(hold)
+    return "" if hold is None else held(hold)
 
 
-def _held(hold: Hold) -> str:
-    task = hold.run.task
-    return f"{words(hold)}, held by {task.goal()} [{task.number}]"
-
-
-def waiting_circles(machine: Machine) -> tuple[str, ...]:
-    """Return each circle of tasks that wait for things of each other, in words."""
-    return tuple(
-        "a circle of waiting: "
-        + "; ".join(
-            f"{wait.task.goal()} [{wait.task.number}] waits for {_held(hold)}"
-            for wait, hold in circle
-        )
-        for circle in circles(machine.things)
-    )
+def deadlocks_in_words(machine: Machine) -> tuple[str, ...]:
+    """Return a line for each deadlock: circle of tasks that wait for each other."""
+    found = deadlocks(machine.things)
+    return tuple(f"deadlock: {'; '.join(in_words(one))}" for one in found)
 
 
 _FEW = 10

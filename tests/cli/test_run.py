@@ -223,3 +223,32 @@ def test_tasks_in_the_background_alone_are_noted_for_the_run_is_over(
     assert alone.stderr.startswith(note)
     beside = _run(bed, "--task", "(guard) :background true", task="(turn)")
     assert note not in beside.stderr
+
+
+DEADLOCK = """\
+(require "world")
+(define-rap (go) (method (primitive (drive pharmacy))))
+(define-rap (ab) (method (claims (lock a)) (task-net (t1 (go) (for t2)) (t2 (b)))))
+(define-rap (ba) (method (claims (lock b)) (task-net (t1 (go) (for t2)) (t2 (a)))))
+(define-rap (a) (method (claims (lock a)) (primitive (drive pharmacy))))
+(define-rap (b) (method (claims (lock b)) (primitive (drive pharmacy))))
+"""
+
+
+def test_deadlock_in_a_living_world_is_reported_and_ends_the_run(
+    tmp_path: Path,
+) -> None:
+    """The people of the courier's hospital go on walking for ever."""
+    world = ROCKS.parent / "courier" / "world.rap"
+    (tmp_path / "world.rap").write_text(world.read_text())
+    (tmp_path / "locks.rap").write_text(DEADLOCK)
+    tasks = ("--task", "(ab)", "--task", "(ba)", "--set", "rapc.idle-waits=50")
+    done = rapc("run", "locks.rap", "--world", "courier", "-q", *tasks, cwd=tmp_path)
+    circle = (
+        "(b) [4] waits for (lock b), held by (ba) [2]; "
+        "(a) [6] waits for (lock a), held by (ab) [1]"
+    )
+    assert done.returncode == 1
+    assert done.stderr == f"note: deadlock at time 10: {circle}\n"
+    assert done.stdout.startswith("Run over (stuck: no cycle in 50 waits (`rapc.idle-")
+    assert f"Left over:\n  deadlock: {circle}\n" in done.stdout

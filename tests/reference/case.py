@@ -278,6 +278,7 @@ def run_reference(case: Case) -> Trace:
         settings.idle_cycles,
         settings.cycle_cost,
         settings.query_steps,
+        settings.idle_waits,
     )
     world, solvers = _world(case, library), _solvers(case)
     reference = Reference(library, world, case.seed, limits, FUNCTIONS, solvers)

@@ -177,6 +177,7 @@ class Reference:
         run = self._run
         before = run.time
         run.cycle += 1
+        run.waits = 0
         if not task.full:
             read_inputs(run, task)
         tell_family(run, task)
@@ -192,7 +193,7 @@ class Reference:
         times = [next_time(run), run.world.next_time(), *(s.at for s in self._later)]
         known = [time for time in times if time is not None]
         known += [time for time, _ in run.appointments]
-        if not known:
+        if not known or run.waits == run.limits.idle_waits:
             return "stuck"
         target = max(min(known), run.time)
         if run.limits.until is not None and target > run.limits.until:
@@ -200,6 +201,7 @@ class Reference:
                 return "until"
             target = run.limits.until
         run.idle = run.idle + 1 if target == run.time else 0
+        run.waits += 1
         run.world.advance(target)
         if target == run.time:
             take_in(run)

@@ -33,6 +33,7 @@ class Limits:
         idle_cycles: int = 100_000,
         cycle_cost: Time = 0,
         query_steps: int = 1_000_000,
+        idle_waits: int = 100_000,
     ) -> None:
         self.until = until
         self.cycles = cycles
@@ -40,6 +41,7 @@ class Limits:
         self.idle_cycles = idle_cycles
         self.cycle_cost = cycle_cost
         self.query_steps = query_steps
+        self.idle_waits = idle_waits
 
 
 class Run:
@@ -77,6 +79,7 @@ class Run:
         self.last_family: int | None = None
         self.conflicts = 0
         self.idle = 0
+        self.waits = 0
 
     # --- the trace ----------------------------------------------------------------
 

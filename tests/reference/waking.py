@@ -11,6 +11,7 @@ from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.runtime.events import events
 from rapc.world import Time
+from tests.reference.deadlocks import circle_through
 from tests.reference.run import Run, unbound
 from tests.reference.tasks import Place, Task
 from tests.reference.things import Obstacle, obstacles
@@ -308,6 +309,9 @@ def hold_up(run: Run, task: Task, obstacle: Obstacle) -> None:
     task.held_up_by = (obstacle.words, obstacle.holder.number)
     on, holder = task.held_up_by
     run.tell(events.TaskBlocked, task=task.number, on=on, holder=holder)
+    circle = tuple(each.number for each in circle_through(run, task))
+    if circle:
+        run.tell(events.Deadlock, tasks=circle, waiting=())
 
 
 def next_time(run: Run) -> Time | None:

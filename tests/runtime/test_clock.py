@@ -52,17 +52,23 @@ class _Stuck(_Clock):
 
 
 def _run(
-    kind: type[_Clock], text: str, task: str, patience: Time = 3600, **told: object
+    kind: type[_Clock],
+    text: str,
+    *tasks: str,
+    patience: Time = 3600,
+    idle_waits: int = 100,
+    **told: object,
 ) -> tuple[Interpreter, _Clock, list[Event]]:
     library = compiled(text)
     world = kind(library.library)
     for name, value in told.items():
         setattr(world, name, value)
-    settings = Settings(idle_cycles=50, patience=patience)
+    settings = Settings(idle_cycles=50, idle_waits=idle_waits, patience=patience)
     run = Interpreter(library, world, settings=settings)
     events: list[Event] = []
     run.listen(events.append)
-    run.submit(read_task_request(task))
+    for task in tasks:
+        run.submit(read_task_request(task))
     return run, world, events
 
 
@@ -135,6 +141,52 @@ def test_a_time_that_is_known_comes_before_patience_ends() -> None:
     assert (run.run(), world.now()) == ("done", 20)
     run, world, _ = _run(_Continuous, HEAR, "(hear)")
     assert (run.run(until=60), world.now()) == ("until", 60)
+
+
+class _Humming(_Clock):
+    """A world that sends something at each unit of time."""
+
+    def next_time(self) -> Time | None:
+        return super().now() + 1
+
+    def messages(self) -> Sequence[Message]:
+        return [HUM]
+
+
+TOO_LONG = "no cycle in 9 waits (`rapc.idle-waits`)"
+
+
+def test_waits_in_a_row_are_bounded() -> None:
+    """Each `step` gives control back, though the world never falls silent."""
+    run, _, events = _run(_Humming, HEAR, "(hear)", idle_waits=9)
+    assert run.step()
+    assert not run.step()
+    assert (run.reason, run.now) == ("stuck", 9)
+    assert isinstance(events[-1], RunEnded)
+    assert events[-1].because == TOO_LONG
+
+
+def test_a_cycle_starts_the_count_of_waits_anew() -> None:
+    tasks = "(hear)", "(say) :at 7", "(say) :at 15", "(say) :at 25"
+    run, _, _ = _run(_Humming, HEAR, *tasks, idle_waits=9)
+    assert (run.run(), run.now) == ("stuck", 24)
+
+
+def test_waits_of_a_monitor_for_its_own_times_are_bounded() -> None:
+    """One belief stays younger than the other, so the monitor is tested in vain."""
+    text = """
+    (define-rap (older)
+      (monitor-state (and (believe (p a) ?n) (not (believe (q a b) ?n))))
+      (method (primitive (look a))))
+    """
+    run, world, events = _run(_Clock, text, "(older)", idle_waits=9)
+    run.assert_fact("p", "a")
+    world.advance(5)
+    run.machine.sync_clock()
+    run.assert_fact("q", "a", "b")
+    assert (run.run(), run.now) == ("stuck", 50)
+    assert isinstance(events[-1], RunEnded)
+    assert events[-1].because == TOO_LONG
 
 
 def test_a_world_that_stops_for_nothing_is_told_of() -> None:

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.runtime.events.events import RunEnded, TaskWoken
+from rapc.runtime.events.events import (
+    Deadlock,
+    RunEnded,
+    TaskBlocked,
+    TaskWoken,
+)
 from rapc.runtime.tasks.rename_items import rename
 from tests.effort import first
 from tests.runtime.helpers import Play, at, row
@@ -54,7 +59,7 @@ def test_the_agenda_says_it_too() -> None:
     ]
 
 
-def test_a_circle_of_waiting_is_named_at_the_end_whatever_ended_the_run() -> None:
+def test_deadlock_is_named_at_the_end_whatever_ended_the_run() -> None:
     for last, reason in ("(hold right)", "done"), ("(p-never)", "stuck"):
         ran = Play(
             BODY,
@@ -64,16 +69,52 @@ def test_a_circle_of_waiting_is_named_at_the_end_whatever_ended_the_run() -> Non
             rows=ROWS,
         ).run()
         assert ran.interpreter.reason == reason
-        [circle] = [line for line in _waiting(ran) if line.startswith("a circle")]
-        assert "(hold left)" in circle
-        assert "waits for (arm left), held by (two)" in circle
-        assert "(drive lab)" in circle
-        assert "waits for wheels, held by (one)" in circle
+        line, *others = _waiting(ran)
+        assert line == (
+            "deadlock: (hold left) [5] waits for (arm left), held by (two) [2]; "
+            "(drive lab) [7] waits for wheels, held by (one) [1]"
+        )
+        assert not [one for one in others if "deadlock" in one]
+
+
+def test_deadlock_is_reported_when_it_closes() -> None:
+    ran = Play(BODY, "(one)", "(two)", "(drive hall) :at 3", rows=ROWS).run()
+    [told] = ran.of(Deadlock)
+    assert (told.time, told.tasks) == (1, (4, 6))
+    assert told.waiting == (
+        "(hold left) [4] waits for (arm left), held by (two) [2]",
+        "(drive lab) [6] waits for wheels, held by (one) [1]",
+    )
+    before = ran.events[ran.events.index(told) - 1]
+    assert isinstance(before, TaskBlocked)
+    assert before.task == 4
+
+
+def test_deadlock_that_a_merge_of_items_closes_is_reported() -> None:
+    """What one task holds and what another waits for turn out to be one arm."""
+    text = (
+        BODY
+        + """
+    (define-rap (left) (method (claims (arm item-1))
+      (task-net (t1 (pause) (for t2)) (t2 (hold item-3)))))
+    (define-rap (right) (method (claims (arm item-2))
+      (task-net (t1 (pause) (for t2)) (t2 (hold item-1)))))
+    (define-rap (other) (method (claims (arm item-3))
+      (task-net (t1 (p-never)))))
+    """
+    )
+    ran = Play(text, "(left)", "(right)", "(other)", rows=ROWS)
+    machine = ran.interpreter.machine
+    ran.interpreter.call_at(3, lambda: rename(machine, "item-3", "item-2"))
+    ran.run()
+    [told] = ran.of(Deadlock)
+    assert (told.time, told.tasks) == (3, (5, 7))
 
 
 def test_who_waits_for_one_that_can_go_on_is_in_no_circle() -> None:
     ran = Play(BODY, "(one)", "(drive hall)", rows=ROWS).run(until=2)
-    assert not [line for line in _waiting(ran) if "circle" in line]
+    assert not [line for line in _waiting(ran) if "deadlock" in line]
+    assert ran.of(Deadlock) == []
 
 
 def test_a_run_that_is_saved_anywhere_goes_on_as_if_nothing_had_happened() -> None:

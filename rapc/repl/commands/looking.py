@@ -167,7 +167,7 @@ def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
 
     Circles of tasks that wait for each other are named below.
     """
-    found, circles = look.claims(shell.session.run)
+    found, deadlocks = look.claims(shell.session.run)
     rows = [
         (
             one.thing,
@@ -179,7 +179,7 @@ def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
         for one in found
     ]
     columns = ("thing", "held by", "goal", "how", "waited for by")
-    return table(columns, rows, none="no thing is held", notes=circles)
+    return table(columns, rows, none="no thing is held", notes=deadlocks)
 
 
 @command("", ":requests")

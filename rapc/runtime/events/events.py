@@ -175,6 +175,17 @@ class TaskWoken(Event, frozen=True, kw_only=True, omit_defaults=True):
     holder: int | None = None
 
 
+class Deadlock(Event, frozen=True, kw_only=True):
+    """A deadlock: each of `tasks` waits for a thing held above the next of them.
+
+    The last waits for the first; it is the task that has just been blocked that comes
+    first. `waiting` has a line for each task.
+    """
+
+    tasks: tuple[int, ...]
+    waiting: tuple[str, ...]
+
+
 class MethodSuspended(Event, frozen=True, kw_only=True):
     """A method is gone as if never chosen: the task `by` takes the thing `for`.
 

@@ -297,6 +297,7 @@ _LINES: Mapping[type, Callable[[Any], str | None]] = {
     events.TaskSelected: lambda e: f"--> considering {e.goal} [{e.task}]",
     events.MethodChosen: _chosen,
     events.TaskBlocked: _blocked,
+    events.Deadlock: lambda e: f"    ... deadlock: {'; '.join(e.waiting)}",
     events.MethodSuspended: lambda e: (
         f"    ... method {e.method} suspended for {e.for_} of [{e.by}] [{e.task}]"
     ),

@@ -14,13 +14,20 @@ from typing import Final
 from rapc.base.values import format_atom, number
 from rapc.compiler.watches import WatchKey
 from rapc.ir.printer import format_formula
-from rapc.runtime.events.events import DeadlineMissed, Event, TaskBlocked, TaskWoken
+from rapc.runtime.events.events import (
+    DeadlineMissed,
+    Deadlock,
+    Event,
+    TaskBlocked,
+    TaskWoken,
+)
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.monitors.deadlines import Deadlines
 from rapc.runtime.monitors.listeners import Listeners
 from rapc.runtime.monitors.timers import Timers
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.agenda import Agenda
+from rapc.runtime.state.deadlocks import Circle, deadlock_of, in_words
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import Task
 from rapc.runtime.state.things import Things, ThingWait, words
@@ -281,7 +288,7 @@ class Monitors:
                 if task.wait is not None:
                     task.wait.timer = None
                 wait.on, wait.holder = words(obstacle), obstacle.run.task.number
-                self._tell_way(TaskBlocked, wait)
+                self.tell_blocked(wait)
         elif obstacle is None:
             wait.woken = True
             self._tell_way(TaskWoken, wait)
@@ -293,6 +300,18 @@ class Monitors:
                 self._agenda.add(task)
             return True
         return False
+
+    def tell_blocked(self, wait: ThingWait) -> None:
+        """Tell that a task is blocked by a thing, and the deadlock that this closes."""
+        self._tell_way(TaskBlocked, wait)
+        if self._recorder.on:
+            self.tell_deadlock(deadlock_of(self._things, wait))
+
+    def tell_deadlock(self, found: Circle) -> None:
+        """Tell of a deadlock that has closed, if there is one."""
+        if found and self._recorder.on:
+            tasks = tuple([wait.task.number for wait, _ in found])
+            self._recorder.emit(Deadlock, tasks=tasks, waiting=in_words(found))
 
     def _tell_way(self, kind: type[Event], wait: ThingWait) -> None:
         if self._recorder.on:

@@ -220,6 +220,7 @@ class CountsRecord(msgspec.Struct, frozen=True):
     requests: int
     succeeded: int
     idle: int
+    waits: int
     until: Time | None
     past_until: bool
     started: bool

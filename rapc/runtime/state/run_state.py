@@ -41,6 +41,7 @@ class RunState:
         "tickets",
         "top_level",
         "until",
+        "waits",
     )
 
     def __init__(self) -> None:
@@ -75,6 +76,8 @@ class RunState:
         self.succeeded = 0
         #: How many cycles have passed since the clock last moved.
         self.idle = 0
+        #: How often the run has waited for a time to come since the last cycle.
+        self.waits = 0
         #: The time after which the run is over, if there is one.
         self.until: Time | None = None
         #: Whether the world's clock has passed `until`.

@@ -169,6 +169,16 @@ class Things:
             if number not in above and number != task.number
         ]
 
+    def waited_for_above(self, task: Task) -> bool:
+        """Whether any task waits for a thing that an ancestor of `task` holds."""
+        above = task.parent
+        while above is not None:
+            for hold in self.held.get(above.number, ()):
+                if hold.ask.thing in self._waiters:
+                    return True
+            above = above.parent
+        return False
+
     # --- holding ------------------------------------------------------------------
 
     def take(self, run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:

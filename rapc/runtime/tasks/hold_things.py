@@ -19,7 +19,7 @@ from rapc.runtime.acts.activations import (
     reactivate,
 )
 from rapc.runtime.acts.primitives import filled_in, ground, request, sendable
-from rapc.runtime.events.events import MethodSuspended, TaskBlocked
+from rapc.runtime.events.events import MethodSuspended
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import BLOCKED, INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
@@ -153,9 +153,9 @@ def _block(
 ) -> None:
     """Block a task until nothing is in the way of an alternative; tell of it."""
     on, holder = words(obstacle), obstacle.run.task.number
-    _wait(machine, ThingWait(task, alternatives, on, holder))
-    if machine.recorder.on:
-        machine.recorder.emit(TaskBlocked, task=task.number, on=on, holder=holder)
+    wait = ThingWait(task, alternatives, on, holder)
+    _wait(machine, wait)
+    machine.monitors.tell_blocked(wait)
 
 
 def _wait(machine: Machine, wait: ThingWait) -> None:

@@ -14,6 +14,7 @@ from rapc.base.resources import SetResource
 from rapc.base.values import Atom
 from rapc.ir import nodes
 from rapc.runtime.machine import Machine
+from rapc.runtime.state.deadlocks import Circle, deadlocks
 from rapc.runtime.state.task import Env, Task
 
 
@@ -32,12 +33,26 @@ def rename(machine: Machine, lost: str, kept: str) -> None:
                     sets[id(value)] = value
         if _in_task(task, environments, lost, kept):
             machine.monitors.rebind(task)
-    machine.things.rename(lost, kept)
+    _in_things(machine, lost, kept)
     machine.recount_identities()
     for resource in sets.values():
         if lost in resource.members:
             _in_set(resource, lost, kept)
             machine.monitors.listeners.resource_changed(resource)
+
+
+def _in_things(machine: Machine, lost: str, kept: str) -> None:
+    """Rename what tasks hold and wait for; tell of the deadlocks that this closes."""
+    things = machine.things
+    before = [_members(circle) for circle in deadlocks(things)]
+    things.rename(lost, kept)
+    for circle in deadlocks(things):
+        if _members(circle) not in before:
+            machine.monitors.tell_deadlock(circle)
+
+
+def _members(circle: Circle) -> set[int]:
+    return {wait.task.number for wait, _ in circle}
 
 
 def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:

@@ -1,0 +1,168 @@
+"""Deadlocks: circles of tasks in which each waits for a thing held above the next one.
+
+A method that holds a thing waits for the tasks below it. If one of these waits in turn
+for a thing, and so on back to the first, none of them can go on by itself [L 8.27].
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+
+from rapc.runtime.state.task import Task
+from rapc.runtime.state.things import Ask, Hold, Things, ThingWait, words
+
+Circle = tuple[tuple[ThingWait, Hold], ...]
+"""The waiting tasks, each with what is in its way; the next one is below the holder."""
+
+
+def deadlocks(things: Things) -> list[Circle]:
+    """Return the deadlocks of a run, by the lowest task number in each."""
+    waits = things.waits.items()
+    stuck = _Stuck(things, {n: wait for n, wait in waits if _is_blocked(wait)})
+    found: list[Circle] = []
+    while stuck.waits:
+        first = min(stuck.waits)
+        circle = stuck.circle_through(first)
+        found += [circle] if circle else []
+        for number in [wait.task.number for wait, _ in circle] or [first]:
+            stuck.leave_out(number)
+        stuck.leave_out_who_can_go_on()
+    return found
+
+
+def deadlock_of(things: Things, wait: ThingWait) -> Circle:
+    """Return the deadlock that a task has closed by beginning to wait; or nothing."""
+    if not things.waited_for_above(wait.task):
+        return ()
+    stuck = _Stuck(things, _reachable(things, wait))
+    number = wait.task.number
+    return stuck.circle_through(number) if number in stuck.waits else ()
+
+
+def in_words(circle: Circle) -> tuple[str, ...]:
+    """Return a line for each task of a deadlock."""
+    return tuple(
+        f"{wait.task.goal()} [{wait.task.number}] waits for {held(hold)}"
+        for wait, hold in circle
+    )
+
+
+def held(hold: Hold) -> str:
+    """Return a thing and the task that holds it, in words."""
+    task = hold.run.task
+    return f"{words(hold)}, held by {task.goal()} [{task.number}]"
+
+
+def _is_blocked(wait: ThingWait) -> bool:
+    """Whether the task itself waits, not only skills of its method."""
+    return not (wait.woken or wait.skills)
+
+
+def _all_asks(wait: ThingWait) -> list[Ask]:
+    return [ask for asks in wait.alternatives for ask in asks]
+
+
+def _in_the_way(things: Things, wait: ThingWait, asks: Iterable[Ask]) -> Iterator[Hold]:
+    for ask in asks:
+        now = things.ask(wait.task, ask.thing, ask.used)
+        yield from things.in_the_way(wait.task, now)
+
+
+def _reachable(things: Things, wait: ThingWait) -> dict[int, ThingWait]:
+    """Return the tasks for which `wait` waits, directly or not, and itself."""
+    found = {wait.task.number: wait}
+    looked: set[int] = set()
+    todo = [wait]
+    while todo:
+        one = todo.pop()
+        for hold in _in_the_way(things, one, _all_asks(one)):
+            holder = hold.run.task
+            if holder.number in looked:
+                continue
+            looked.add(holder.number)
+            for below in _below(holder):
+                other = things.waits.get(below.number)
+                if other and below.number not in found and _is_blocked(other):
+                    found[below.number] = other
+                    todo.append(other)
+    return found
+
+
+def _below(task: Task) -> Iterator[Task]:
+    """Yield the live tasks below `task`."""
+    todo = [task]
+    while todo:
+        run = todo.pop().run
+        if run is not None:
+            steps = [step for step in run.steps if step.number and step.live]
+            yield from steps
+            todo += steps
+
+
+class _Stuck:
+    """The largest set of waits in which each one waits for others of the set."""
+
+    def __init__(self, things: Things, waits: Mapping[int, ThingWait]) -> None:
+        self._things = things
+        self.waits = dict(waits)
+        #: The numbers of the waiting tasks below a task, by its number.
+        self._below: dict[int, set[int]] = {}
+        for number, wait in self.waits.items():
+            for above in _above(wait):
+                self._below.setdefault(above, set()).add(number)
+        self.leave_out_who_can_go_on()
+
+    def leave_out_who_can_go_on(self) -> None:
+        """Leave out each wait that can end, until each one left waits for others."""
+        count = -1
+        while count != len(self.waits):
+            count = len(self.waits)
+            for number, wait in list(self.waits.items()):
+                if not all(
+                    any(self._followers(wait, asks)) for asks in wait.alternatives
+                ):
+                    self.leave_out(number)
+
+    def leave_out(self, number: int) -> None:
+        """Leave a wait out."""
+        for above in _above(self.waits.pop(number)):
+            self._below[above].discard(number)
+
+    def _followers(
+        self, wait: ThingWait, asks: Iterable[Ask]
+    ) -> Iterator[tuple[Hold, set[int]]]:
+        """Yield what is in the way, with the numbers of those that wait below it."""
+        for hold in _in_the_way(self._things, wait, asks):
+            below = self._below.get(hold.run.task.number)
+            if below:
+                yield hold, below
+
+    def circle_through(self, start: int) -> Circle:
+        """Return the shortest circle through a task, the lowest numbers first."""
+        came: dict[int, tuple[int, Hold]] = {}
+        todo = deque([start])
+        while todo and start not in came:
+            number = todo.popleft()
+            wait = self.waits[number]
+            steps: dict[int, Hold] = {}
+            for hold, below in self._followers(wait, _all_asks(wait)):
+                for other in below:
+                    steps.setdefault(other, hold)
+            for other in sorted(steps):
+                if other not in came:
+                    came[other] = number, steps[other]
+                    todo.append(other)
+        found: list[tuple[ThingWait, Hold]] = []
+        number = start
+        while start in came and (not found or number != start):
+            number, hold = came[number]
+            found.append((self.waits[number], hold))
+        return tuple(reversed(found))
+
+
+def _above(wait: ThingWait) -> Iterable[int]:
+    above = wait.task.parent
+    while above is not None:
+        yield above.number
+        above = above.parent
