@@ -14,7 +14,7 @@ from typing import Literal
 
 import msgspec
 
-from rapc.analysis.selection import PerFile, rule_names
+from rapc.analysis.selection import PerFile, chosen_rules, rule_names
 from rapc.base.diagnostics import Severity
 
 OWN = "rapc.toml"
@@ -75,7 +75,7 @@ class Configured(msgspec.Struct, frozen=True):
         """
         root = "" if self.file is None else str(self.file.parent)
         said = self.config.per_file_ignores
-        return tuple(PerFile(p, rule_names(rules), root) for p, rules in said.items())
+        return tuple(PerFile(p, chosen_rules(rules), root) for p, rules in said.items())
 
     def severities(self) -> Mapping[str, Severity]:
         """Return what its `severity` says, by the names of rules.

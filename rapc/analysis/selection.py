@@ -88,6 +88,22 @@ def errors() -> Selection:
     return Selection(grave.errors())
 
 
+ALL = "all"
+"""The word for all rules, those that are opt-in too; in capitals or not."""
+
+
+def chosen_rules(words: Iterable[str]) -> frozenset[str]:
+    """Return the names of rules given by name, by code, or by the word for all.
+
+    Raises:
+        UnknownRuleError: as `rule_names`.
+    """
+    given = list(words)
+    named = rule_names(word for word in given if word.lower() != ALL)
+    every = any(word.lower() == ALL for word in given)
+    return frozenset(suite.rules()) if every else named
+
+
 def rule_names(words: Iterable[str]) -> frozenset[str]:
     """Return the names of rules that are given by name or code.
 

@@ -71,7 +71,7 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
 
 @command(EXAMPLES)
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True)
-@click.option("--select", **RULES, help="Only these rules.")
+@click.option("--select", **RULES, help="Only these rules; ALL: every rule.")
 @click.option("--extend-select", **RULES, help="These rules besides.")
 @click.option("--ignore", **RULES, help="Not these rules.")
 @click.option(

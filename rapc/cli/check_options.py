@@ -10,7 +10,7 @@ import msgspec
 
 from rapc.analysis import config
 from rapc.analysis.config import Configured
-from rapc.analysis.selection import PerFile, Selection, by_default, rule_names
+from rapc.analysis.selection import PerFile, Selection, by_default, chosen_rules
 from rapc.base.diagnostics import Severity
 from rapc.base.later import later
 from rapc.cli.common import FORMATS
@@ -82,13 +82,13 @@ def settle(options: Options) -> Chosen:
         say(f"configured by {found.file}")
     said = found.config
     if options.select:
-        enabled = rule_names(split_at_commas(options.select))
+        enabled = chosen_rules(split_at_commas(options.select))
     else:
-        enabled = by_default() if said.select is None else rule_names(said.select)
-        enabled |= rule_names(said.extend_select)
-        enabled -= rule_names(said.ignore)
-    enabled |= rule_names(split_at_commas(options.extend_select))
-    enabled -= rule_names(split_at_commas(options.ignore))
+        enabled = by_default() if said.select is None else chosen_rules(said.select)
+        enabled |= chosen_rules(said.extend_select)
+        enabled -= chosen_rules(said.ignore)
+    enabled |= chosen_rules(split_at_commas(options.extend_select))
+    enabled -= chosen_rules(split_at_commas(options.ignore))
     per_file = [_per_file(text) for text in options.per_file_ignores]
     baseline = None if options.baseline is None else Path(options.baseline)
     if baseline is None:
@@ -141,4 +141,4 @@ def _per_file(text: str) -> PerFile:
     pattern, colon, rules = text.rpartition(":")
     if not colon or not pattern or not rules.strip():
         fail(f"--per-file-ignores: `{text}` is not PATTERN:RULES")
-    return PerFile(pattern, rule_names(split_at_commas([rules])))
+    return PerFile(pattern, chosen_rules(split_at_commas([rules])))

@@ -35,7 +35,8 @@ Examples:
 def rule(name: str | None, everything: bool, output_format: str) -> None:
     """Print the manual page of the rule NAME (a name or a code).
 
-    Without NAME all rules are listed, one line each.
+    Without NAME all rules are listed, one line each. `rapc check` reports an opt-in
+    rule only if `--select` or `--extend-select` names it; ALL stands for all rules.
     """
     if name is not None and everything:
         fail("a rule's name and --all exclude each other")
@@ -46,8 +47,9 @@ def rule(name: str | None, everything: bool, output_format: str) -> None:
     elif name is None and not everything:
         width = max(len(one.name) for one in chosen)
         for one in chosen:
+            told = f"{one.summary}{' (opt-in)' * one.opt_in}"
             severity = f"{one.severity.word:7}"
-            click.echo(f"{one.code}  {one.name:{width}}  {severity}  {one.summary}")
+            click.echo(f"{one.code}  {one.name:{width}}  {severity}  {told}")
     else:
         title = "# The rules of rapc check\n\n" if everything else ""
         click.echo(title + "\n".join(_page(one) for one in chosen), nl=False)

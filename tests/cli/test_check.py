@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from rapc.analysis.suite import rules
+
 from .command import rapc
 
 CLEAN = "(define-rap (wait))\n"
@@ -93,6 +95,16 @@ def test_rules_are_selected_by_code_and_name(
     done = rapc("check", str(program), "--output-format", "json", *args)
     assert [one["name"] for one in json.loads(done.stdout)] == found
     assert done.returncode == (1 if found else 0)
+
+
+def test_select_all_reports_opt_in_rules(program: Path) -> None:
+    program.write_text(rules()["joined-by-unknown"].example)
+    check = ("check", str(program), "--output-format", "json")
+    assert "joined-by-unknown" not in rapc(*check).stdout
+    found = json.loads(rapc(*check, "--select", "ALL").stdout)
+    assert "joined-by-unknown" in [one["name"] for one in found]
+    done = rapc(*check, "--select", "all", "--per-file-ignores", "program.rap:ALL")
+    assert json.loads(done.stdout) == []
 
 
 def test_json_of_nothing_is_an_empty_list(program: Path) -> None:

@@ -32,6 +32,13 @@ def test_list_has_a_line_for_each_rule() -> None:
     ]
 
 
+def test_list_marks_opt_in_rules() -> None:
+    lines = rapc("rule").stdout.splitlines()
+    marked = [line.split()[1] for line in lines if line.endswith(" (opt-in)")]
+    assert marked == [rule.name for rule in rules().values() if rule.opt_in]
+    assert marked
+
+
 def test_json_is_one_rule_or_all() -> None:
     one = json.loads(rapc("rule", "unknown-rap", "--format", "json").stdout)
     everything = json.loads(rapc("rule", "--all", "--format", "json").stdout)
