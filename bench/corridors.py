@@ -54,7 +54,7 @@ def corridors(seed: int) -> Map:
     spine = builder.space("spine", (0, 0, length, wide), "hall")
     rows: tuple[tuple[float, float, Side], ...] = (
         (-6.0, -THICK, "north"),
-        (wide + THICK, 7.0, "south"),
+        (wide + THICK, wide + 6.0, "south"),
     )
     for bottom, top, side in rows:
         left = 0.0

@@ -72,3 +72,16 @@ def test_open_doorway_found_closed_is_passed_by_direction(seed: int) -> None:
     assert journey.arrived, journey
     assert journey.time < 300
     assert journey.strays == []
+
+
+@pytest.mark.parametrize("apart", first(1, [5.0, 3.0, 0.2]))
+def test_landmark_is_reached_whether_its_tags_are_far_apart_or_near(
+    apart: float,
+) -> None:
+    """One metre before tags that are 5 m apart, the angle between them is obtuse."""
+    text = _text("behind").replace(
+        'wall = "west"\nat = 4.28', f'wall = "east"\nat = 3.2\napart = {apart}'
+    )
+    journey = travel(0, read_map(text), {"map": Text(text)})
+    assert (journey.goal, journey.arrived) == ("m", True), journey
+    assert journey.away < 0.3

@@ -3,7 +3,8 @@
 Spaces are rectangles `[left, bottom, right, top]` in metres, with walls of some
 thickness between them; a doorway is a gap in the wall between two spaces, `at` its
 middle along the wall. A doorway is a landmark on both its sides [S 3.2]; other
-landmarks hang on one wall of a space. `map_text` reads maps, in TOML:
+landmarks hang on one wall of a space. `map_text` reads maps in TOML, `map_checks`
+validates them:
 
     start = "charger"
 
@@ -93,10 +94,12 @@ class Doorway(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     joins: tuple[str, str]
     #: The middle of the gap along the wall.
     at: Metres
-    #: The codes of the left and the right tag, as seen when facing the doorway.
+    #: The codes of the left and the right tag, as seen when facing the doorway: an even
+    #: one and the next.
     tags: tuple[Code, Code]
-    width: Annotated[float, Meta(ge=0.7, le=5)] = 1.0
-    #: Between the two tags.
+    #: The robot's skills take a wider gap for no doorway.
+    width: Annotated[float, Meta(ge=0.7, le=1.3)] = 1.0
+    #: Between the two tags, which hang on the wall beside the gap.
     apart: Apart = 1.4
     #: Whether there is a door that closes now and then.
     door: bool = False
@@ -136,7 +139,7 @@ class Person(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A building."""
 
-    space: tuple[Space, ...]
+    space: Annotated[tuple[Space, ...], Meta(min_length=1)]
     doorway: tuple[Doorway, ...]
     #: The landmark that the robot stands at in the beginning.
     start: str
@@ -260,7 +263,10 @@ def _opening(map: Map, doorway: Doorway) -> Opening:
     first, second = (map.named_space(name) for name in doorway.joins)
     floors = [floor for floor in first.floors if floor in second.floors]
     if len(floors) != 1:
-        raise MapError(f"the spaces of `{doorway.name}` share no single floor")
+        raise MapError(
+            f"`joins` of the doorway `{doorway.name}`: `{first.name}` and "
+            f"`{second.name}` share no single floor"
+        )
     a, b = first.box, second.box
     low, high = doorway.at - doorway.width / 2, doorway.at + doorway.width / 2
     gaps: list[tuple[Side, float, int, Box]] = [
@@ -274,6 +280,6 @@ def _opening(map: Map, doorway: Doorway) -> Opening:
         if WALL[0] - 1e-9 <= thick <= WALL[1] + 1e-9 and inside:
             return Opening(doorway, floors[0], box, side)
     raise MapError(
-        f"`{doorway.name}` does not lie in a wall between `{first.name}` and "
-        f"`{second.name}`"
+        f"`at` of the doorway `{doorway.name}`: not in a wall of {WALL[0]} to "
+        f"{WALL[1]} m between `{first.name}` and `{second.name}`"
     )

@@ -14,7 +14,6 @@ from rapc.worlds.hallway.skills.halls import TrackHallway
 from rapc.worlds.hallway.skills.landmarks import (
     MARK,
     ApproachLandmark,
-    SeeTags,
     TrackLandmark,
     WatchForLandmark,
 )
@@ -22,6 +21,7 @@ from rapc.worlds.hallway.skills.moving import BackOff, FaceDirection, SteerInDir
 from rapc.worlds.hallway.skills.passages import DetectDoorway
 from rapc.worlds.hallway.skills.reporting import ReportPosition, WatchBattery
 from rapc.worlds.hallway.skills.services import CallLift, Charge, Speak
+from rapc.worlds.hallway.skills.tags import SeeTags
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.declarations import Compound
 

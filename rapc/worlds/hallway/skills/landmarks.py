@@ -11,7 +11,9 @@ and the sonars should find a wall where a guess has the tags hang.
 With the tags h to the left and the right of the middle, turned away from the line of
 sight by w and seen under the angle a, the distance d solves
 
-    tan a = 2 h d cos w / (d^2 - h^2).
+    tan a = 2 h d cos w / (d^2 - h^2);
+
+a is more than a right angle where d is less than h.
 """
 
 from __future__ import annotations
@@ -27,7 +29,6 @@ from rapc.worlds.hallway.channels import (
     FIX,
     LASER_RANGE,
     POSE,
-    SEEN,
     SIGHTING,
     SONAR,
     SONARS,
@@ -51,6 +52,7 @@ from rapc.worlds.hallway.skills.sonar import (
     square_to,
     vote,
 )
+from rapc.worlds.hallway.skills.tags import between
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 LOST = 6.0
@@ -72,9 +74,6 @@ AT = 0.12
 
 FITS = 0.15
 """A tag is seen where it should be if its bearing is off by less, in radians."""
-
-EACH = 1.0
-"""Seconds for which one of several landmarks in view is told of."""
 
 MARK = (
     Parameter("mark", "symbol", "", "what the landmark is called"),
@@ -204,7 +203,7 @@ class TrackLandmark(Skill):
     ) -> None:
         """Let both guesses have the place that they imply."""
         left, right = pair
-        sight = pose.heading + _between(left, right)
+        sight = pose.heading + between(left, right)
         facing = sight + math.pi
         nearest = square_to(self.state.votes, facing)
         off = math.remainder(nearest - facing, 2 * math.pi)
@@ -301,71 +300,6 @@ class ApproachLandmark(Skill):
         ports[TRAJECTORY] = Trajectory(bearing, float(self.arguments["speed"]), left)
 
 
-class TagsSeen(Event):
-    """A pair of tags has come into view, whichever landmark they belong to."""
-
-    name = "tags-seen"
-    inputs = (SEEN, POSE)
-    carries = (
-        Parameter("left", "number", "", "the code of the left tag"),
-        Parameter("right", "number", "", "the code of the right tag"),
-        Parameter("spread", "number", "rad", "the angle between them"),
-        Parameter("heading", "number", "rad", "in the frame of dead reckoning"),
-    )
-    again = EACH
-
-    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether a pair is in view, and which."""
-        seen = ports[SEEN]
-        if not seen:
-            return None
-        left, right = seen[:2]
-        heading = ports[POSE].heading + _between(left, right)
-        spread = math.remainder(left.bearing - right.bearing, 2 * math.pi)
-        heading = math.remainder(heading, 2 * math.pi)
-        return left.code, right.code, round(spread, 3), round(heading, 2)
-
-
-class Turns(msgspec.Struct):
-    """What `see-tags` remembers."""
-
-    #: The left codes of the pairs in view, the one that has its turn now last.
-    queue: list[int] = []
-    #: Since when it has its turn.
-    since: float = 0.0
-
-
-class SeeTags(Skill):
-    """Look out for landmarks, whichever they are: an even tag and the next one.
-
-    Those in view take turns.
-    """
-
-    name = "see-tags"
-    inputs = (TAGS,)
-    outputs = (SEEN,)
-    events = (TagsSeen,)
-    State = Turns
-    state: Turns
-
-    def step(self, now: float, ports: Ports) -> None:
-        """Write the pair in view that has its turn, left tag first."""
-        tags, state = {tag.code: tag for tag in ports[TAGS]}, self.state
-        pairs = [code for code in sorted(tags) if code % 2 == 0 and code + 1 in tags]
-        if not pairs:
-            state.queue = []
-            ports[SEEN] = ()
-            return
-        last = state.queue[-1:]
-        waiting = [code for code in state.queue if code in pairs]
-        state.queue = [code for code in pairs if code not in waiting] + waiting
-        if state.queue[-1:] != last or now - state.since >= EACH - 0.05:
-            state.queue.append(state.queue.pop(0))
-            state.since = now
-        left = state.queue[-1]
-        ports[SEEN] = (tags[left], tags[left + 1])
-
-
 def open_to(ranges: Sequence[float], bearing: float, wall: float) -> bool:
     """Return whether there is plainly no wall square to a bearing, so far ahead.
 
@@ -401,7 +335,7 @@ def sighting(left: Tag, right: Tag, apart: float) -> Sighting:
     """Return where a landmark is if its tags are not turned away."""
     angle = math.remainder(left.bearing - right.bearing, 2 * math.pi)
     far = min(LASER_RANGE, distance(angle, apart / 2, 1.0))
-    return Sighting(far, _between(left, right))
+    return Sighting(far, between(left, right))
 
 
 def distance(angle: float, half: float, cos: float) -> float:
@@ -412,11 +346,6 @@ def distance(angle: float, half: float, cos: float) -> float:
         half: half of what they are apart.
         cos: the cosine of the angle by which they are turned away.
     """
-    tan = math.tan(max(0.01, min(angle, QUARTER - 0.01)))
-    return half * (cos + math.sqrt(cos * cos + tan * tan)) / tan
-
-
-def _between(left: Tag, right: Tag) -> float:
-    """The bearing half-way between two tags."""
-    off = math.remainder(left.bearing - right.bearing, 2 * math.pi)
-    return right.bearing + off / 2
+    angle = max(0.01, min(angle, math.pi - 0.01))
+    along, sin = cos * math.cos(angle), math.sin(angle)
+    return half * (along + math.hypot(along, sin)) / sin
