@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
-from rapc.base.files import STANDARD, SUFFIX, name_beside, path_of
+from rapc.base.files import STANDARD, SUFFIX, name_beside, path_of, same_file
 from rapc.base.names import nearest
 from rapc.ir import nodes
 
@@ -46,17 +46,17 @@ def standard_libraries() -> tuple[str, ...]:
 def resolve(name: str, requiring: str, given: Sequence[Path]) -> str | None:
     """Return the file or folder a `require` means; never the requiring file itself.
 
-    It is named as the requiring file was, or `rapc:truck` if it comes with rapc. A copy
-    of a standard library among the paths `given`, or one that contains the requiring
-    file, stands for the installed one, also where one file of it is required: else all
-    its names were defined twice.
+    It is named as the requiring file was, without `..` where that is the same file, or
+    `rapc:truck` if it comes with rapc. A copy of a standard library among the paths
+    `given`, or one that contains the requiring file, stands for the installed one, also
+    where one file of it is required: else all its names were defined twice.
     """
     if os.path.isabs(name):
         return None
     here = path_of(requiring)
     beside = _in_folder(name, here.parent, here)
     if beside is not None:
-        return name_beside(requiring, beside)
+        return name_beside(requiring, _without_detour(beside))
     installed = _in_folder(name, path_of(STANDARD), here)
     if installed is None:
         return None
@@ -67,6 +67,12 @@ def resolve(name: str, requiring: str, given: Sequence[Path]) -> str | None:
         if meant is not None:
             return str(meant)
     return name_beside(STANDARD, installed)
+
+
+def _without_detour(path: Path) -> Path:
+    """Return a path without `..`, unless a link makes that another file."""
+    plain = Path(os.path.normpath(path))
+    return plain if os.pardir in path.parts and same_file(plain, path) else path
 
 
 def _copies(

@@ -166,3 +166,47 @@ def test_what_a_test_lacks_without_a_world_is_found_before_it_runs(
     (found,) = _of_check(file)
     assert found[0].startswith(message)
     assert _of_test(file) == {found}
+
+
+def _project(folder: Path) -> None:
+    """Put a library with a finding, and its tests in a folder beside it."""
+    for name in ("library", "tests"):
+        (folder / name).mkdir()
+    (folder / "library" / "go.rap").write_text("(define-rap (go) (succeed (at home)))")
+    for name in ("one", "two"):
+        test = f'(require "../library/go") (define-test {name} (task (go)))'
+        (folder / "tests" / f"{name}.test.rap").write_text(test)
+
+
+@pytest.mark.parametrize("root", [True, False])
+def test_a_library_required_through_the_folder_above_is_checked_once(
+    root: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _project(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    before = f"{tmp_path}/" if root else ""
+    names = [f"{before}{name}" for name in ("library", "tests/one.test.rap")]
+    found = check_files([*names, f"{before}tests/two.test.rap"])
+    assert list(found.files) == [
+        f"{before}library/go.rap",
+        f"{before}tests/one.test.rap",
+        f"{before}tests/two.test.rap",
+    ]
+    assert [one.diagnostic.span.file for one in found.findings] == [
+        f"{before}library/go.rap"
+    ]
+    assert found.raps == 1
+
+
+def test_a_file_required_through_a_link_keeps_the_name_that_finds_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Behind a link `..` is not the folder that the link is in."""
+    _project(tmp_path)
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "linked").symlink_to("../tests")
+    monkeypatch.chdir(tmp_path / "here")
+    found = check_files(["linked/one.test.rap"])
+    assert [one.diagnostic.span.file for one in found.findings] == [
+        "linked/../library/go.rap"
+    ]
