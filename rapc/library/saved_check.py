@@ -51,10 +51,13 @@ class Verifier:
 
     Args:
         signatures: what the library declares; its RAPs need not be decoded.
-        files: the names of its files, to one of which each span points.
+        files: the names of its files, to one of which each span points; None for nodes
+            that may stand anywhere.
     """
 
-    def __init__(self, signatures: Signatures, files: Container[str]) -> None:
+    def __init__(
+        self, signatures: Signatures, files: Container[str] | None = None
+    ) -> None:
         self._signatures = signatures
         self._files = files
         self._words: set[object] = set()
@@ -78,7 +81,7 @@ class Verifier:
                 if value not in words:
                     words.add(_word(value))
             elif kind is Span:
-                if value.file not in files:
+                if files is not None and value.file not in files:
                     raise UnsoundError("something stands in no file")
             elif kind is tuple:
                 level.extend(value)
@@ -132,8 +135,13 @@ class Verifier:
         for method in rap.methods:
             for pattern in method.notations:
                 self._known("asserted", pattern)
+            for skill in method.skills:
+                self._known("skill", skill)
             if isinstance(method.body, nodes.Primitive):
                 self._known("primitive", method.body.request)
+            elif isinstance(method.body, nodes.Skills):
+                for skill in (*method.body.enable, *method.body.disable):
+                    self._known("skill", skill)
             elif isinstance(method.body, nodes.TaskNet):
                 self._steps(method.body.steps)
 

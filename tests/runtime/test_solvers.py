@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
+import msgspec
+import pytest
+
+import rapc
 from rapc.ir import nodes
 
 from .helpers import compiled, play, row
@@ -77,3 +82,32 @@ def test_a_solver_is_not_asked_while_a_method_holds_or_repeat_while_does_not() -
     two = "(define-rap (top) (repeat-while (p no)) (method (context nil) (task-net)))"
     ran = play(two, "(top)", solvers={"top": solver})
     assert ran.told("failed") == ["failed (top) no-method no-method"]
+
+
+WRONG = {
+    "(method (task-net (t1 (nowhere))))": "`nowhere`",
+    "(method (task-net (t1 (top 1 2))))": "`top` has 1 input, not 2",
+    "(method (primitive (fly ?x)))": "`fly`",
+    "(method (context (flown ?x)) (task-net))": "`flown`",
+    "(method (notations (flown ?x)) (task-net))": "`flown`",
+    "(method (primitive (enable (:hover))))": "`:hover`",
+}
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_solver_with_a_method_that_cannot_be_run_is_blamed(text: str) -> None:
+    def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
+        return rapc.methods(text)
+
+    said = rf"the solver of `top` .{Path(__file__).name}:\d+. returned a method that .*"
+    with pytest.raises(rapc.PortError, match=said + WRONG[text]):
+        play("(define-rap (top ?x))", "(top 1)", solvers={"top": solver})
+
+
+def test_solver_with_a_method_made_of_other_values_is_blamed() -> None:
+    def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
+        [made] = rapc.methods("(method (task-net))")
+        return [msgspec.structs.replace(made, notations=3)]
+
+    with pytest.raises(rapc.PortError, match=r"the solver of `top`.*cannot be run"):
+        play("(define-rap (top ?x))", "(top 1)", solvers={"top": solver})

@@ -6,18 +6,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+from msgspec.structs import replace
 
 from rapc.base.chance import below
 from rapc.base.code_places import place_of
+from rapc.base.later import later
 from rapc.base.resources import frozen
-from rapc.compiler.rap_plan import MethodPlan
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import PortError
 from rapc.ir import nodes
 from rapc.runtime.events.events import SolverCalled
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.hold_things import must_wait
+
+if TYPE_CHECKING:
+    from rapc.library import saved_check
+else:
+    saved_check = later("rapc.library.saved_check")
 
 _Any = TypeVar("_Any")
 
@@ -138,15 +146,31 @@ def _ask_solver(machine: Machine, task: Task) -> bool:
         if not any(
             _same(node, known.node) for known in machine.state.methods(task.plan)
         ):
-            index = len(machine.state.methods(task.plan))
-            compiler = machine.library.compiler
-            plan = MethodPlan(compiler, task.plan.node, node, index)
-            machine.state.added_methods.setdefault(task.plan.name, []).append(plan)
+            _add_method(machine, task.plan, node, solver)
     if machine.recorder.on:
         machine.recorder.emit(
             SolverCalled, task=task.number, goal=task.goal(), methods=len(returned)
         )
     return bool(returned)
+
+
+def _add_method(
+    machine: Machine, rap: RapPlan, node: nodes.Method, solver: object
+) -> None:
+    """Add a method that a solver has returned to a RAP, for the rest of the run.
+
+    Raises:
+        PortError: for a method with names that the library does not declare so.
+    """
+    library, index = machine.library, len(machine.state.methods(rap))
+    try:
+        saved_check.Verifier(library.signatures).rap(replace(rap.node, methods=(node,)))
+        plan = MethodPlan(library.compiler, rap.node, node, index)
+    except (saved_check.UnsoundError, AttributeError, TypeError) as error:
+        whose = f"the solver of `{rap.name}`{place_of(solver)}"
+        said = f"{whose} returned a method that cannot be run: {error}"
+        raise PortError(said) from error
+    machine.state.added_methods.setdefault(rap.name, []).append(plan)
 
 
 def _same(a: nodes.Method, b: nodes.Method) -> bool:
