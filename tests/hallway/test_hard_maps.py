@@ -82,6 +82,6 @@ def test_landmark_is_reached_whether_its_tags_are_far_apart_or_near(
     text = _text("behind").replace(
         'wall = "west"\nat = 4.28', f'wall = "east"\nat = 3.2\napart = {apart}'
     )
-    journey = travel(0, read_map(text), {"map": Text(text)})
+    journey = travel(4, read_map(text), {"map": Text(text)})
     assert (journey.goal, journey.arrived) == ("m", True), journey
     assert journey.away < 0.3
