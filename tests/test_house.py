@@ -67,17 +67,16 @@ def test_no_import_hides_in_a_function(modules: Sequence[Module]) -> None:
         if re.search(r"^ +(from|import)\b", module.text, re.M)
         for function in module.functions
         for node in _statements(function)
+        if isinstance(node, ast.Import | ast.ImportFrom)
         if _is_of_rapc(node) and not module.name.startswith(LATE)
     ]
     assert hidden == []
 
 
-def _is_of_rapc(node: ast.AST) -> bool:
+def _is_of_rapc(node: ast.Import | ast.ImportFrom) -> bool:
     if isinstance(node, ast.ImportFrom):
         return (node.module or "").startswith("rapc")
-    return isinstance(node, ast.Import) and any(
-        alias.name.startswith("rapc") for alias in node.names
-    )
+    return any(alias.name.startswith("rapc") for alias in node.names)
 
 
 def test_all_runs_begin_in_one_way(modules: Sequence[Module]) -> None:

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import msgspec
-
 from rapc.analysis.conjunction import Conjunction
-from rapc.analysis.literals import Literal, literals, names
+from rapc.analysis.literals import Literal, literals
 from rapc.ir import nodes
-from rapc.ir.walk import steps
+from rapc.ir.walk import steps, substitute, variable_names, variables
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 
@@ -40,7 +38,7 @@ def done(library: Library, goal: nodes.Goal) -> list[Literal]:
 
 def contradict(signatures: Signatures, one: Literal, other: Literal) -> bool:
     """Whether two literals never hold together, whatever their variables are."""
-    given = names(one.formula) | names(other.formula)
+    given = variable_names(one.formula, other.formula)
     both = Conjunction(signatures.relations, given)
     both.add(one)
     return both.add(other) is not None
@@ -77,17 +75,11 @@ def put_in(found: Sequence[Literal], given: Mapping[str, nodes.Term]) -> list[Li
     """Return facts with terms for their variables, without those that keep some."""
     made = []
     for one in found:
-        fact = one.formula
-        assert isinstance(fact, nodes.Proposition)
-        args = [
-            given.get(term.name) if isinstance(term, nodes.Var) else term
-            for term in fact.args
-        ]
-        plain = [arg for arg in args if isinstance(arg, nodes.Var | nodes.Const)]
-        if len(plain) == len(args):
-            made.append(
-                Literal(msgspec.structs.replace(fact, args=tuple(plain)), one.holds)
-            )
+        if all(variable.name in given for variable in variables(one.formula)):
+            fact = substitute(one.formula, given)
+            assert isinstance(fact, nodes.Proposition)
+            if all(isinstance(arg, nodes.Var | nodes.Const) for arg in fact.args):
+                made.append(Literal(fact, one.holds))
     return made
 
 

@@ -11,9 +11,10 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.following import Relations, follows, has_a_chance, may_be, unbound
-from rapc.analysis.literals import Literal, holds_between, literals, number_of, put
+from rapc.analysis.literals import Literal, holds_between, literals, number_of
 from rapc.base.values import Atom
 from rapc.ir import nodes
+from rapc.ir.walk import substitute
 from rapc.library.signature import Signature
 
 
@@ -111,7 +112,7 @@ class Conjunction:
         """A literal from which a formula that has no solution would follow."""
         own = unbound(literal, self.held, self._given)
         new = {name: nodes.Var(f"{name}@not") for name in own}
-        wanted = list(literals(put(literal.formula, new)))
+        wanted = list(literals(substitute(literal.formula, new)))
         denial = _Denial(literal, wanted, {one.name for one in new.values()})
         self._denials.append(denial)
         if not all(has_a_chance(goal, self.held) for goal in wanted):

@@ -12,11 +12,12 @@ along the calls, callees first, and again as long as circles of calls add to the
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.base.graph import reachable_bits
 from rapc.ir import nodes
 from rapc.ir.walk import steps
 from rapc.library.library import Library
@@ -56,8 +57,8 @@ class Effects:
         for rule in library.memory_rules:
             bits = self._of_rules(rule)
             self._own[rule.index.name] = self._own.get(rule.index.name, 0) | bits
-        self._sums = closure(self._own, self._calls)
-        self._unsure = closure(
+        self._sums = reachable_bits(self._own, self._calls)
+        self._unsure = reachable_bits(
             {name: int(name in self._open) for name in self._own}, self._calls
         )
         self._effects = tuple(self._numbers)
@@ -199,85 +200,9 @@ def _awaits(step: nodes.Step) -> bool:
     return any(isinstance(note, nodes.WaitFor) for note in step.annotations)
 
 
-def closure(
-    own: Mapping[str, int], calls: Mapping[str, Sequence[str]]
-) -> dict[str, int]:
-    """Return for each name the bits of all that can be reached from it."""
-    sums = dict(own)
-    order = list(callees_first(calls))
-    changed = True
-    while changed:
-        changed = False
-        for name in order:
-            bits = sums.get(name, 0)
-            for callee in calls[name]:
-                bits |= sums.get(callee, 0)
-            if bits != sums.get(name, 0):
-                sums[name] = bits
-                changed = True
-    return sums
-
-
 def calls_of(rap: nodes.DefineRap) -> tuple[str, ...]:
     """Return the RAPs that a RAP asks for, each once."""
     return tuple(dict.fromkeys(s.goal.name for m in rap.methods for s in steps(m)))
-
-
-def callees_first(calls: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Yield the names so that each follows those it calls, circles aside."""
-    seen: set[str] = set()
-    for start in calls:
-        if start in seen:
-            continue
-        seen.add(start)
-        stack = [(start, iter(calls[start]))]
-        while stack:
-            name, left = stack[-1]
-            for callee in left:
-                if callee in calls and callee not in seen:
-                    seen.add(callee)
-                    stack.append((callee, iter(calls[callee])))
-                    break
-            else:
-                yield name
-                stack.pop()
-
-
-def circles_first(calls: Mapping[str, Sequence[str]]) -> Iterator[Sequence[str]]:
-    """Yield the names in circles, each circle behind those that it calls.
-
-    A name in no circle is one by itself; a circle is in the order of `calls`.
-    """
-    order = {name: at for at, name in enumerate(calls)}
-    low: dict[str, int] = {}
-    found: dict[str, int] = {}
-    kept: list[str] = []
-    for start in calls:
-        stack = [(start, iter(calls[start]))] if start not in found else []
-        while stack:
-            name, left = stack[-1]
-            if name not in found:
-                found[name] = low[name] = len(found)
-                kept.append(name)
-            callee = next((one for one in left if one in calls), None)
-            if callee is not None:
-                if callee not in found:
-                    stack.append((callee, iter(calls[callee])))
-                elif callee in low:
-                    low[name] = min(low[name], low[callee])
-                continue
-            stack.pop()
-            own = low[name]
-            if own == found[name]:
-                circle = [kept.pop()]
-                while circle[-1] != name:
-                    circle.append(kept.pop())
-                for one in circle:
-                    del low[one]
-                yield sorted(circle, key=order.__getitem__)
-            elif stack:
-                above = stack[-1][0]
-                low[above] = min(low[above], own)
 
 
 def _run(run: Pass) -> Effects:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from rapc.analysis.effects import callees_first, calls_of
+from rapc.analysis.effects import calls_of
+from rapc.base.graph import components
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -33,7 +34,12 @@ def endless(raps: Mapping[str, nodes.DefineRap]) -> Mapping[str, Span]:
     if not found:
         return found
     calls = {rap.name: calls_of(rap) for rap in raps.values()}
-    order = [raps[name] for name in callees_first(calls) if name in raps]
+    order = [
+        raps[name]
+        for members in components(calls, lambda name: calls.get(name, ()))
+        for name in members
+        if name in raps
+    ]
     grown = True
     while grown:
         grown = False

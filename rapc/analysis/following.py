@@ -23,8 +23,9 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.literals import Literal, literals, names, put
+from rapc.analysis.literals import Literal, literals
 from rapc.ir import nodes
+from rapc.ir.walk import substitute, variable_names
 from rapc.library.signature import CONSTANT_DEFAULTS, Signature
 
 _TRIES = 300
@@ -148,7 +149,7 @@ class _Search:
         self, goal: Literal, other: Literal, aim: _Aim, choice: _Choice
     ) -> bool:
         """Whether a denial follows from another: what it denies leads to the other."""
-        denied = list(literals(put(goal.formula, choice)))
+        denied = list(literals(substitute(goal.formula, choice)))
         inner = _Search(self._relations, None, self._left)
         turned = _Aim(list(literals(other.formula)), denied, self._own(other, aim.held))
         found = inner.find(turned) is not None
@@ -241,12 +242,12 @@ def unbound(
         held: what is asked before it, up to the literal itself if it is among them.
         given: the variables that have values before all of that.
     """
-    own = {name for name in names(literal.formula) if name not in given}
+    own = {name for name in variable_names(literal.formula) if name not in given}
     for other in held if own else ():
         if other is literal:
             break
         if other.holds:
-            own -= names(other.formula)
+            own.difference_update(variable_names(other.formula))
     return own
 
 

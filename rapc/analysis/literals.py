@@ -7,14 +7,14 @@ cannot hold together is told by `rapc.analysis.conjunction`, which follow from o
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Container, Iterator
 
 import msgspec
 
 from rapc.base.source import Span
 from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.ir.fields import CHILDREN
+from rapc.ir.walk import substitute, variable_names
 
 
 class Literal(msgspec.Struct, frozen=True):
@@ -42,56 +42,10 @@ def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
             yield Literal(here, True)
 
 
-def names(formula: nodes.Formula) -> set[str]:
-    """Return the names of the variables of a formula, the bare `?` left out."""
-    found: set[str] = set()
-    stack: list[nodes.Node] = [formula]
-    while stack:
-        here = stack.pop()
-        for field in CHILDREN[type(here)]:
-            value = getattr(here, field)
-            for part in value if type(value) is tuple else (value,):
-                if type(part) is nodes.Var:
-                    found.add(part.name)
-                elif part is not None and type(part) is not nodes.Const:
-                    stack.append(part)
-    found.discard("?")
-    return found
-
-
 def apart(formula: nodes.Formula, kept: Container[str], mark: str) -> nodes.Formula:
     """Return a formula whose variables that are not kept have names of their own."""
-    found = names(formula)
-    new = {name: nodes.Var(f"{name}{mark}") for name in found if name not in kept}
-    return put(formula, new)
-
-
-def put(formula: nodes.Formula, terms: Mapping[str, nodes.Term]) -> nodes.Formula:
-    """Return a formula with terms for some of its variables."""
-    if not terms:
-        return formula
-    changed: dict[str, object] = {}
-    for field in formula.__struct_fields__:
-        value = getattr(formula, field)
-        if isinstance(value, nodes.Node):
-            changed[field] = _term_or_formula(value, terms)
-        elif type(value) is tuple and not field.endswith("span"):
-            changed[field] = tuple(
-                [
-                    _term_or_formula(v, terms) if isinstance(v, nodes.Node) else v
-                    for v in value
-                ]
-            )
-    return msgspec.structs.replace(formula, **changed) if changed else formula
-
-
-def _term_or_formula(node: nodes.Node, terms: Mapping[str, nodes.Term]) -> nodes.Node:
-    if isinstance(node, nodes.Var):
-        new = terms.get(node.name)
-        return node if new is None else msgspec.structs.replace(new, span=node.span)
-    if isinstance(node, nodes.Const):
-        return node
-    return put(node, terms)  # type: ignore[arg-type]  # no term: a formula
+    new = {n: nodes.Var(f"{n}{mark}") for n in variable_names(formula) if n not in kept}
+    return substitute(formula, new) if new else formula
 
 
 def number_of(term: nodes.Term | None) -> Number | None:

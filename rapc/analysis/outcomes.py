@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable
 
-from rapc.analysis.effects import closure, does_nothing
+from rapc.analysis.effects import does_nothing
+from rapc.base.graph import reachable_bits
 from rapc.ir import nodes
 from rapc.ir.walk import steps
 from rapc.library.library import Library
@@ -43,7 +44,7 @@ class Outcomes:
             )
             for rap in library.raps.values()
         }
-        self._sums = closure(own, calls)
+        self._sums = reachable_bits(own, calls)
 
     def fails_with(self, name: str, failure: str) -> bool:
         """Whether a task of the RAP `name` may fail with `failure`, a symbol."""

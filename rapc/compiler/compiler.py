@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from rapc.base.source import Span
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.recursion import Recursion
 from rapc.ir import nodes
-from rapc.ir.walk import subterms
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
-
-
-def variables_of(terms: Iterable[nodes.Term]) -> frozenset[str]:
-    """The variables in some terms."""
-    parts = (part for term in terms for part in subterms(term))
-    return frozenset(part.name for part in parts if isinstance(part, nodes.Var))
 
 
 class RequestPlan:

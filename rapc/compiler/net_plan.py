@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from rapc.compiler.compiler import Compiler, variables_of
+from rapc.compiler.compiler import Compiler
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
 from rapc.ir import nodes
+from rapc.ir.walk import variable_names
 
 
 class StepPlan:
@@ -97,7 +98,7 @@ class WindowPlan:
         self.reference = reference
         self.start = start
         self.stop = stop
-        self.uses = variables_of((start.term, stop.term))
+        self.uses = frozenset(variable_names(start.term, stop.term))
 
 
 class EffectPlan:
@@ -166,7 +167,7 @@ def steps_using(steps: Sequence[StepPlan]) -> Mapping[str, Sequence[int]]:
     """For each variable, the positions of the steps whose inputs or windows use it."""
     users: dict[str, list[int]] = {}
     for step in steps:
-        used = variables_of(step.node.goal.args)
+        used = frozenset(variable_names(*step.node.goal.args))
         for name in used.union(*(window.uses for window in step.windows)):
             users.setdefault(name, []).append(step.position)
     return users

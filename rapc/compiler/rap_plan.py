@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from rapc.base.source import Span
 from rapc.compiler.activation import ActivationPlan, activation_of
-from rapc.compiler.compiler import Compiler, RequestPlan, variables_of
+from rapc.compiler.compiler import Compiler, RequestPlan
 from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, steps_using
 from rapc.compiler.query.formulas import watches
 from rapc.compiler.query.named import parts_of
@@ -20,6 +20,7 @@ from rapc.compiler.rules import memory_rules
 from rapc.compiler.things import ThingPlan, things_of
 from rapc.compiler.watches import ANYTHING, Watch
 from rapc.ir import clauses, nodes
+from rapc.ir.walk import variable_names
 
 
 class MethodPlan:
@@ -281,4 +282,4 @@ def _used(node: nodes.DefineRap) -> frozenset[str]:
     used += [node.duration] if node.duration is not None else []
     if node.monitor_time is not None:
         used += [node.monitor_time.start, node.monitor_time.stop]
-    return variables_of(used)
+    return frozenset(variable_names(*used))

@@ -6,10 +6,12 @@ here: that depends on declarations and on the order of evaluation (`rapc.analysi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import TypeVar, cast
 
 import msgspec
 
+from rapc.base.source import NOWHERE
 from rapc.ir import clauses, nodes
 from rapc.ir.clauses import Clause
 from rapc.ir.fields import CHILDREN
@@ -81,10 +83,51 @@ def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
             stack.extend(reversed(here.args))
 
 
-def variables(formula: nodes.Formula) -> Iterator[nodes.Var]:
-    """The variables of a formula, those in computed terms among them."""
-    for term in terms(formula):
-        if type(term) is nodes.Var:
-            yield term
-        elif type(term) is nodes.Call:
-            yield from [one for one in subterms(term) if type(one) is nodes.Var]
+def variables(*roots: nodes.Node) -> Iterator[nodes.Var]:
+    """Yield the variables of some formulas or terms, in the order of the text.
+
+    Those of computed terms are among them, and each bare `?`.
+    """
+    stack: list[nodes.Node] = list(reversed(roots))
+    while stack:
+        here = stack.pop()
+        if type(here) is nodes.Var:
+            yield here
+            continue
+        for field in reversed(CHILDREN[type(here)]):
+            part = getattr(here, field)
+            if type(part) is tuple:
+                stack.extend(reversed(part))
+            elif part is not None:
+                stack.append(part)
+
+
+def variable_names(*roots: nodes.Node) -> tuple[str, ...]:
+    """Return the names of the variables of some formulas or terms, but for bare `?`."""
+    return tuple(dict.fromkeys(v.name for v in variables(*roots) if not v.anonymous))
+
+
+Substituted = TypeVar("Substituted", bound=nodes.Node)
+
+
+def substitute(node: Substituted, terms: Mapping[str, nodes.Term]) -> Substituted:
+    """Return a formula, pattern or term with terms in place of its variables.
+
+    Args:
+        node: what is changed; its parts without such variables are kept.
+        terms: the terms by the name of the variable that they replace; a term without
+            a span takes that of the variable.
+    """
+    if isinstance(node, nodes.Var):
+        new = terms.get(node.name, node)
+        if new.span is NOWHERE:
+            new = msgspec.structs.replace(new, span=node.span)
+        return cast(Substituted, new)
+    changed: dict[str, object] = {}
+    for field in CHILDREN[type(node)]:
+        part = getattr(node, field)
+        if type(part) is tuple:
+            changed[field] = tuple([substitute(one, terms) for one in part])
+        elif part is not None:
+            changed[field] = substitute(part, terms)
+    return msgspec.structs.replace(node, **changed) if changed else node

@@ -13,13 +13,13 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import Bound
 from rapc.analysis.binding_sites import MayBeBound, rules_over_memory
 from rapc.analysis.conjunction import Clash, Conjunction, may_clash
-from rapc.analysis.literals import Literal, literals, names
+from rapc.analysis.literals import Literal, literals
 from rapc.analysis.named_bindings import query_arguments
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import formulas
+from rapc.ir.walk import formulas, variable_names
 
 CONTRADICTION = Rule(
     code="RAP110",
@@ -150,7 +150,7 @@ def _contradictions(
 
 def _bound_by(given: Container[str], before: Iterable[Literal]) -> Container[str]:
     """The variables that may have values behind some literals."""
-    held = [names(one.formula) for one in before if one.holds]
+    held = [set(variable_names(one.formula)) for one in before if one.holds]
     return Bound(given, set().union(*held)) if held else given
 
 

@@ -12,16 +12,18 @@ from collections.abc import Container, Iterator, Sequence
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, asked_through, is_computed, is_known
 from rapc.analysis.certain import done_by_method
-from rapc.analysis.effects import EFFECTS, Effect, calls_of, circles_first
+from rapc.analysis.effects import EFFECTS, Effect, calls_of
 from rapc.analysis.endless import is_never
 from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals, names
+from rapc.analysis.literals import Literal, apart, literals
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.passes.settled import ANALYZER as SETTLED
 from rapc.analysis.passes.standing import ANALYZER as STANDING
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.graph import components
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.walk import variable_names
 from rapc.library.library import Library
 
 _WORLD = """\
@@ -173,11 +175,11 @@ def _causes(library: Library, hopeless: Container[str]) -> Iterator[str]:
     """
     calls = {rap.name: calls_of(rap) for rap in library.raps.values()}
     lost: set[str] = set()
-    for circle in circles_first(calls):
-        below = any(other in lost for name in circle for other in calls[name])
+    for circle in components(calls, lambda name: calls.get(name, ())):
+        below = any(other in lost for name in circle for other in calls.get(name, ()))
         own = [name for name in circle if name in hopeless]
         if own and not below:
-            yield own[0]
+            yield min(own, key=list(calls).index)
         if below or own:
             lost.update(circle)
 
@@ -222,7 +224,7 @@ def _brings_it_about(run: Pass, rap: nodes.DefineRap, monitor: nodes.Formula) ->
     """Whether the monitor surely holds when any method has ended well."""
     given = {variable.name for variable in rap.inputs}
     own = apart(monitor, given, "@monitor")
-    wanted, free = list(literals(own)), names(own) - given
+    wanted, free = list(literals(own)), set(variable_names(own)) - given
     relations = run.signatures.relations
     return all(
         follows(wanted, done_by_method(run.library, method), free, relations)

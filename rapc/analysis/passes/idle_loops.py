@@ -16,7 +16,7 @@ from rapc.analysis.certain import done_by_method
 from rapc.analysis.effects import EFFECTS, Effect
 from rapc.analysis.endless import is_never
 from rapc.analysis.following import follows
-from rapc.analysis.literals import apart, literals, names
+from rapc.analysis.literals import apart, literals
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -29,7 +29,7 @@ from rapc.base.diagnostics import (
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import formulas, steps, subformulas, variables
+from rapc.ir.walk import formulas, steps, subformulas, variable_names, variables
 
 _SWEEP = """\
 (declare-memory-proposition dirty (?room))
@@ -188,7 +188,7 @@ def _is_enough(run: Pass, rap: nodes.DefineRap, method: nodes.Method) -> bool:
     parts = rap.succeed.parts if isinstance(rap.succeed, nodes.Or) else (rap.succeed,)
     for part in parts:
         wanted = list(literals(apart(part, _given(rap), "@goal")))
-        free = {name for one in wanted for name in names(one.formula)} - _given(rap)
+        free = set(variable_names(*[one.formula for one in wanted])) - _given(rap)
         if follows(wanted, done, free, run.signatures.relations):
             return True
     return False

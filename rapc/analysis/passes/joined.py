@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
-from rapc.analysis.literals import Literal, literals, names
+from rapc.analysis.literals import Literal, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
+from rapc.ir.walk import variable_names
 
 JOINED = Rule(
     code="RAP107",
@@ -71,7 +72,7 @@ def _joined(
     for part in parts:
         value = _value(run, part)
         if value is None:
-            elsewhere |= names(part.formula)
+            elsewhere.update(variable_names(part.formula))
             continue
         fact = part.formula
         assert isinstance(fact, nodes.Proposition)

@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.effects import circles_first
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.graph import components
 from rapc.ir import nodes
 from rapc.ir.printer import format_goal
 from rapc.ir.walk import steps
@@ -88,9 +88,9 @@ def _circling(calls: _Calls) -> set[str]:
     }
     return {
         name
-        for circle in circles_first(names)
+        for circle in components(names, lambda name: names.get(name, ()))
         for name in circle
-        if len(circle) > 1 or name in names[name]
+        if len(circle) > 1 or name in names.get(name, ())
     }
 
 

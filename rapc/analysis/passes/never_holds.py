@@ -15,7 +15,7 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.conjunction import Clash
 from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals, names
+from rapc.analysis.literals import Literal, apart, literals
 from rapc.analysis.passes.contradictions import ANALYZER as CONTRADICTIONS
 from rapc.analysis.passes.contradictions import Reports, first_clash, said
 from rapc.analysis.passes.settled import ANALYZER as SETTLED
@@ -23,6 +23,7 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
 from rapc.ir.clauses import Clause
+from rapc.ir.walk import variable_names
 
 UNREACHABLE = Rule(
     code="RAP111",
@@ -100,7 +101,7 @@ class _Chosen(msgspec.Struct, frozen=True):
 
 def _goal(formula: nodes.Formula, given: Container[str]) -> _Goal:
     renamed = apart(formula, given, "@goal")
-    free = {name for name in names(renamed) if name not in given}
+    free = {name for name in variable_names(renamed) if name not in given}
     return _Goal(formula.span, tuple(literals(renamed)), free)
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.graph import components
 from rapc.ir import nodes, walk
 
 CIRCLE = Rule(
@@ -34,11 +35,9 @@ asks itself, be it through others, would stand for a formula without end.""",
 def _run(run: Pass) -> None:
     queries = run.library.queries
     asked = {name: _asked(query, queries) for name, query in queries.items()}
-    done: set[str] = set()
-    for name in queries:
-        circle = _circle(name, asked, done)
-        if circle:
-            run.report(_finding(queries, circle))
+    for members in components(queries, lambda name: asked[name]):
+        if len(members) > 1 or members[0] in asked[members[0]]:
+            run.report(_finding(queries, members))
 
 
 def _asked(
@@ -48,28 +47,6 @@ def _asked(
     parts = walk.subformulas(query.formula)
     names = (part.name for part in parts if isinstance(part, nodes.Proposition))
     return tuple(dict.fromkeys(name for name in names if name in queries))
-
-
-def _circle(
-    start: str, asked: Mapping[str, Sequence[str]], done: set[str]
-) -> Sequence[str]:
-    """Return a circle that can be reached from a query; nothing if there is none.
-
-    All that has been reached is `done` afterwards.
-    """
-    path: dict[str, Iterator[str]] = {}
-    following: str | None = start if start not in done else None
-    while following is not None or path:
-        if following is None:
-            path.popitem()
-        elif following in path:
-            names = list(path)
-            return names[names.index(following) :]
-        elif following not in done:
-            done.add(following)
-            path[following] = iter(asked[following])
-        following = next(path[next(reversed(path))], None) if path else None
-    return ()
 
 
 def _finding(

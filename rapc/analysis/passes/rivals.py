@@ -9,12 +9,12 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_through, through
 from rapc.analysis.certain import done_by_method
 from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals, names, put
+from rapc.analysis.literals import Literal, apart, literals
 from rapc.analysis.passes.crossed_claims import things
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import steps
+from rapc.ir.walk import steps, substitute, variable_names
 from rapc.library.library import Library
 
 _CART = """\
@@ -154,7 +154,7 @@ def _monitor(library: Library, goal: nodes.Goal) -> nodes.Formula:
     """The monitor of the RAP of a goal, with the arguments of the goal in it."""
     monitor = library.raps[goal.name].monitor_state
     assert monitor is not None
-    return put(monitor, _inputs(library, goal))
+    return substitute(monitor, _inputs(library, goal))
 
 
 def _shared_facts(
@@ -212,13 +212,14 @@ def _wakes(run: Pass, one: nodes.Goal, other: nodes.Goal) -> bool:
     wanted = list(literals(monitor))
     given = _inputs(library, one)
     done = [
-        [Literal(put(fact.formula, given), fact.holds) for fact in facts]
+        [Literal(substitute(fact.formula, given), fact.holds) for fact in facts]
         for method in library.raps[one.name].methods
         for facts in [_plain(done_by_method(library, method))]
     ]
     relations = run.signatures.relations
     return bool(done) and all(
-        follows(wanted, there, names(monitor), relations) for there in done
+        follows(wanted, there, set(variable_names(monitor)), relations)
+        for there in done
     )
 
 

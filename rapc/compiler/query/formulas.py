@@ -23,6 +23,7 @@ from rapc.compiler.query.term_code import argument_code, attempt, known_value, m
 from rapc.compiler.watches import Watch, of_age, of_call, of_proposition, of_resources
 from rapc.ir import nodes
 from rapc.ir.fields import CHILDREN
+from rapc.ir.walk import variable_names
 from rapc.library.signatures import Signatures
 
 
@@ -64,31 +65,12 @@ def write(fn: FunctionWriter, formula: nodes.Formula) -> None:
     if type(formula) in _CONNECTIVES:
         _KINDS[type(formula)].write(fn, formula)
         return
-    names = variables_in_order(formula)
+    names = variable_names(formula)
     if fn.maybe.isdisjoint(names):
         _KINDS[type(formula)].write(fn, formula)
     else:
         _in_either_case(fn, formula)
     fn.given.update(names)
-
-
-def variables_in_order(formula: nodes.Formula) -> tuple[str, ...]:
-    """The named variables a formula could bind or uses, in the order of the text."""
-    found: dict[str, None] = {}
-    _gather(formula, found)
-    return tuple(found)
-
-
-def _gather(node: nodes.Node, found: dict[str, None]) -> None:
-    """Add the named variables in a node."""
-    if type(node) is nodes.Var:
-        if node.name != "?":
-            found[node.name] = None
-        return
-    for field in CHILDREN[type(node)]:
-        part = getattr(node, field)
-        for child in part if type(part) is tuple else (part,):
-            _gather(child, found)
 
 
 # --- connectives ---------------------------------------------------------------
@@ -132,7 +114,7 @@ def _through(
     fn: FunctionWriter, prefix: str, branches: Sequence[nodes.Formula]
 ) -> None:
     """Write branches as one generator and loop over what it yields."""
-    needed = [name for branch in branches for name in variables_in_order(branch)]
+    needed = [name for branch in branches for name in variable_names(branch)]
     inner = fn.child(prefix, needed, ResultMode.EACH)
     writers = [inner.child(prefix, inner.parameters, ResultMode.EACH) for _ in branches]
     fn.code.depth += len(branches) > 1
@@ -152,7 +134,7 @@ def _in_either_case(fn: FunctionWriter, formula: nodes.Formula) -> None:
 
     Writing it here for each case would take two to the number of such variables.
     """
-    names = variables_in_order(formula)
+    names = variable_names(formula)
     fn.code.note(formula, AccessPath.LATER)
     known = fn.bound | fn.maybe
     values = [fn.local(name) if name in known else "UNBOUND" for name in names]
@@ -236,7 +218,7 @@ def _export(writer: FunctionWriter, exports: Sequence[str]) -> None:
 
 def _not(fn: FunctionWriter, formula: nodes.Not) -> None:
     fn.code.note(formula, AccessPath.NEITHER)
-    inner = fn.child("no", variables_in_order(formula.part), ResultMode.ANY)
+    inner = fn.child("no", variable_names(formula.part), ResultMode.ANY)
     fn.code.depth += 1
     solve(inner, formula.part, lambda _: "True")
     fn.code.depth -= 1

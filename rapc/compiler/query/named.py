@@ -12,8 +12,7 @@ Not here: what is wrong with a query (the checker says), and which queries there
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator
 
 import msgspec
 
@@ -21,8 +20,7 @@ from rapc.compiler.query.code import ResultMode
 from rapc.compiler.query.function import FREE_SEARCHES, MAX_LOOPS, FunctionWriter
 from rapc.compiler.query.plan_steps import AccessPath
 from rapc.ir import nodes
-from rapc.ir.fields import CHILDREN
-from rapc.ir.walk import subformulas, subterms, terms
+from rapc.ir.walk import subformulas, substitute, variable_names
 from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 
@@ -125,10 +123,9 @@ def _call(
             known = parameter if arg.anonymous else inner.setdefault(arg.name, own)
             args.append(nodes.Var(known))
         else:
-            for part in subterms(arg):
-                if isinstance(part, nodes.Var) and not part.anonymous:
-                    inner.setdefault(part.name, _shown(part.name, len(inner)))
-            args.append(_renamed(arg, {v: nodes.Var(n) for v, n in inner.items()}))
+            for name in variable_names(arg):
+                inner.setdefault(name, _shown(name, len(inner)))
+            args.append(substitute(arg, {v: nodes.Var(n) for v, n in inner.items()}))
     valued = fn.bound | fn.maybe
     handed.update((inner[n], fn.local(n)) for n in inner if n in valued)
     outer = {name: variable for variable, name in inner.items()}
@@ -210,26 +207,9 @@ def _put_in(use: nodes.Proposition, query: Signature, mark: str) -> nodes.Formul
     for parameter, arg in zip(_parameters(query), use.args, strict=True):
         anonymous = isinstance(arg, nodes.Var) and arg.anonymous
         put[parameter] = nodes.Var(f"{parameter} {mark}") if anonymous else arg
-    for term in terms(query.formula):
-        for part in subterms(term):
-            if isinstance(part, nodes.Var) and not part.anonymous:
-                put.setdefault(part.name, nodes.Var(f"{part.name} {mark}"))
-    formula: nodes.Formula = _renamed(query.formula, put)
-    return formula
-
-
-def _renamed(node: Any, put: Mapping[str, nodes.Term]) -> Any:
-    """Return a formula or term with terms in place of its variables."""
-    if type(node) is nodes.Var:
-        return put.get(node.name, node)
-    changed: dict[str, object] = {}
-    for field in CHILDREN[type(node)]:
-        part = getattr(node, field)
-        if type(part) is tuple:
-            changed[field] = tuple([_renamed(one, put) for one in part])
-        elif part is not None:
-            changed[field] = _renamed(part, put)
-    return msgspec.structs.replace(node, **changed) if changed else node
+    for name in variable_names(query.formula):
+        put.setdefault(name, nodes.Var(f"{name} {mark}"))
+    return substitute(query.formula, put)
 
 
 def _fits(fn: FunctionWriter, query: Signature) -> bool:

@@ -92,6 +92,7 @@ from rapc.compiler.query.function import FunctionWriter
 from rapc.compiler.query.plan_steps import PlanStep
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.walk import variable_names
 from rapc.library.signatures import Signatures
 
 
@@ -143,7 +144,7 @@ class Query:
     ) -> None:
         self.formula = formula
         self.where = where
-        self.variables = formulas.variables_in_order(formula)
+        self.variables = variable_names(formula)
         self._signatures = signatures
         self._is_whole = is_whole
         self._elsewhere: dict[str, Query] = {}
@@ -202,7 +203,7 @@ class Query:
     @staticmethod
     def names(formula: nodes.Formula) -> tuple[str, ...]:
         """Return the named variables of a formula, in the order of the text."""
-        return formulas.variables_in_order(formula)
+        return variable_names(formula)
 
     def variant(
         self, inputs: tuple[str, ...], mode: ResultMode, by_place: bool = False
