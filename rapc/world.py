@@ -93,7 +93,7 @@ class Option(msgspec.Struct, frozen=True):
     name: str
     #: One of `number`, `integer`, `flag`, `symbol`, `text`.
     kind: str
-    #: The value if nobody sets another; of kind `text` a `rapc.world.Text`.
+    #: The value if nobody sets another; of kind `text` a `str` or a `rapc.world.Text`.
     default: Atom | bool
     unit: str
     doc: str
@@ -143,7 +143,8 @@ class World(ABC):
     """A world as the interpreter sees it. One instance serves one run.
 
     A world that is opened by name is made with its own random stream, which comes from
-    the seed of the run, and with a value for each option: `(rng, options)`. It raises
+    the seed of the run, and with a value for each option: `(rng, options)`. The value
+    of an option of kind `symbol` or `text` is a `str`. It raises
     ValueError for values that make no sense together.
     """
 

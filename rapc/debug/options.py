@@ -12,7 +12,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rapc.base.names import hint
-from rapc.base.values import Atom, typed
+from rapc.base.values import Atom, Text, typed
 from rapc.debug.acts import Act, Setup
 from rapc.errors import ArgumentError, PortError
 from rapc.runtime.authors import laid_at
@@ -80,7 +80,8 @@ class AdjustWorld(Act, frozen=True):
             )
         try:
             with laid_at(world, "adjust"):
-                world.adjust(self.name, self.value)
+                text = isinstance(self.value, Text)
+                world.adjust(self.name, typed(self.value) if text else self.value)
         except PortError as error:
             if not isinstance(said := error.__cause__, ValueError):
                 raise

@@ -55,7 +55,7 @@ def finish(machine: Machine, ticket: int, reply: Reply) -> None:
     Raises:
         PortError: for a ticket that is not under way, or a datum nobody handles.
     """
-    if ticket not in machine.state.pending:
+    if type(ticket) is not int or ticket not in machine.state.pending:
         said = f"ended a request that is not under way: {ticket!r}"
         raise breach(machine.world, "messages", said)
     machine.port.check_end(machine.state.pending[ticket][1], reply)

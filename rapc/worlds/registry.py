@@ -249,13 +249,19 @@ def build_world(
 ) -> World:
     """A world for one run, with the random stream `world` of a seed.
 
+    It gets the value of an option of kind `text` as a `str`.
+
     Raises:
         WorldError: for option values that the world refuses, and if it breaks.
     """
     make: Callable[..., World] = world
     values = {option.name: option.default for option in world.kit.options}
+    given = {
+        name: value.value if isinstance(value, Text) else value
+        for name, value in (values | dict(options)).items()
+    }
     try:
-        return make(random.Random(f"{seed}:world"), {**values, **options})
+        return make(random.Random(f"{seed}:world"), given)
     except ValueError as error:
         said = said_by(error).removeprefix("ValueError: ")
         raise WorldError(f"the world `{world.name}` refuses: {said}") from error

@@ -240,6 +240,7 @@ ARITIES = {
 
 NONE: Any = None
 NAME: Any = "a"
+TICKETS: Any = [1]
 NO_DATA: Any = ("spotted",)
 
 TYPES: dict[str, tuple[type[World], str]] = {
@@ -284,6 +285,10 @@ TYPES: dict[str, tuple[type[World], str]] = {
         "the reply",
     ),
     "an odd symbol in a fact": (with_(facts=answers([("seen", "A b")])), "first fact"),
+    "a ticket that is a list": (
+        sends(Finished(TICKETS, Reply("okay"))),
+        r"not under way: \[1\]",
+    ),
     "a time that is none": (
         with_(now=answers("noon")),
         r"the time .*, not a number from 0 to 10\^15;",

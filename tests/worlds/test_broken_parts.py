@@ -12,7 +12,7 @@ from rapc.debug.options import AdjustWorld, changeable_options
 from rapc.debug.session import Session
 from rapc.experiments.measures import figures_of
 from rapc.runtime.authors import picture_of
-from rapc.world import Option, Picture
+from rapc.world import Option, Picture, Text
 from rapc.worlds.faults import FaultyWorld
 from tests.worlds.broken_worlds import (
     HERE,
@@ -98,6 +98,13 @@ def test_world_that_breaks_as_an_option_is_changed_is_blamed() -> None:
     going = rapc.loads(LIBRARY).start(world)
     with pytest.raises(rapc.PortError, match=f"the world `bad` failed.*{HERE}:"):
         AdjustWorld("bad", "size", 2).do(going)
+
+
+def test_adjusted_option_of_kind_text_is_a_str() -> None:
+    told: list[Any] = []
+    world = type("Kept", (Adjusted,), {"adjust": lambda *given: told.append(given[2])})
+    AdjustWorld("bad", "size", Text("a b")).do(rapc.loads(LIBRARY).start(world))
+    assert told == ["a b"]
 
 
 @pytest.mark.parametrize("code", [boom, answers(3), answers({3: object()})])

@@ -161,6 +161,14 @@ def test_a_world_is_built_from_a_seed_of_its_own_stream() -> None:
     assert one.save() != other.save()
 
 
+def test_world_gets_an_option_of_kind_text_as_str() -> None:
+    for options in ({}, {"note": Text("a b")}, {"note": "a b"}):
+        world = registry.build_world(Toy, 0, options)
+        assert isinstance(world, Toy)
+        assert world.given["note"] == ((options and "a b") or "")
+        assert type(world.given["note"]) is str
+
+
 def test_values_a_world_refuses_are_the_users_fault() -> None:
     with pytest.raises(WorldError, match="the world `truck` refuses: `fuel` is more"):
         registry.build_world(TruckWorld, 0, {"fuel": 99})

@@ -40,7 +40,7 @@ _TYPES: Mapping[str, tuple[type, ...]] = {
     "integer": (int,),
     "number": (int, float),
     "symbol": (str,),
-    "text": (Text,),
+    "text": (Text, str),
 }
 """The types of the values of options, by kind."""
 

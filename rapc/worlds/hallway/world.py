@@ -8,7 +8,7 @@ from random import Random
 
 import msgspec
 
-from rapc.base.values import Atom, Fact, Number, Text, number
+from rapc.base.values import Atom, Fact, Number, Text, number, typed
 from rapc.world import Callables, Kit, Option, Picture
 from rapc.worlds.hallway import facts, planner
 from rapc.worlds.hallway.geometry import (
@@ -159,14 +159,14 @@ def _read_map(given: Mapping[str, Atom | bool]) -> Map:
         map = random_map(seed)
     else:
         try:
-            map = _map_of(text.value if isinstance(text, Text) else str(text))
+            map = _map_of(typed(text))
         except MapError as error:
             raise ValueError(f"`map`: {error}") from error
-    if not isinstance(start, Text) or not start.value:
+    if not (landmark := typed(start)):
         return map
-    if start.value not in [mark.name for mark in map.landmark]:
-        raise ValueError(f"`start`: no landmark on a wall: `{start.value}`")
-    return msgspec.structs.replace(map, start=start.value)
+    if landmark not in [mark.name for mark in map.landmark]:
+        raise ValueError(f"`start`: no landmark on a wall: `{landmark}`")
+    return msgspec.structs.replace(map, start=landmark)
 
 
 def _map_of(text: str) -> Map:
