@@ -11,10 +11,11 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 
 import msgspec
 
+from rapc.analysis.named_bindings import query_arguments
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
 from rapc.ir.operands import operands
-from rapc.ir.walk import FormulaAt
+from rapc.ir.walk import FormulaAt, formulas
 
 
 class Site(msgspec.Struct, frozen=True):
@@ -168,6 +169,23 @@ _KEPT_BACK = {
     clause.word for clause in (*clauses.RAP, *clauses.METHOD) if not clause.hands_on
 }
 """The clauses whose bindings stay theirs."""
+
+
+def whole_formulas(
+    form: nodes.TopForm, functions: Container[str]
+) -> Iterator[tuple[nodes.Formula, Container[str]]]:
+    """Yield the formulas of a form, with the variables that may have values before."""
+    if isinstance(form, nodes.DefineRap):
+        bound = MayBeBound(form, functions)
+        for one in formulas(form):
+            yield one.formula, bound.at(one)
+    elif isinstance(form, nodes.DefineQuery):
+        yield form.formula, set(query_arguments(form))
+    elif isinstance(form, nodes.MemoryRule | nodes.EventRule):
+        for rules, given in rules_over_memory(form):
+            for rule in rules:
+                for alternative in rule.alternatives:
+                    yield alternative.query, given
 
 
 def rules_over_memory(

@@ -11,15 +11,14 @@ from typing import NamedTuple
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import Bound
-from rapc.analysis.binding_sites import MayBeBound, rules_over_memory
+from rapc.analysis.binding_sites import whole_formulas
 from rapc.analysis.conjunction import Clash, Conjunction, may_clash
 from rapc.analysis.literals import Literal, literals
-from rapc.analysis.named_bindings import query_arguments
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import formulas, variable_names
+from rapc.ir.walk import variable_names
 
 CONTRADICTION = Rule(
     code="RAP110",
@@ -72,21 +71,13 @@ class Reports:
 
 
 def _run(run: Pass) -> set[int]:
-    """Report, and return the ids of the formulas of RAPs that never hold."""
+    """Report, and return the ids of the formulas that never hold."""
     never: set[int] = set()
     for form in run.library.forms:
         reports = Reports(run)
-        if isinstance(form, nodes.DefineRap):
-            bound = MayBeBound(form, run.library.functions)
-            for one in formulas(form):
-                if _contradictions(reports, one.formula, bound.at(one)):
-                    never.add(id(one.formula))
-        elif isinstance(form, nodes.DefineQuery):
-            _contradictions(reports, form.formula, set(query_arguments(form)))
-        elif isinstance(form, nodes.MemoryRule | nodes.EventRule):
-            for rules, given in rules_over_memory(form):
-                for alternative in (one for rule in rules for one in rule.alternatives):
-                    _contradictions(reports, alternative.query, given)
+        for formula, given in whole_formulas(form, run.library.functions):
+            if _contradictions(reports, formula, given):
+                never.add(id(formula))
     return never
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Container, Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX
+from rapc.analysis.binding_sites import whole_formulas
 from rapc.analysis.literals import Literal, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
-from rapc.ir.walk import variable_names
+from rapc.ir.walk import variable_names, variables
 
 JOINED = Rule(
     code="RAP107",
@@ -43,31 +44,51 @@ known of one of the two the test is not needed; the rule is opt-in for that reas
 
 
 def _run(run: Pass) -> None:
-    for one in run.result(INDEX).of(nodes.And):
-        given: set[str] = set()
-        if isinstance(one.owner, nodes.DefineRap):
-            given = {variable.name for variable in one.owner.inputs}
-        elif isinstance(one.owner, nodes.DefineQuery):
-            given = {arg.variable.name for arg in one.owner.args}
-        for found in _joined(run, list(literals(one.node)), given):
-            run.report(found)
+    for form in run.library.forms:
+        for formula, given in whole_formulas(form, run.library.functions):
+            often = Counter(variable.name for variable in variables(formula))
+            for parts in _conjunctions(formula):
+                own = variables(*[part.formula for part in parts])
+                here = Counter(variable.name for variable in own)
+                beside = {name for name in here if often[name] > here[name]}
+                for found in _joined(run, parts, given, beside):
+                    run.report(found)
 
 
 ANALYZER = Analyzer(
     name="joined",
     doc="Finds properties that share a value that may be unknown.",
     run=_run,
-    needs=(INDEX,),
     rules=(JOINED,),
 )
 
 
+def _conjunctions(formula: nodes.Formula) -> Iterator[Sequence[Literal]]:
+    """Yield the conjunctions in a formula, each as its literals."""
+    waiting = [formula]
+    while waiting:
+        parts = list(literals(waiting.pop()))
+        if len(parts) > 1:
+            yield parts
+        for part in parts:
+            if isinstance(part.formula, nodes.Or):
+                waiting += part.formula.parts
+            elif isinstance(part.formula, nodes.And | nodes.Not):
+                waiting.append(part.formula)
+
+
 def _joined(
-    run: Pass, parts: Sequence[Literal], given: set[str]
+    run: Pass, parts: Sequence[Literal], given: Container[str], elsewhere: set[str]
 ) -> Iterator[Diagnostic]:
-    """Yield the second of two properties with one value, if nothing else asks of it."""
+    """Yield the second of two properties with one value, if nothing else asks of it.
+
+    Args:
+        run: the run of the pass.
+        parts: a conjunction.
+        given: the variables that may have values before it is asked.
+        elsewhere: the variables that something else in the formula asks for.
+    """
     first: dict[str, nodes.Proposition] = {}
-    elsewhere = set(given)
     pairs: list[tuple[nodes.Proposition, nodes.Proposition, str]] = []
     for part in parts:
         value = _value(run, part)
@@ -81,7 +102,7 @@ def _joined(
         if other is not fact:
             pairs.append((other, fact, value))
     for other, fact, value in pairs:
-        if value not in elsewhere:
+        if value not in elsewhere and value not in given:
             yield Diagnostic(
                 rule=JOINED.name,
                 message=f"`{value}` may be `unknown` here, and equal for that alone",

@@ -15,6 +15,7 @@ from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.operands import operands
+from rapc.ir.walk import variable_names
 from rapc.library.signature import CONSTANT_DEFAULTS, Signature
 from rapc.library.signatures import Signatures
 
@@ -301,7 +302,9 @@ class Always:
 
     def _one(self, formula: nodes.Formula, bound: set[str]) -> bool:
         if isinstance(formula, nodes.Or):
-            return any(self.holds(part, bound) for part in formula.parts)
+            holds = any(self.holds(part, bound) for part in formula.parts)
+            bound.update(variable_names(formula))
+            return holds
         if not isinstance(formula, nodes.Proposition):
             return False
         declared = self._relations.get(formula.name)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Iterator
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.index import INDEX
-from rapc.analysis.literals import holds_between, number_of
+from rapc.analysis.index import INDEX, Index
+from rapc.analysis.literals import holds_between, literals, number_of
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import Number
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.walk import subformulas
 
 SETTLED_COMPARISON = Rule(
     code="RAP108",
@@ -40,15 +41,11 @@ depends on it.""",
 
 def _run(run: Pass) -> None:
     index = run.result(INDEX)
-    ages = {
-        (id(belief.owner), belief.node.age.name)
-        for belief in index.of(nodes.Believe)
-        if isinstance(belief.node.age, nodes.Var)
-    }
+    of_ages = {id(test): holds for test, holds in _tests_of_ages(index)}
     for use in index.of(nodes.Compare):
         holds = _answer(use.node)
-        if holds is None and ages and _is_age_and_word(use.node, id(use.owner), ages):
-            holds = {"n=": True, "=": False}.get(use.node.op)
+        if holds is None:
+            holds = of_ages.get(id(use.node))
         if holds is not None:
             run.report(
                 Diagnostic(
@@ -84,13 +81,34 @@ def _answer(test: nodes.Compare) -> bool | None:
     return holds_between(test.op, first, second)
 
 
-def _is_age_and_word(
-    test: nodes.Compare, form: int, ages: Container[tuple[int, str]]
-) -> bool:
+def _tests_of_ages(index: Index) -> Iterator[tuple[nodes.Compare, bool]]:
+    """Yield comparisons of an age, behind its `believe`, with a constant that is none.
+
+    Yields:
+        the comparison, and whether it holds.
+    """
+    if not index.of(nodes.Believe):
+        return
+    for use in index.of(nodes.And):
+        ages: set[str] = set()
+        for literal in literals(use.node):
+            belief = literal.formula
+            if isinstance(belief, nodes.Believe):
+                if literal.holds and isinstance(belief.age, nodes.Var):
+                    ages.add(belief.age.name)
+                continue
+            for test in subformulas(belief) if ages else ():
+                if isinstance(test, nodes.Compare) and _is_age_and_word(test, ages):
+                    holds = {"n=": True, "=": False}.get(test.op)
+                    if holds is not None:
+                        yield test, holds
+
+
+def _is_age_and_word(test: nodes.Compare, ages: Container[str]) -> bool:
     """Whether an age, which is a number, is compared with a constant that is none."""
     return any(
         isinstance(one, nodes.Var)
-        and (form, one.name) in ages
+        and one.name in ages
         and isinstance(other, nodes.Const)
         and number_of(other) is None
         for one, other in ((test.left, test.right), (test.right, test.left))

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import is_computed
+from rapc.analysis.binding_sites import MayBeBound
 from rapc.analysis.certain import contradict, done, fact_name
 from rapc.analysis.effects import EFFECTS, Effect, Effects
 from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.hopeless import can_come
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal
-from rapc.ir.walk import formulas
+from rapc.ir.walk import FormulaAt, formulas, steps, variable_names
 
 _WORLD = """\
 (declare-memory-proposition bay-open ())
@@ -64,7 +65,7 @@ def _run(run: Pass) -> None:
                 continue
             if net.broken or net.order is None or not _protects(method.body):
                 continue
-            for found in _of_net(run, rap, method.body.steps, net, known):
+            for found in _of_net(run, rap, method, net, known):
                 run.report(found)
 
 
@@ -122,14 +123,14 @@ def _by_name(effects: Effects, name: str) -> _ByName | None:
     return found
 
 
-def _of_net(
-    run: Pass,
-    rap: nodes.DefineRap,
-    steps: Sequence[nodes.Step],
-    net: Net,
-    known: dict[str, _ByName | None],
-) -> Iterator[Diagnostic]:
-    """Yield what steps protect that no step up to there can bring about."""
+_Changers = Mapping[str, Sequence[tuple[int, Sequence[Effect]]]]
+"""By the names of facts: the steps that may change them, each with its effects."""
+
+
+def _changers(
+    run: Pass, steps: Sequence[nodes.Step], known: dict[str, _ByName | None]
+) -> _Changers | None:
+    """Return which steps may change which facts; None if not all of that is known."""
     changers: dict[str, list[tuple[int, Sequence[Effect]]]] = {}
     for at, step in enumerate(steps):
         name = step.goal.name
@@ -137,30 +138,74 @@ def _of_net(
             known[name] = _by_name(run.result(EFFECTS), name)
         done = known[name]
         if done is None:
-            return
+            return None
         for fact, effects in done.items():
             changers.setdefault(fact, []).append((at, effects))
+    return changers
+
+
+def _of_net(
+    run: Pass,
+    rap: nodes.DefineRap,
+    method: nodes.Method,
+    net: Net,
+    known: dict[str, _ByName | None],
+) -> Iterator[Diagnostic]:
+    """Yield what steps protect that no step before the other one can bring about."""
+    every = steps(method)
+    changers = _changers(run, every, known)
+    if changers is None:
+        return
     asked = _asked(rap)
-    for at, step in enumerate(steps):
+    bound = MayBeBound(rap, run.library.functions)
+    places = {step.tag: at for at, step in enumerate(every)}
+    for at, step in enumerate(every):
         for note in step.annotations:
-            if not isinstance(note, nodes.For):
+            if not isinstance(note, nodes.For) or note.formula is None:
                 continue
+            given = bound.at(FormulaAt(note.formula, clauses.FOR, method, step))
+            until = places[note.tag]
             for one in literals(note.formula):
                 fact = fact_name(one)
-                if fact and not one.holds and _undoes(run, step, one):
-                    yield _finding(one, step)
-                if not fact or fact in asked or not one.holds:
-                    continue
-                if is_computed(run.library, fact):
-                    continue
                 there = changers.get(fact, [])
-                if len(there) > _MOST or _comes(run, one, there, net, at):
+                if not fact or len(there) > _MOST:
                     continue
-                yield _finding(one, step)
+                if not one.holds:
+                    others = [change for change in there if change[0] != at]
+                    if _undoes(run, step, one) and not _comes(
+                        run, one, others, net, until
+                    ):
+                        yield _finding(one, step)
+                elif not (
+                    fact in asked
+                    or is_computed(run.library, fact)
+                    or _is_looked_up(one, given)
+                    or _may_be_default(run, one)
+                    or _comes(run, one, there, net, until)
+                ):
+                    yield _finding(one, step)
 
 
 _MOST = 20
 """Where more steps than this change a fact, one of them may well bring it about."""
+
+
+def _is_looked_up(one: Literal, given: Container[str]) -> bool:
+    """Whether a fact is asked for the sake of a variable that has no value yet."""
+    return any(name not in given for name in variable_names(one.formula))
+
+
+def _may_be_default(run: Pass, one: Literal) -> bool:
+    """Whether a property may hold where nothing was ever said of it."""
+    assert isinstance(one.formula, nodes.Proposition)
+    declared = run.signatures.relations.get(one.formula.name)
+    if declared is None or not declared.is_property:
+        return False
+    value = declared.full(one.formula.args)[-1:]
+    return declared.default_function is not None or any(
+        isinstance(term, nodes.Const) and term.value == declared.default
+        for term in value
+    )
 
 
 def _undoes(run: Pass, step: nodes.Step, denied: Literal) -> bool:
@@ -177,14 +222,15 @@ def _comes(
     one: Literal,
     there: Sequence[tuple[int, Sequence[Effect]]],
     net: Net,
-    at: int,
+    until: int,
 ) -> bool:
-    """Whether a step that is not behind another may make a literal hold."""
+    """Whether a step that may run before another may make a literal hold."""
     if not there:
         return can_come(run.library, one, ())
     return any(
         can_come(run.library, one, effects)
-        and (other == at or not net.is_before(at, other))
+        and other != until
+        and not net.is_before(until, other)
         for other, effects in there
     )
 
