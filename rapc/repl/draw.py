@@ -1,6 +1,7 @@
 """Answers drawn as lines of a given width, coloured or not.
 
-Tables are drawn by rich, so that what is too wide is wrapped inside its column.
+A cell that is too wide is wrapped between words inside its column. Where the words of
+the columns do not fit beside each other, each row is a record of several lines.
 """
 
 from __future__ import annotations
@@ -25,11 +26,14 @@ _NUMBERS = (int, float)
 _BEFORE = re.compile(r" *(?:[0-9.]+ +)?(?:(?:-->|\.\.\.) )?")
 """What stands before the words of a line: blanks, the time and the mark of a trace."""
 
-_LEAST = 10
-"""How many columns of the terminal a column of a table needs to be read."""
+_LONGEST = 40
+"""Longer words, paths mostly, are broken rather than that a table becomes records."""
 
-_GAP = 3
-"""How many of them lie between two."""
+_GAPS = (3, 2)
+"""How many columns of the terminal lie between two of a table; fewer if need be."""
+
+_HANG = 2
+"""How much deeper the further lines of a first cell begin than its first."""
 
 
 def draw(answer: ShownAnswer, width: int, *, color: bool) -> str:
@@ -62,10 +66,16 @@ def draw(answer: ShownAnswer, width: int, *, color: bool) -> str:
     return "".join(_without_trailing_space(stream.getvalue(), color))
 
 
-def _line(console: Console, line: str, style: str) -> None:
+def _line(console: Console, line: str, style: str, *, deeper: int = 0) -> None:
     """Print a line; what does not fit goes on below, set in as far as it began.
 
     What a trace tells begins behind its time and its mark.
+
+    Args:
+        console: where it is printed.
+        line: the line.
+        style: its style.
+        deeper: how many columns further below are set in besides.
     """
     text = visible_lines(line)
     if len(text) <= console.width:
@@ -73,10 +83,17 @@ def _line(console: Console, line: str, style: str) -> None:
         return
     begun = _BEFORE.match(text)
     indent = min(begun.end() if begun else 0, console.width // 2)
-    lead = text[:indent]
-    for part in Text(text[indent:]).wrap(console, console.width - indent):
-        console.print(Text(f"{lead}{part.plain}", style=style), soft_wrap=True)
-        lead = " " * indent
+    lead = " " * (indent + deeper)
+    first, *rest = _folded(console, text[indent:], console.width - indent, deeper)
+    for part in (text[:indent] + first, *(lead + part for part in rest)):
+        console.print(Text(part, style=style), soft_wrap=True)
+
+
+def _folded(console: Console, text: str, width: int, deeper: int) -> list[str]:
+    """Return a text as lines between words, of less width after the first."""
+    first = Text(text).wrap(console, max(width, 1))[0].plain.rstrip()
+    rest = Text(text[len(first) :].lstrip()).wrap(console, max(width - deeper, 1))
+    return [first, *(part.plain for part in rest if part.plain)]
 
 
 def _print_table(console: Console, table: Table) -> None:
@@ -88,33 +105,88 @@ def _print_table(console: Console, table: Table) -> None:
     ]
     cells = [[visible_lines(shown(row[at])) for at in shows] for row in table.rows]
     names = [table.columns[at] for at in shows]
-    least = sum(
-        min(max(cell_len(row[at]) for row in [names, *cells]), _LEAST) + _GAP
-        for at in range(len(shows))
-    )
-    if least > console.width + _GAP and len(shows) > 2:
+    columns = list(zip(names, *cells, strict=True))
+    least = [
+        max(_least_width(cell, first=at == 0) for cell in column)
+        for at, column in enumerate(columns)
+    ]
+    gap = next((g for g in _GAPS if sum(least) <= _left(console, shows, g)), None)
+    if gap is None and len(shows) > 1:
         _print_rows(console, names, cells)
         return
-    drawn = RichTable(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, expand=False)
-    for at, name in zip(shows, names, strict=True):
-        given = [row[at] for row in table.rows if row[at] is not None]
+    wanted = [max(map(cell_len, column)) for column in columns]
+    widths = _shared(least, wanted, _left(console, shows, gap or 0))
+    drawn = RichTable(
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+        show_edge=False,
+        collapse_padding=gap == min(_GAPS),
+    )
+    for at, name in enumerate(names):
+        given = [row[shows[at]] for row in table.rows if row[shows[at]] is not None]
         numeric = bool(given) and all(isinstance(cell, _NUMBERS) for cell in given)
         justify: Literal["left", "right"] = "right" if numeric else "left"
         drawn.add_column(name, justify=justify, overflow="fold", no_wrap=numeric)
     for row in cells:
-        drawn.add_row(*[Text(cell) for cell in row])
+        parts = enumerate(zip(row, widths, strict=True))
+        drawn.add_row(*[_wrapped(console, c, w, first=at == 0) for at, (c, w) in parts])
     console.print(Padding(drawn, 0))
+
+
+def _left(console: Console, shows: Sequence[int], gap: int) -> int:
+    """Return the width that the columns of a table share."""
+    return console.width - gap * (len(shows) - 1)
+
+
+def _least_width(cell: str, *, first: bool) -> int:
+    """Return how wide a column must be so that no name of a cell is broken."""
+    words = cell.split()
+    indent = _indent(cell) + (_HANG if first and len(words) > 1 else 0)
+    return indent + min(max(map(cell_len, words), default=0), _LONGEST)
+
+
+def _shared(least: Sequence[int], wanted: Sequence[int], left: int) -> list[int]:
+    """Return widths of columns that fit: those that want most give way first."""
+    cap = min(max(wanted, default=0), left)
+    while True:
+        widths = [max(low, min(w, cap)) for low, w in zip(least, wanted, strict=True)]
+        if sum(widths) <= left or cap <= 0:
+            return widths
+        cap -= 1
+
+
+def _indent(text: str) -> int:
+    return len(text) - len(text.lstrip(" "))
+
+
+def _wrapped(console: Console, cell: str, width: int, *, first: bool) -> Text:
+    """Return a cell in lines of a width; those after the first begin deeper."""
+    if cell_len(cell) <= width:
+        return Text(cell)
+    indent = min(_indent(cell), width - 1)
+    deeper = _HANG if first else 0
+    lead = "\n" + " " * (indent + deeper)
+    lines = _folded(console, cell[indent:], width - indent, deeper)
+    return Text(cell[:indent] + lead.join(lines))
 
 
 def _print_rows(
     console: Console, names: Sequence[str], cells: Sequence[Sequence[str]]
 ) -> None:
-    """Print each row as a line of its first cells, and below it what else it has."""
-    for row in cells:
-        _line(console, f"{row[0]} {row[1]}".rstrip(), "")
-        for name, cell in zip(names[2:], row[2:], strict=True):
+    """Print each row as a record: its first cells, and below them what else it has."""
+    for at, row in enumerate(cells):
+        if at and len(names) > 2:
+            console.print()
+        numbered = row[0].isdecimal()
+        inline = numbered or not names[0] or len(names) == 2
+        head = f"{names[0]} {row[0]}:" if numbered else row[0]
+        head = f"{head} {row[1]}".rstrip() if inline else head
+        _line(console, head, "", deeper=2 * _HANG)
+        inner = " " * (_indent(row[0]) + _HANG)
+        for name, cell in list(zip(names, row, strict=True))[1 + inline :]:
             if cell:
-                _line(console, f"  {name}: {cell}" if name else f"  {cell}", "")
+                said = f"{name}: {cell}" if name else cell
+                _line(console, inner + said, "", deeper=_HANG)
 
 
 def _without_trailing_space(text: str, color: bool) -> Iterator[str]:

@@ -221,6 +221,33 @@ def test_answers_keep_to_the_width(width: int) -> None:
         assert max(map(len, drawn.splitlines())) <= width, text
 
 
+@pytest.mark.parametrize("width", [40, 60, 80, 120])
+def test_tables_break_no_name(width: int) -> None:
+    shell = truck_shell("(rock-order red 1) :deadline 900", "(rock-order blue 2)")
+    shell.answer(":step 30")
+    for text in (":agenda", ":tree", ":monitors", ":help", ":memory place"):
+        wide = [word.strip(":") for word in said(shell, text, width=400).split()]
+        words = [word.strip(":") for word in said(shell, text, width=width).split()]
+        assert {w for w in words if "\u2500" not in w} <= {*wide}, text
+
+
+def test_records_of_a_narrow_table_are_told_apart() -> None:
+    shell = truck_shell("(rock-order red 1) :deadline 900")
+    lines = said(shell, ":step 12", ":agenda", width=40).splitlines()
+    heads = [line for line in lines if line.startswith("task ")]
+    assert heads[0] == "task 1: (rock-order red 1)"
+    assert len(heads) == len(rows(shell, ":agenda"))
+    assert lines.count("") == len(heads) - 1
+    assert "  deadline: 900" in lines
+
+
+def test_further_lines_of_a_tree_begin_deeper() -> None:
+    shell = truck_shell()
+    lines = said(shell, ":step 30", ":tree", width=60).splitlines()
+    at = next(n for n, line in enumerate(lines) if line.startswith("  ["))
+    assert lines[at + 1].startswith("    ")
+
+
 def test_inputs_may_go_over_several_lines() -> None:
     lines = ["; a word", "", "(and (p ?x)", "     (q ?x))", ":step", '(say "a (b")']
     assert [text for text in inputs(lines) if not text.startswith(";")] == [
