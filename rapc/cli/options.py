@@ -17,8 +17,12 @@ from rapc.base.later import later
 from rapc.base.visible import visible
 
 if TYPE_CHECKING:
+    import shutil
+    import textwrap
     import traceback
 else:
+    shutil = later("shutil")
+    textwrap = later("textwrap")
     traceback = later("traceback")
 
 C = TypeVar("C", bound=click.Command)
