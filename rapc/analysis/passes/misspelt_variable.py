@@ -49,7 +49,10 @@ bare `?`, or a name of its own.""",
 )
 
 _LEAST = 5
-"""How long a name must be, its mark included, to be close to another."""
+"""How long a name must be, its mark included, to be close to another.
+
+One that lacks a letter may be shorter by that: `?dor` is close to `?door`.
+"""
 
 
 def _run(run: Pass) -> None:
@@ -88,18 +91,22 @@ def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
     return [
         name
         for name in once
-        if len(name) >= _LEAST
-        and (
-            lengths[len(name)] > 1
-            or len(name) - 1 in lengths
-            or len(name) + 1 in lengths
+        if (len(name) >= _LEAST - 1 and len(name) + 1 in lengths)
+        or (
+            len(name) >= _LEAST and (lengths[len(name)] > 1 or len(name) - 1 in lengths)
         )
     ]
 
 
 def _is_slip(one: nodes.Var, others: Sequence[VariableAt]) -> bool:
-    """Of two variables used once each, only the later one is taken for the slip."""
-    return len(others) > 1 or others[0][0].span.start < one.span.start
+    """Of two variables used once each, only the later one is taken for the slip.
+
+    A short name is no slip for its plural: `?arm` and `?arms`.
+    """
+    other = others[0][0]
+    if len(one.name) < _LEAST and other.name == f"{one.name}s":
+        return False
+    return len(others) > 1 or other.span.start < one.span.start
 
 
 def _finding(run: Pass, variable: nodes.Var, close: nodes.Var) -> Diagnostic:
