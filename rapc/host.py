@@ -16,6 +16,7 @@ import msgspec
 
 from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport, check_library
+from rapc.analysis.graphs import library_graph
 from rapc.analysis.selection import errors
 from rapc.base import files
 from rapc.base.gc_paused import gc_paused
@@ -56,6 +57,9 @@ PLAN = "<plan>"
 
 Path = str | os.PathLike[str]
 Task = str | TaskRequest
+
+if TYPE_CHECKING:
+    import networkx
 
 
 class CheckError(Error):
@@ -109,6 +113,19 @@ class CheckedLibrary:
         """
         sources = [*self.program.library.files.values(), SourceFile(PLAN, _text(text))]
         return checked(loader.load_sources(sources), self.name)
+
+    def graph(self) -> networkx.MultiDiGraph[str]:
+        """Return the names of the library as a graph of networkx.
+
+        A node is called `KIND NAME`, for example `rap fill-order`; its attributes are
+        `kind`, `name` and, where a form declares it, `file` and `row`. Kinds are `rap`,
+        `primitive`, `skill`, `agenda`, `fact`, `query`, `thing`, `datum`, `event`.
+        An edge leads from what calls, asks, changes or claims to what is called, asked,
+        changed or claimed; its attribute `relation` is `submits`, `calls`, `requests`,
+        `enables`, `asks`, `waits for`, `notes`, `asserts`, `erases`, `may change`,
+        `claims`, `uses` or `tells`, its `label` the method or clause.
+        """
+        return library_graph(self.program.library)
 
     def start(  # noqa: PLR0913  # each has a default and goes by name
         self,

@@ -1,24 +1,38 @@
-"""What a library looks like from above: calls, task-nets, monitors, things.
+"""Graphs of a library: its names, and which calls, asks, changes or claims which.
 
-Each function makes a `Graph` of a library, plain data in the order of the text; how it
-is drawn is for `rapc.console.graphs`.
+`library_graph` makes one graph of networkx; `calls`, `monitors` and `things` are parts
+of it, and its algorithms answer `dependents`, `recursive` and `dominators`. How a graph
+is drawn is in `rapc.console.graphs`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Literal
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from rapc.analysis.asked import through
 from rapc.base.graph import Edge, Graph, Vertex
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
-from rapc.ir.walk import steps, subformulas
+from rapc.ir.walk import formulas, steps, subformulas
 from rapc.library.library import Library
 
+if TYPE_CHECKING:
+    import networkx
+
 Kind = Literal[
-    "rap", "primitive", "skill", "agenda", "step", "fact", "thing", "datum", "event"
+    "rap",
+    "primitive",
+    "skill",
+    "agenda",
+    "step",
+    "fact",
+    "query",
+    "thing",
+    "datum",
+    "event",
 ]
-"""What is drawn."""
+"""What a vertex stands for."""
 
 
 class GraphDrawing:
@@ -44,23 +58,352 @@ class GraphDrawing:
         return Graph(self._title, tuple(self._vertices.values()), tuple(self._edges))
 
 
-# --- calls --------------------------------------------------------------------------
+# --- the whole graph ----------------------------------------------------------------
+
+
+class Relation(NamedTuple):
+    """One thing that a part of a library has to do with another."""
+
+    source: tuple[Kind, str]
+    #: `submits`, `calls`, `requests`, `enables`, `asks`, `waits for`, `notes`,
+    #: `asserts`, `erases`, `may change`, `claims`, `uses`, `tells`.
+    relation: str
+    target: tuple[Kind, str]
+    #: The method that calls or claims; the clause that asks; the priority of a task.
+    label: str = ""
+
+
+def library_graph(library: Library) -> networkx.MultiDiGraph[str]:
+    """Return all that a library names as one directed graph.
+
+    A node is called `KIND NAME`, for example `rap fill-order`; its attributes are
+    `kind`, `name` and, where a form declares it, `file` and `row`. An edge leads from
+    the caller to the called, and likewise for what asks, changes or claims; its
+    attributes are `relation` and `label`, see `Relation`.
+    """
+    import networkx  # noqa: PLC0415  # it takes longer to import than a check does
+
+    graph: networkx.MultiDiGraph[str] = networkx.MultiDiGraph(name="library")
+    for kind, name, form in _declared(library):
+        source = library.files.get(form.span.file)
+        place = {} if source is None else {"row": source.row(form.span.start)}
+        graph.add_node(
+            f"{kind} {name}", kind=kind, name=name, file=form.span.file, **place
+        )
+    for at, one in enumerate(dict.fromkeys(_relations(library))):
+        for kind, name in (one.source, one.target):
+            if f"{kind} {name}" not in graph:
+                graph.add_node(f"{kind} {name}", kind=kind, name=name)
+        graph.add_edge(
+            f"{one.source[0]} {one.source[1]}",
+            f"{one.target[0]} {one.target[1]}",
+            relation=one.relation,
+            label=one.label,
+            order=at,
+        )
+    return graph
+
+
+Declared = (
+    nodes.DefineAgenda
+    | nodes.DefineRap
+    | nodes.DefineQuery
+    | nodes.DeclarePrimitive
+    | nodes.DeclareSkill
+    | nodes.DeclareProposition
+    | nodes.DeclareProperty
+    | nodes.DeclareDatum
+    | nodes.DeclareEvent
+)
+
+
+def _declared(library: Library) -> Iterator[tuple[Kind, str, Declared]]:
+    """Yield what the forms of a library declare, with its kind and name."""
+    tables: tuple[tuple[Kind, Iterable[Declared]], ...] = (
+        ("agenda", library.agendas.values()),
+        ("rap", library.raps.values()),
+        ("query", library.queries.values()),
+        ("primitive", library.primitives.values()),
+        ("skill", library.skills.values()),
+        ("fact", library.propositions.values()),
+        ("fact", library.properties.values()),
+        ("datum", library.data.values()),
+        ("event", library.events.values()),
+    )
+    for kind, forms in tables:
+        for form in forms:
+            yield kind, form.name, form
+
+
+def _relations(library: Library) -> Iterator[Relation]:
+    """Yield what the parts of a library have to do with each other."""
+    for agenda in library.agendas.values():
+        for task in agenda.tasks:
+            label = f"priority {task.priority}" if task.priority else ""
+            target: tuple[Kind, str] = ("rap", task.goal.name)
+            yield Relation(("agenda", agenda.name), "submits", target, label)
+    for rap in library.raps.values():
+        yield from _of_rap(library, rap)
+    for query in library.queries.values():
+        yield from _asks(library, ("query", query.name), query.formula, "")
+    for rule in library.memory_rules:
+        for case in rule.cases:
+            yield from _of_rules(library, ("rap", rule.index.name), case.rules)
+    for heard in library.event_rules:
+        yield from _of_rules(library, ("event", heard.signal), heard.rules)
+    yield from _of_declarations(library)
+
+
+def _of_declarations(library: Library) -> Iterator[Relation]:
+    for primitive in library.primitives.values():
+        own: tuple[Kind, str] = ("primitive", primitive.name)
+        for on in primitive.on:
+            yield from _changes(own, on.effects)
+        for name in primitive.tells:
+            yield Relation(own, "tells", ("datum", name))
+        for thing in primitive.uses:
+            yield Relation(own, "uses", ("thing", format_node(thing)))
+    for datum in library.data.values():
+        yield from _changes(("datum", datum.name), datum.on or ())
+    for skill in library.skills.values():
+        own = ("skill", skill.name)
+        for thing in skill.uses:
+            yield Relation(own, "uses", ("thing", format_node(thing)))
+        for event in skill.events or ():
+            yield Relation(own, "tells", ("event", event))
+
+
+def _of_rap(library: Library, rap: nodes.DefineRap) -> Iterator[Relation]:
+    own: tuple[Kind, str] = ("rap", rap.name)
+    for at in formulas(rap):
+        if at.clause.when != "wake":
+            yield from _asks(library, own, at.formula, at.clause.word)
+    if rap.monitor_state is not None:
+        for name in facts_of(library, rap.monitor_state):
+            yield Relation(own, "waits for", ("fact", name))
+    for method in rap.methods:
+        label = _called(rap, method)
+        for kind, name in _asked(method):
+            yield Relation(own, _CALLS[kind], (kind, name), label)
+        for note in method.notations:
+            yield Relation(own, "notes", ("fact", note.name), label)
+        for thing in method.claims:
+            yield Relation(own, "claims", ("thing", format_node(thing)), label)
+
+
+def _asks(
+    library: Library, source: tuple[Kind, str], formula: nodes.Formula, clause: str
+) -> Iterator[Relation]:
+    """Yield the facts and queries that a formula names itself."""
+    for part in subformulas(formula):
+        if isinstance(part, nodes.Proposition) and part.name not in library.functions:
+            kind: Kind = "query" if part.name in library.queries else "fact"
+            yield Relation(source, "asks", (kind, part.name), clause)
+
+
+def _changes(
+    source: tuple[Kind, str], effects: Iterable[nodes.DeclaredEffect]
+) -> Iterator[Relation]:
+    for effect in effects:
+        label = "erases" if effect.negated else "asserts"
+        label = "may change" if effect.possible else label
+        yield Relation(source, label, ("fact", effect.pattern.name))
+
+
+def _of_rules(
+    library: Library, source: tuple[Kind, str], rules: Iterable[nodes.Rule]
+) -> Iterator[Relation]:
+    """Yield what the rules of a RAP or an event ask and change."""
+    for alternative in (one for rule in rules for one in rule.alternatives):
+        yield from _asks(library, source, alternative.query, "rule")
+        for action in alternative.actions:
+            relation = "asserts" if action.op == "mem-add" else "erases"
+            yield Relation(source, relation, ("fact", action.pattern.name), "rule")
+
+
+_CALLS: dict[Kind, str] = {
+    "primitive": "requests",
+    "skill": "enables",
+    "rap": "calls",
+}
+"""The relation of a method to what it asks for."""
+
+_CALLING = {"submits", *_CALLS.values()}
+
+
+def _edges(
+    graph: networkx.MultiDiGraph[str], relations: Iterable[str]
+) -> list[tuple[str, str, str, str]]:
+    """Return edges of some relations in the order of the text.
+
+    Each is source, target, relation and label.
+    """
+    found = [
+        (data["order"], source, target, data["relation"], data["label"])
+        for source, target, data in graph.edges(data=True)
+        if data["relation"] in set(relations)
+    ]
+    return [edge[1:] for edge in sorted(found)]
+
+
+def _drawn(
+    graph: networkx.MultiDiGraph[str],
+    title: str,
+    edges: Iterable[tuple[str, str, str]],
+    more: Iterable[str] = (),
+) -> Graph:
+    """Return some edges, as source, target and label, and their nodes as a drawing."""
+    drawing = GraphDrawing(title)
+    for node in more:
+        drawing.vertex(graph.nodes[node]["kind"], graph.nodes[node]["name"])
+    for source, target, label in edges:
+        for node in (source, target):
+            drawing.vertex(graph.nodes[node]["kind"], graph.nodes[node]["name"])
+        drawing.edge(source, target, label)
+    return drawing.done()
+
+
+# --- parts of it --------------------------------------------------------------------
 
 
 def calls(library: Library) -> Graph:
     """Return which RAP asks for which RAPs, primitives and skills, by which methods."""
-    drawing = GraphDrawing("calls")
-    for agenda in library.agendas.values():
-        source = drawing.vertex("agenda", agenda.name)
-        for task in agenda.tasks:
-            label = f"priority {task.priority}" if task.priority else ""
-            drawing.edge(source, drawing.vertex("rap", task.goal.name), label)
-    for rap in library.raps.values():
-        source = drawing.vertex("rap", rap.name)
-        for method in rap.methods:
-            for kind, name in _asked(method):
-                drawing.edge(source, drawing.vertex(kind, name), _called(rap, method))
+    graph = library_graph(library)
+    edges = [(s, t, label) for s, t, _, label in _edges(graph, _CALLING)]
+    agendas = [f"agenda {name}" for name in library.agendas]
+    raps = [f"rap {name}" for name in library.raps]
+    return _drawn(graph, "calls", edges, [*agendas, *raps])
+
+
+def monitors(library: Library) -> Graph:
+    """Return which facts wake which RAPs, and what is declared to bring them about."""
+    graph = library_graph(library)
+    woken = _edges(graph, ["waits for"])
+    heard = {fact for _, fact, _, _ in woken}
+    changes = _edges(graph, ["notes", "asserts", "erases", "may change"])
+    edges = [(fact, rap, "wakes") for rap, fact, _, _ in woken]
+    edges += [
+        (source, fact, relation)
+        for source, fact, relation, label in changes
+        if fact in heard
+    ]
+    return _drawn(graph, "monitors", edges)
+
+
+def things(library: Library) -> Graph:
+    """Return which things methods claim, and primitives and skills use."""
+    graph = library_graph(library)
+    edges = [
+        (source, thing, " ".join(filter(None, (relation, label))))
+        for source, thing, relation, label in _edges(graph, ["claims", "uses"])
+    ]
+    return _drawn(graph, "claims and uses", edges)
+
+
+def everything(library: Library) -> Graph:
+    """Return the whole graph as a drawing."""
+    graph = library_graph(library)
+    edges = [
+        (source, target, " ".join(filter(None, (relation, label))))
+        for source, target, relation, label in _edges(graph, _all_relations(graph))
+    ]
+    return _drawn(graph, "library", edges, graph.nodes)
+
+
+def dependents(library: Library, name: str) -> Graph:
+    """Return all that depends on a name, directly or through others.
+
+    Args:
+        library: the library.
+        name: a name of the library, or `KIND NAME` where several kinds have it.
+
+    Raises:
+        KeyError: if the library does not name it.
+    """
+    import networkx  # noqa: PLC0415
+
+    graph = library_graph(library)
+    targets = [node for node in graph if name in (node, graph.nodes[node]["name"])]
+    if not targets:
+        raise KeyError(name)
+    inside = set(targets)
+    for target in targets:
+        inside |= networkx.ancestors(graph, target)
+    edges = [
+        (source, target, " ".join(filter(None, (relation, label))))
+        for source, target, relation, label in _edges(graph, _all_relations(graph))
+        if source in inside and target in inside
+    ]
+    return _drawn(graph, f"what depends on {name}", edges, targets)
+
+
+def recursive(library: Library) -> Graph:
+    """Return the RAPs that call each other in a cycle, one group for each component."""
+    import networkx  # noqa: PLC0415
+
+    graph = library_graph(library)
+    called = _edges(graph, ["calls"])
+    calling: networkx.DiGraph[str] = networkx.DiGraph(
+        [(source, target) for source, target, _, _ in called]
+    )
+    drawing = GraphDrawing("recursive RAPs")
+    groups = [
+        members
+        for members in networkx.strongly_connected_components(calling)
+        if len(members) > 1 or any(calling.has_edge(one, one) for one in members)
+    ]
+    order = {node: at for at, node in enumerate(graph)}
+    rows = sorted([sorted(members, key=order.__getitem__) for members in groups])
+    for at, members in enumerate(rows):
+        for node in members:
+            drawing.vertex("rap", graph.nodes[node]["name"], group=f"cycle {at + 1}")
+        for source, target, _, label in called:
+            if source in members and target in members:
+                drawing.edge(source, target, label)
     return drawing.done()
+
+
+def dominators(library: Library, name: str) -> Graph:
+    """Return the dominator tree of the calls below a RAP.
+
+    An edge leads from a RAP to the RAPs, primitives and skills that are only reached
+    through it, and not only through another one below it.
+
+    Raises:
+        KeyError: if the library has no such RAP.
+    """
+    import networkx  # noqa: PLC0415
+
+    graph = library_graph(library)
+    if name not in library.raps:
+        raise KeyError(name)
+    called = _edges(graph, _CALLING)
+    calling: networkx.DiGraph[str] = networkx.DiGraph(
+        [(source, target) for source, target, _, _ in called]
+    )
+    root = f"rap {name}"
+    calling.add_node(root)
+    found = networkx.immediate_dominators(calling, root)
+    order = {node: at for at, node in enumerate(graph)}
+    edges = [
+        (before, node, "")
+        for node, before in sorted(found.items(), key=lambda one: order[one[0]])
+        if before is not None and before != node
+    ]
+    return _drawn(graph, f"dominators of {name}", edges, [root])
+
+
+def _all_relations(graph: networkx.MultiDiGraph[str]) -> set[str]:
+    return {data["relation"] for _, _, data in graph.edges(data=True)}
+
+
+def facts_of(library: Library, formula: nodes.Formula) -> Iterator[str]:
+    """Yield the facts that a formula asks for, by way of named queries too."""
+    parts = through(library, formula)
+    asked = [part.name for part in parts if isinstance(part, nodes.Proposition)]
+    for name in dict.fromkeys(asked):
+        if name in library.propositions or name in library.properties:
+            yield name
 
 
 def _asked(method: nodes.Method) -> Iterator[tuple[Kind, str]]:
@@ -102,7 +445,7 @@ def task_nets(rap: nodes.DefineRap) -> Graph:
         tags = {step.tag for step in steps(method)}
         for step in steps(method):
             for note in step.annotations:
-                for source, target, label in _drawn(step.tag, note):
+                for source, target, label in _arrows(step.tag, note):
                     if not tags.issuperset((source, target)):
                         continue  # a tag that names no step
                     drawing.edge(
@@ -111,7 +454,7 @@ def task_nets(rap: nodes.DefineRap) -> Graph:
     return drawing.done()
 
 
-def _drawn(tag: str, note: nodes.Annotation) -> Iterator[tuple[str, str, str]]:
+def _arrows(tag: str, note: nodes.Annotation) -> Iterator[tuple[str, str, str]]:
     """Yield the arrows of an annotation: from tag to tag, with a label."""
     if isinstance(note, nodes.For):
         yield tag, note.tag, "" if note.formula is None else format_node(note.formula)
@@ -125,82 +468,3 @@ def _drawn(tag: str, note: nodes.Annotation) -> Iterator[tuple[str, str, str]]:
         yield source, tag, span
     elif isinstance(note, nodes.WaitFor):
         yield tag, tag, f"wait for {note.signal}"
-
-
-# --- monitors -----------------------------------------------------------------------
-
-
-def monitors(library: Library) -> Graph:
-    """Return which facts wake which RAPs, and what is declared to bring them about."""
-    drawing = GraphDrawing("monitors")
-    heard: dict[str, str] = {}
-    for rap in library.raps.values():
-        if rap.monitor_state is None:
-            continue
-        target = drawing.vertex("rap", rap.name)
-        for name in facts_of(library, rap.monitor_state):
-            heard[name] = drawing.vertex("fact", name)
-            drawing.edge(heard[name], target, "wakes")
-    for rap in library.raps.values():
-        for note in (note for method in rap.methods for note in method.notations):
-            if note.name in heard:
-                drawing.edge(drawing.vertex("rap", rap.name), heard[note.name], "notes")
-    for primitive in library.primitives.values():
-        effects = [e for on in primitive.on for e in on.effects]
-        _bring_about(drawing, "primitive", primitive.name, effects, heard)
-    for datum in library.data.values():
-        _bring_about(drawing, "datum", datum.name, list(datum.on or ()), heard)
-    return drawing.done()
-
-
-def facts_of(library: Library, formula: nodes.Formula) -> Iterator[str]:
-    """Yield the facts that a formula asks for, by way of named queries too."""
-    asked, stack = set(), [formula]
-    while stack:
-        for part in subformulas(stack.pop()):
-            if not isinstance(part, nodes.Proposition) or part.name in asked:
-                continue
-            asked.add(part.name)
-            query = library.queries.get(part.name)
-            if query is not None:
-                stack.append(query.formula)
-            elif part.name in library.propositions or part.name in library.properties:
-                yield part.name
-
-
-def _bring_about(
-    drawing: GraphDrawing,
-    kind: Kind,
-    name: str,
-    effects: list[nodes.DeclaredEffect],
-    heard: dict[str, str],
-) -> None:
-    for effect in effects:
-        fact = heard.get(effect.pattern.name)
-        if fact is not None:
-            label = "erases" if effect.negated else "asserts"
-            label = "may change" if effect.possible else label
-            drawing.edge(drawing.vertex(kind, name), fact, label)
-
-
-# --- things -------------------------------------------------------------------------
-
-
-def things(library: Library) -> Graph:
-    """Return which things methods claim, and primitives and skills use."""
-    drawing = GraphDrawing("claims and uses")
-    for rap in library.raps.values():
-        for method in rap.methods:
-            for thing in method.claims:
-                label = " ".join(filter(None, ("claims", _called(rap, method))))
-                source = drawing.vertex("rap", rap.name)
-                drawing.edge(source, drawing.vertex("thing", thing.name), label)
-    for primitive in library.primitives.values():
-        for thing in primitive.uses:
-            source = drawing.vertex("primitive", primitive.name)
-            drawing.edge(source, drawing.vertex("thing", thing.name), "uses")
-    for skill in library.skills.values():
-        for thing in skill.uses:
-            source = drawing.vertex("skill", skill.name)
-            drawing.edge(source, drawing.vertex("thing", thing.name), "uses")
-    return drawing.done()

@@ -9,6 +9,7 @@ import click
 
 from rapc.analysis import graphs
 from rapc.analysis.driver import check_library
+from rapc.analysis.graphs import library_graph
 from rapc.analysis.selection import errors
 from rapc.base.graph import Graph
 from rapc.base.later import later
@@ -35,6 +36,8 @@ Examples:
   rapc graph my-library/ --rap deliver --format mermaid
   rapc graph my-library/ --effects deliver --format text
   rapc graph my-library/ --monitors --format json
+  rapc graph my-library/ --dependents battery --format text
+  rapc graph my-library/ --all --format graphml > library.graphml
   rapc graph my-library/ --skills 20 --world my_robot:World --task '(tour)'
 """
 
@@ -45,13 +48,17 @@ Examples:
 @click.option("--effects", metavar="RAP", help="What a RAP may do, all told.")
 @click.option("--monitors", is_flag=True, help="Monitors, and what wakes them.")
 @click.option("--claims", is_flag=True, help="What is claimed and used, and by whom.")
+@click.option("--all", "everything", is_flag=True, help="All names and relations.")
+@click.option("--recursive", is_flag=True, help="RAPs that call each other in a cycle.")
+@click.option("--dominators", metavar="RAP", help="What is only reached through what.")
+@click.option("--dependents", metavar="NAME", help="What depends on a name.")
 @click.option(
     "--format",
     "output_format",
-    type=click.Choice(["dot", "mermaid", "json", "text"]),
+    type=click.Choice(["dot", "mermaid", "json", "text", "graphml"]),
     default="dot",
     show_default=True,
-    help="For Graphviz, for Mermaid, for programs, or for people.",
+    help="Graphviz, Mermaid, JSON, text for people, or GraphML.",
 )
 @click.option(
     "--skills",
@@ -62,12 +69,16 @@ Examples:
 )
 @click.option("--world", "world_name", metavar="WORLD", help="World of --skills.")
 @run_options
-def graph(
+def graph(  # noqa: PLR0912  # a branch for each view
     path: str,
     rap: str | None,
     effects: str | None,
     monitors: bool,
     claims: bool,
+    everything: bool,
+    recursive: bool,
+    dominators: str | None,
+    dependents: str | None,
     output_format: str,
     moment: float | None,
     world_name: str | None,
@@ -78,10 +89,10 @@ def graph(
     Exit status: 0; 2 for a library with errors, and for what cannot be read.
     """
     given = RunOptions(**more)
-    wholes = (rap is not None, effects is not None, moment is not None)
-    if sum((*wholes, monitors, claims)) > 1:
-        said = "--rap, --effects, --monitors, --claims and --skills"
-        fail(f"{said} exclude each other")
+    views = (rap, effects, dominators, dependents, moment)
+    flags = (monitors, claims, everything, recursive)
+    if sum(view is not None for view in views) + sum(flags) > 1:
+        fail("options that select a graph exclude each other")
     if moment is not None and world_name is not None:
         drawn, style = _network(path, world_name, moment, given), writers.NETWORK
     elif moment is not None or world_name is not None or any(given):
@@ -97,6 +108,14 @@ def graph(
             drawn = graphs.monitors(library)
         elif claims:
             drawn = graphs.things(library)
+        elif everything:
+            drawn = graphs.everything(library)
+        elif recursive:
+            drawn = graphs.recursive(library)
+        elif dominators is not None:
+            drawn = graphs.dominators(library, _named(library, dominators).name)
+        elif dependents is not None:
+            drawn = _dependents(library, dependents)
         else:
             drawn = graphs.calls(library)
     click.echo(writers.WRITERS[output_format](drawn, style), nl=False)
@@ -125,6 +144,14 @@ def _library(path: str) -> Library:
         print_findings(report, "full", err=True)
         raise SystemExit(USAGE)
     return loaded.library
+
+
+def _dependents(library: Library, name: str) -> Graph:
+    try:
+        return graphs.dependents(library, name)
+    except KeyError:
+        names = [data["name"] for _, data in library_graph(library).nodes(data=True)]
+        fail(f"unknown name `{name}`", did_you_mean(name, names))
 
 
 def _named(library: Library, name: str) -> nodes.DefineRap:

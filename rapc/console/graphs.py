@@ -42,6 +42,7 @@ LIBRARY = Style(
         "fact": Shape("shape=hexagon", "{{", "}}"),
         "thing": Shape("shape=cylinder", "[(", ")]"),
         "datum": Shape("shape=parallelogram", "[/", "/]"),
+        "query": Shape("shape=octagon", "{{", "}}"),
         "event": Shape("shape=cds", ">", "]"),
     }
 )
@@ -153,11 +154,24 @@ def graph_json(graph: Graph, _style: Style) -> str:
     return json.dumps(msgspec.to_builtins(graph), indent=2, ensure_ascii=False) + "\n"
 
 
+def graphml(graph: Graph, _style: Style) -> str:
+    """Return a graph in GraphML, for programs that analyse graphs."""
+    import networkx  # noqa: PLC0415  # few commands need it
+
+    made: networkx.MultiDiGraph[str] = networkx.MultiDiGraph(name=graph.title)
+    for one in graph.vertices:
+        made.add_node(one.id, kind=one.kind, label=one.label, group=one.group)
+    for edge in graph.edges:
+        made.add_edge(edge.source, edge.target, label=edge.label)
+    return "".join(f"{line}\n" for line in networkx.generate_graphml(made))
+
+
 WRITERS: Mapping[str, Callable[[Graph, Style], str]] = {
     "dot": dot,
     "mermaid": mermaid,
     "json": graph_json,
     "text": graph_text,
+    "graphml": graphml,
 }
 """What writes graphs in each format."""
 

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
+import networkx
 import pytest
+
+import rapc as rapc_package
 
 from .command import rapc
 
@@ -180,6 +185,90 @@ def test_the_manual_shows_what_is_printed() -> None:
     told = ("graph", courier, "--effects", "stay-charged", "--format")
     assert shown == [done.stdout, rapc(*told, "mermaid").stdout]
     assert f"```text\n{rapc(*told, 'text').stdout}```" in page
+    below = ("graph", library, "--dominators", "go-to-quarry", "--format", "text")
+    assert f"```text\n{rapc(*below).stdout}```" in page
+    above = ("graph", courier, "--dependents", "battery", "--format", "text")
+    assert f"```text\n{rapc(*above).stdout}```" in page
+
+
+def test_graph_of_networkx_answers_questions_about_a_library() -> None:
+    graph = rapc_package.loads(LIBRARY).graph()
+    assert graph.nodes["rap go"] == {
+        "kind": "rap",
+        "name": "go",
+        "file": "<text>",
+        "row": graph.nodes["rap go"]["row"],
+    }
+    assert LIBRARY.splitlines()[graph.nodes["rap go"]["row"] - 1].startswith(
+        "(define-rap (go"
+    )
+    above = networkx.ancestors(graph, "fact busy")
+    assert {"query arrived", "rap watch", "agenda day"} <= above
+    found = {
+        (source, target, data["relation"], data["label"])
+        for source, target, data in graph.edges(data=True)
+    }
+    assert ("agenda day", "rap watch", "submits", "priority 3") in found
+    assert ("rap watch", "fact busy", "notes", "rest") in found
+    assert ("primitive drive", "fact parked", "may change", "") in found
+    assert ("query arrived", "fact busy", "asks", "") in found
+
+
+def test_dominators_are_what_all_ways_lead_through(folder: Path) -> None:
+    text = """\
+(declare-primitive act () (okay))
+(define-rap (top) (method (task-net (t1 (left)) (t2 (right)))))
+(define-rap (left) (method (task-net (t1 (both)))))
+(define-rap (right) (method (task-net (t1 (both)) (t2 (only)))))
+(define-rap (both) (method (primitive (act))))
+(define-rap (only) (method (task-net (t1 (both)))))
+"""
+    (folder / "lib.rap").write_text(text)
+    done = rapc(
+        "graph", "lib.rap", "--dominators", "top", "--format", "json", cwd=folder
+    )
+    edges = {(e["source"], e["target"]) for e in json.loads(done.stdout)["edges"]}
+    assert edges == {
+        ("rap top", "rap left"),
+        ("rap top", "rap right"),
+        ("rap top", "rap both"),
+        ("rap right", "rap only"),
+        ("rap both", "primitive act"),
+    }
+
+
+def test_recursive_raps_are_grouped_by_cycle(folder: Path) -> None:
+    text = """\
+(define-rap (one) (method (task-net (t1 (two)))))
+(define-rap (two) (method (task-net (t1 (one)) (t2 (self)))))
+(define-rap (self) (method stop (task-net)) (method on (task-net (t1 (self)))))
+"""
+    (folder / "lib.rap").write_text(text)
+    done = rapc("graph", "lib.rap", "--recursive", "--format", "json", cwd=folder)
+    groups = {(v["label"], v["group"]) for v in json.loads(done.stdout)["vertices"]}
+    assert groups == {("one", "cycle 1"), ("two", "cycle 1"), ("self", "cycle 2")}
+
+
+def test_graphml_holds_the_same_graph(folder: Path) -> None:
+    done = rapc("graph", "lib.rap", "--all", "--format", "graphml", cwd=folder)
+    graph = networkx.parse_graphml(done.stdout)
+    known, edges = _drawn(folder, "--all")
+    assert set(graph.nodes) == set(known)
+    assert graph.number_of_edges() == len(edges)
+
+
+def test_check_and_run_import_no_networkx() -> None:
+    code = (
+        "import sys; from rapc.cli.main import main\n"
+        "try: main(sys.argv[1:])\n"
+        "except SystemExit: pass\n"
+        "sys.exit('networkx' in sys.modules)"
+    )
+    task = ("--world", "truck", "--task", "(fill-order red 1 factory-1)", "-q")
+    library = str(ROOT / "stdlib" / "truck")
+    for args in (("check", library), ("run", library, *task)):
+        done = subprocess.run([sys.executable, "-c", code, *args], check=False)
+        assert done.returncode == 0
 
 
 def test_bad_usage(folder: Path) -> None:
@@ -188,8 +277,10 @@ def test_bad_usage(folder: Path) -> None:
     assert done.stderr == ("error: no RAP is called `setp`\n  did you mean `step`?\n")
     done = rapc("graph", "lib.rap", "--rap", "go", "--claims", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    said = "--rap, --effects, --monitors, --claims and --skills exclude each other"
+    said = "options that select a graph exclude each other"
     assert done.stderr == f"error: {said}\n"
+    done = rapc("graph", "lib.rap", "--dependents", "parkd", cwd=folder)
+    assert done.stderr == "error: unknown name `parkd`\n  did you mean `parked`?\n"
     done = rapc("graph", "lib.rap", "--effects", "setp", cwd=folder)
     assert done.stderr == ("error: no RAP is called `setp`\n  did you mean `step`?\n")
     (folder / "lib.rap").write_text("(define-rap (a) (succeed (b)))")
