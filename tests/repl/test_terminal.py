@@ -56,11 +56,11 @@ def test_ctrl_c_clears_the_line_and_twice_leaves(tmp_path: Path) -> None:
 
 
 def test_error_before_the_prompt_breaks_no_name(tmp_path: Path) -> None:
-    terminal = Terminal(40, tmp_path, "--fact", "(truck-location depot dept)")
+    terminal = Terminal(46, tmp_path, "--fact", "(truck-location depot dept)")
     terminal.see("takes 1 argument")
     words = " ".join(terminal.lines()).split()
     assert {"`truck-location`", "argument,", "(truck-location"} <= {*words}
-    assert all(len(line) <= 40 for line in terminal.lines())
+    assert all(len(line) <= 46 for line in terminal.lines())
 
 
 @pytest.mark.parametrize("erased", ["", "\x7f" * 6])
