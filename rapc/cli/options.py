@@ -131,10 +131,23 @@ def fail(message: str, *more: str | None) -> NoReturn:
 
 def say_error(message: str, *more: str | None) -> None:
     """Print an error on standard error; see `fail`."""
-    click.echo(f"error: {visible(message)}", err=True)
+    click.echo(_to_width(f"error: {visible(message)}"), err=True)
     for line in more:
         if line:
-            click.echo(f"  {visible(line)}", err=True)
+            click.echo(_to_width(f"  {visible(line)}"), err=True)
+
+
+def _to_width(line: str) -> str:
+    """Return a line broken between words where standard error is a terminal."""
+    if not sys.stderr.isatty():
+        return line
+    return textwrap.fill(
+        line,
+        max(shutil.get_terminal_size().columns, 20),
+        subsequent_indent="    ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def show_traceback(error: Exception) -> None:
