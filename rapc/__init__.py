@@ -15,9 +15,9 @@ docs/python.md tells the rest.
 
 from __future__ import annotations
 
-from importlib import import_module
+from importlib import import_module as _import_module
 
-from rapc.base.version import VERSION
+from rapc.base.version import VERSION as _VERSION
 
 TYPE_CHECKING = False  # to type checkers it is true, by its name
 
@@ -50,10 +50,12 @@ if TYPE_CHECKING:
     from rapc.runtime.interpreter import Interpreter as Interpreter
     from rapc.runtime.settings import Settings as Settings
     from rapc.runtime.task_request import TaskRequest as TaskRequest
+    from rapc.testing.from_python import TestResult as TestResult
+    from rapc.testing.from_python import test as test
     from rapc.world import World as World
     from rapc.worlds.registry import open_world as open_world
 
-__version__ = VERSION
+__version__ = _VERSION
 
 _HOMES = {
     "ArgumentError": "rapc.errors",
@@ -84,6 +86,8 @@ _HOMES = {
     "rap_text": "rapc.host",
     "open_world": "rapc.worlds.registry",
     "run": "rapc.host",
+    "test": "rapc.testing.from_python",
+    "TestResult": "rapc.testing.from_python",
 }
 """Every public name that is no module, with the module that has it."""
 
@@ -94,11 +98,12 @@ __all__ = ["__version__", *_HOMES, *_MODULES]  # noqa: PLE0604  # they are strin
 
 def __getattr__(name: str) -> object:
     if name in _MODULES:
-        return import_module(_MODULES[name])
+        return _import_module(_MODULES[name])
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+    return getattr(_import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    own = [name for name in globals() if name.startswith("__")]
+    return sorted({*own, *__all__})

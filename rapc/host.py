@@ -17,7 +17,7 @@ import msgspec
 from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.analysis.graphs import library_graph
-from rapc.analysis.selection import errors
+from rapc.analysis.selection import Selection, errors
 from rapc.base import files
 from rapc.base.gc_paused import gc_paused
 from rapc.base.later import later
@@ -48,9 +48,10 @@ from rapc.world import Callables, Time, World
 from rapc.worlds.registry import build_world, check_options, find_world
 
 if TYPE_CHECKING:
-    from rapc.library import saved
+    from rapc.library import saved, saved_check
 else:
     saved = later("rapc.library.saved")
+    saved_check = later("rapc.library.saved_check")
 
 PLAN = "<plan>"
 """The file name of what `CheckedLibrary.extend` adds, in findings and faults."""
@@ -203,6 +204,11 @@ class RunResult(msgspec.Struct, frozen=True):
     run: Interpreter
 
     @property
+    def world(self) -> World:
+        """The world of the run: `result.world.figures()`, say, if it has figures."""
+        return self.run.world
+
+    @property
     def succeeded(self) -> bool:
         """Whether every task that does not stand in the background succeeded."""
         given = [task for task in self.tasks if not task.background]
@@ -213,39 +219,46 @@ class RunResult(msgspec.Struct, frozen=True):
 
 
 @gc_paused()
-def load(*paths: Path | Iterable[Path]) -> CheckedLibrary:
+def load(*paths: Path | Iterable[Path], check: bool = True) -> CheckedLibrary:
     """Load files and folders as one library and check it; or load a saved library.
 
     Args:
         paths: files, folders (all `.rap` below), or `-` for standard input.
+        check: whether the checker's passes run; see `linked`. A saved library was
+            checked when it was saved.
 
     Raises:
         LoadError: for what cannot be read.
         SavedError: for a saved library that this rapc cannot run.
         CheckError: if anything of severity error is found.
+        RefusedError: without `check`, for a library that cannot be run.
     """
     names = _paths(paths)
     data = files.read_compiled(names[0]) if len(names) == 1 else None
     if data is not None:
         compiled = saved.SavedLibrary(data, names[0])
         return CheckedLibrary(Program(compiled.library, compiled.name))
-    return checked(loader.load(names), ", ".join(names))
+    made = checked if check else linked
+    return made(loader.load(names), ", ".join(names))
 
 
-def loads(text: str, name: str = "<text>") -> CheckedLibrary:
+def loads(text: str, name: str = "<text>", *, check: bool = True) -> CheckedLibrary:
     """Check a library given as text, as if it were a file of the working folder.
 
     Args:
         text: definitions and declarations; it may `require` others.
         name: what findings and traces call it.
+        check: whether the checker's passes run; see `linked`.
 
     Raises:
         LoadError: for what it requires and cannot be read.
         CheckError: if anything of severity error is found.
+        RefusedError: without `check`, for a library that cannot be run.
     """
     if not isinstance(name, str):
         raise ArgumentError(f"`name` is {kind(name)}, no text")
-    return checked(loader.load_text(_text(text), name), name)
+    made = checked if check else linked
+    return made(loader.load_text(_text(text), name), name)
 
 
 def check(*paths: Path | Iterable[Path]) -> CheckReport:
@@ -345,6 +358,34 @@ def checked(loaded: Loaded, name: str) -> CheckedLibrary:
     if report.findings:
         raise CheckError(report)
     return CheckedLibrary(Program(loaded.library, name))
+
+
+def linked(loaded: Loaded, name: str) -> CheckedLibrary:
+    """Link what was read without the passes of the checker.
+
+    Errors of the text and of `require` are found, and names that the library does not
+    declare. Whatever else `checked` would find shows itself in a run: a variable
+    without a value, say, is a fault of its query.
+
+    Raises:
+        CheckError: for errors of reading and linking.
+        RefusedError: for a library that cannot be run.
+    """
+    enabled = errors().enabled & {found.rule for found in loaded.diagnostics}
+    report = check_library(loaded, Selection(enabled))
+    if report.findings:
+        raise CheckError(report)
+    program = Program(loaded.library, name)
+    verifier = saved_check.Verifier(program.signatures)
+    try:
+        for form in loaded.library.forms:
+            if not isinstance(form, DefineRap):
+                verifier.declaration(form)
+        for rap in loaded.library.raps.values():
+            verifier.rap(rap)
+    except saved_check.UnsoundError as error:
+        raise RefusedError([str(error)]) from error
+    return CheckedLibrary(program)
 
 
 # --- arguments ------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import rapc
+from rapc.worlds.scripted import ScriptedWorld
 
 LAMPS = Path(__file__).parent / "worlds" / "lamps" / "lamps.rap"
 WORLD = "tests.worlds.lamps.lamps:LampWorld"
@@ -189,3 +190,52 @@ def test_what_a_caller_gets_wrong_is_told_in_a_line(
         call(lamps)
     assert said in caught.value.message
     assert "\n" not in caught.value.message
+
+
+UNBOUND = (
+    "(define-rap (go) (succeed (last-result okay)) (method (task-net (t1 (at ?x)))))"
+)
+AT = "(define-rap (at ?place) (succeed nil))"
+
+
+def test_library_is_linked_without_the_checker(tmp_path: Path) -> None:
+    (tmp_path / "a.rap").write_text(UNBOUND + AT)
+    with pytest.raises(rapc.CheckError):
+        rapc.load(tmp_path)
+    for library in (
+        rapc.load(tmp_path, check=False),
+        rapc.loads(UNBOUND + AT, check=False),
+    ):
+        assert library.raps == ("go", "at")
+        result = rapc.run(library, ScriptedWorld([]), "(go)", cycles=20)
+        assert result.tasks[0].outcome == "failed"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("(define-rap (go) (succeed", rapc.CheckError),
+        (AT + AT, rapc.CheckError),
+        ('(require "nowhere")', rapc.CheckError),
+        (UNBOUND, rapc.RefusedError),
+        ("(define-rap (go) (succeed (nothing)))", rapc.RefusedError),
+    ],
+)
+def test_library_that_cannot_be_run_is_not_linked(
+    text: str, kind: type[rapc.Error]
+) -> None:
+    with pytest.raises(kind):
+        rapc.loads(text, check=False)
+
+
+def test_result_leads_to_the_figures_of_the_world() -> None:
+    library = rapc.load("rapc:truck")
+    result = rapc.run(library, "truck", seed=1)
+    assert result.world is result.run.world
+    assert isinstance(result.world, rapc.world.Truthful)
+    assert result.world.figures()
+
+
+def test_names_of_the_package_are_the_public_ones() -> None:
+    own = {name for name in dir(rapc) if not name.startswith("__")}
+    assert own == {name for name in rapc.__all__ if name != "__version__"}

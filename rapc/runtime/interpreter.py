@@ -107,6 +107,11 @@ class Interpreter:
         return self._machine.context.view
 
     @property
+    def world(self) -> World:
+        """The world of the run: `run.world.figures()`, say, if it has figures."""
+        return self._world
+
+    @property
     def machine(self) -> Machine:
         """The parts of the run, for tools that look into it: they change nothing."""
         return self._machine

@@ -7,7 +7,7 @@ requires; tests that require the same share one.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import msgspec
@@ -31,10 +31,12 @@ class FoundTests(msgspec.Struct, frozen=True):
     reports: tuple[CheckReport, ...]
 
 
-def find(paths: Iterable[str | Path]) -> FoundTests:
+def find(
+    paths: Iterable[str | Path], texts: Mapping[str, str] | None = None
+) -> FoundTests:
     """The tests in files (`-` is one), and in all `*.test.rap` files below folders.
 
-    Those in compiled libraries come first.
+    Those in compiled libraries come first. `texts` stand for files of these names.
 
     Raises:
         LoadError: for what cannot be read.
@@ -44,7 +46,7 @@ def find(paths: Iterable[str | Path]) -> FoundTests:
     reports: list[CheckReport] = []
     sources: list[str] = []
     for path in dict.fromkeys(map(str, paths)):
-        data = files.read_compiled(path)
+        data = None if path in (texts or ()) else files.read_compiled(path)
         if data is None:
             sources.append(path)
         else:
@@ -52,7 +54,7 @@ def find(paths: Iterable[str | Path]) -> FoundTests:
                 library = Program(linked, name)
                 faults = _by_test(check_tests(linked, tests), tests)
                 cases += [Case(t, library, tuple(faults[t.span])) for t in tests]
-    for source in loader.read_tests(sources):
+    for source in loader.read_tests(sources, texts):
         cases += _find_in(source, reports)
     return FoundTests(tuple(cases), tuple(reports))
 

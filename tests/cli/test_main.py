@@ -95,6 +95,12 @@ def test_importing_rapc_imports_nothing_else_of_it() -> None:
     assert found.isdisjoint((*FOREIGN, "click", "msgspec"))
 
 
+def test_the_package_is_run_as_a_module() -> None:
+    ran = [sys.executable, "-m", "rapc", "--version"]
+    done = subprocess.run(ran, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, rapc("--version").stdout)
+
+
 def test_version_is_told() -> None:
     done = rapc("--version")
     assert done.returncode == 0

@@ -18,5 +18,5 @@ def test_drawing_has_the_order_of_the_import_contract() -> None:
     config = tomllib.loads((CHECKOUT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = config["tool"]["importlinter"]["contracts"]
     [layers] = [c["layers"] for c in contracts if c["id"] == "layers"]
-    drawn = re.findall(r"^  ([a-z]+)(?:\.py|/) ", _drawing(), re.M)
+    drawn = re.findall(r"^  ([a-z_]+)(?:\.py|/) ", _drawing(), re.M)
     assert list(reversed(drawn)) == layers
