@@ -222,7 +222,7 @@ class Reference:
             TaskResult(
                 task=task.number,
                 goal=cast(Any, task.goal()),  # text: what the trace has
-                outcome=task.outcome or "unfinished",
+                outcome=task.outcome or ("unfinished" if task.live else "cancelled"),
                 result=task.last_result if task.outcome else None,
                 background=task.background,
             )
