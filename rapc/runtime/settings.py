@@ -20,6 +20,8 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     #: How often one choice is allowed [T 3.2.5].
     futile_limit: _Count = 2
+    #: The last different choices of a task of which that counts.
+    max_choices: _Count = 1000
     #: The cycles without the clock moving after which a run is called off.
     idle_cycles: _Count = 100_000
     #: The waits in a row without a cycle after which a run is over [L 4.48].

@@ -279,6 +279,7 @@ def run_reference(case: Case) -> Trace:
         settings.cycle_cost,
         settings.query_steps,
         settings.idle_waits,
+        settings.max_choices,
     )
     world, solvers = _world(case, library), _solvers(case)
     reference = Reference(library, world, case.seed, limits, FUNCTIONS, solvers)

@@ -218,6 +218,9 @@ def undo(run: Run, running: Running) -> None:
     task = running.task
     clear(run, running, "parent-removed")
     task.chosen[running.choice] -= 1
+    task.times[running.method.position] -= 1
+    if not task.chosen[running.choice]:
+        del task.chosen[running.choice]
     if running.first:
         del task.tried[running.method.name]
 

@@ -62,6 +62,7 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
         settings=Settings(
             futile_limit=rng.choice((1, 2, 2, 2, 3)),
             idle_cycles=rng.choice((15, 40, 40)),
+            max_choices=random.Random(f"choices:{seed}").choice((1, 2, 3, 1000)),
             idle_waits=random.Random(f"waits:{seed}").choice((1, 3, 8, 100)),
             cycle_cost=rng.choice((0, 0, 0, 0, 1, 0.5)),
             query_steps=rng.choice(STEPS if "deep" in forms else (1_000_000,)),

@@ -104,6 +104,8 @@ def choose_method(run: Run, task: Task) -> None:
     if len(held) > 1:
         drawn = held[run.random.randrange(len(held))]
     method, found = drawn
+    for seen in list(task.chosen)[: -run.limits.max_choices]:
+        del task.chosen[seen]
     times = task.chosen.get(choice(method, found), 0)
     if times >= run.limits.futile_limit:
         fail(run, task, "futile-loop")
@@ -114,6 +116,7 @@ def choose_method(run: Run, task: Task) -> None:
         fail(run, task, "futile-loop")
     elif free:
         task.chosen[running.choice] = times + 1
+        task.times[method.position] = tries(task, method) + 1
         start(run, running)
     else:
         put_back(run, task, drawn, held)
@@ -137,8 +140,7 @@ def put_back(
 
 def tries(task: Task, method: nodes.Method) -> int:
     """How often a task has chosen a method, whatever was bound."""
-    same = (times for seen, times in task.chosen.items() if seen[0] == method.position)
-    return sum(same)
+    return task.times.get(method.position, 0)
 
 
 def choice(method: nodes.Method, env: Bindings) -> tuple[object, ...]:

@@ -34,6 +34,7 @@ class Limits:
         cycle_cost: Time = 0,
         query_steps: int = 1_000_000,
         idle_waits: int = 100_000,
+        max_choices: int = 1000,
     ) -> None:
         self.until = until
         self.cycles = cycles
@@ -42,6 +43,7 @@ class Limits:
         self.cycle_cost = cycle_cost
         self.query_steps = query_steps
         self.idle_waits = idle_waits
+        self.max_choices = max_choices
 
 
 class Run:

@@ -149,6 +149,7 @@ class Task:
         self.held_up_by: tuple[str, int] = ("", 0)
         self.failures: dict[int, int] = {}
         self.chosen: dict[tuple[object, ...], int] = {}
+        self.times: dict[int, int] = {}
         self.has_failed = False
         self.last_result: str | None = None
         self.tried: dict[object, None] = {}

@@ -250,7 +250,7 @@ def block(run: Run, task: Task) -> None:
     """A monitor blocks a task: its futile-loop history starts afresh."""
     task.blocked = True
     task.once = False
-    task.chosen = {}
+    task.chosen, task.times = {}, {}
     task.wanted = []
     task.blocked_on = awaited(run, task)
     run.tell(events.TaskBlocked, task=task.number, on=task.blocked_on)

@@ -176,6 +176,35 @@ def test_a_resource_that_has_changed_makes_another_choice() -> None:
     assert len(ran.told("chosen")) == 10
 
 
+@pytest.mark.parametrize(("kept", "chosen_times"), [(1, 40), (2, 40), (3, 6), (9, 6)])
+def test_only_the_last_choices_count_for_a_futile_loop(
+    kept: int, chosen_times: int
+) -> None:
+    """Three choices take turns: a task that remembers fewer never repeats itself."""
+    text = """
+        (define-rap (top) (succeed (p done))
+          (method (context (color it ?x)) (primitive (act ?x))))
+        """
+    turns = ("red", "green"), ("green", "blue"), ("blue", "red")
+    rows = [
+        row(f"(act {one})", asserts=[f"(color it {other})"]) for one, other in turns
+    ]
+    play = Play(
+        text,
+        "(top)",
+        rows=rows,
+        facts=["(color it red)"],
+        settings=Settings(max_choices=kept),
+    )
+    play.interpreter.step()
+    other = play.interpreter.fork()
+    play.run(cycles=39)
+    assert len(play.told("chosen")) == chosen_times
+    assert other.run(cycles=39) == play.interpreter.reason
+    assert other.succeeded == 0
+    assert other.machine.recorder.cycle == play.interpreter.machine.recorder.cycle
+
+
 def test_a_monitor_that_blocks_starts_the_futile_loop_afresh() -> None:
     ran = play(
         """

@@ -236,6 +236,7 @@ class _Capture:
         last, choices = history.last_choice, list(history.choices)
         return HistoryRecord(
             choices=tuple((_parts(key), n) for key, n in history.choices.items()),
+            tries=tuple(history.tries.items()),  # type: ignore[arg-type]  # indexes
             last_choice=choices.index(last) if last in history.choices else None,
             before=None if before is None else before.index,
             results=tuple(history.results.items()),  # type: ignore[arg-type]  # names

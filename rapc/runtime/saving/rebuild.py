@@ -181,8 +181,7 @@ class Rebuilt:
     def _history(self, task: Task, record: HistoryRecord) -> History:
         history = History()
         history.choices = {_tuple(key): count for key, count in record.choices}
-        for key, count in history.choices.items():
-            history.tries[key[0]] = history.tries.get(key[0], 0) + count
+        history.tries = dict(record.tries)
         if record.last_choice is not None:
             history.last_choice = _tuple(record.choices[record.last_choice][0])
         if record.before is not None:

@@ -103,6 +103,8 @@ class HistoryRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     """A `History`; `success` is an environment by its place."""
 
     choices: tuple[tuple[Parts, int], ...] = ()
+    #: How often each method was chosen, by index; other choices may be forgotten.
+    tries: tuple[tuple[int, int], ...] = ()
     #: The place in `choices` of the last choice, if it is still counted.
     last_choice: int | None = None
     #: The method tried before the one tried last, by position.

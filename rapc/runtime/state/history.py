@@ -26,9 +26,10 @@ class History:
     )
 
     def __init__(self) -> None:
-        #: What the futile-loop detector has seen, from the second choice on.
+        #: What the futile-loop detector has seen, from the second choice on: the last
+        #: different choices, in the order in which each was first made.
         self.choices: dict[tuple[object, ...], int] = {}
-        #: How often each method was chosen, whatever was bound: `choices` by index.
+        #: How often each method was chosen, by index, whatever was bound.
         self.tries: dict[object, int] = {}
         #: The last choice that `choices` has counted; only then is it asked for.
         self.last_choice: tuple[object, ...] = ()

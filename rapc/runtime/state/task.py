@@ -199,22 +199,29 @@ class Task:
 
     # --- the futile-loop detector (T 3.2.5) ------------------------------------
 
-    def times_chosen(self, key: tuple[object, ...]) -> int:
-        """Return how often a choice was made since the detector started afresh."""
-        if self.history is not None and self.history.choices:
-            return self.history.choices.get(key, 0)
-        return 1 if self.choice == key else 0
+    def times_chosen(self, key: tuple[object, ...], most: int) -> int:
+        """Return how often a choice was made since the detector started afresh.
+
+        Only the `most` last different choices count; the others are forgotten here,
+        as the last one may be put back until another is made.
+        """
+        if self.history is None or not self.history.tries:
+            return 1 if self.choice == key else 0
+        choices = self.history.choices
+        if len(choices) > most:
+            del choices[next(iter(choices))]
+        return choices.get(key, 0)
 
     @property
     def choices(self) -> int:
         """Return how often a method was chosen since the detector started afresh."""
-        if self.history is not None and self.history.choices:
-            return sum(self.history.choices.values())
+        if self.history is not None and self.history.tries:
+            return sum(self.history.tries.values())
         return 0 if self.choice is None else 1
 
     def times_tried(self, method: MethodPlan) -> int:
         """Return how often a method was chosen since the detector started afresh."""
-        if self.history is not None and self.history.choices:
+        if self.history is not None and self.history.tries:
             return self.history.tries.get(method.index, 0)
         return 1 if self.choice is not None and self.choice[0] == method.index else 0
 
@@ -225,7 +232,7 @@ class Task:
             return
         history = self.remember()
         choices, tries = history.choices, history.tries
-        if not choices:
+        if not tries:
             choices[self.choice] = tries[self.choice[0]] = 1
         choices[key] = choices.get(key, 0) + 1
         tries[key[0]] = tries.get(key[0], 0) + 1
@@ -234,15 +241,13 @@ class Task:
     def forget_choice(self) -> None:
         """Let the choice that was noted last never have been made."""
         history = self.history
-        if history is None or not history.choices:
+        if history is None or not history.tries:
             self.choice = None
             return
         key = history.last_choice
-        history.choices[key] -= 1
-        history.tries[key[0]] -= 1
-        if not history.choices[key]:
-            del history.choices[key]
-        if not history.choices:
+        _count_down(history.choices, key)
+        _count_down(history.tries, key[0])
+        if not history.tries:
             self.choice = None
 
     def forget_method(self) -> None:
@@ -299,6 +304,12 @@ class Task:
     def has_resources(self) -> bool:
         """Whether it has sets or counters, or was given some."""
         return any(isinstance(value, _RESOURCES) for value in self.env.values())
+
+
+def _count_down(counts: dict[Any, int], key: object) -> None:
+    counts[key] -= 1
+    if not counts[key]:
+        del counts[key]
 
 
 def _told(term: nodes.Term, env: Env) -> Any:

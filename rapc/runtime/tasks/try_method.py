@@ -47,9 +47,10 @@ def try_method(machine: Machine, task: Task) -> None:
         fail(machine, task, NO_METHOD, causes.of_no_method(machine, task))
         return
     method, found, key, others = choice
+    settings = machine.settings
     if task.choice is None:
         task.choice = key
-    elif task.times_chosen(key) < machine.settings.futile_limit:
+    elif task.times_chosen(key, settings.max_choices) < settings.futile_limit:
         task.note_choice(key)
     else:
         because = causes.of_futile_choice(machine, task, method, found)
