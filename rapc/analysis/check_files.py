@@ -1,23 +1,26 @@
-"""Check files by their paths: test files one by one, all others as one library.
+"""Check files by their paths: each test file by itself, all others as one library.
 
 What the tests of a file run is what `rapc.library.test_files` says. A finding that more
-than one of these libraries has, in a file that they share, is reported once.
+than one of these libraries has, in a file that they share, is reported once. A file of
+the one library is judged there: what a test requires of it may be a part, in which only
+errors count, for they keep the test from being run.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rapc.analysis import suppressions
+from rapc.analysis import grave, suppressions
 from rapc.analysis.driver import CheckReport, Finding, check_library, order_of
 from rapc.analysis.selection import Selection
-from rapc.base.files import TEST_SUFFIX, lies_in
+from rapc.base.files import TEST_SUFFIX, lies_in, path_of
 from rapc.base.source import SourceFile, Span
 from rapc.library import loader
-from rapc.library.loader import Loaded, Parse
-from rapc.library.test_files import load_tests
+from rapc.library.loader import Loaded, Names, Parse
+from rapc.library.test_files import alike, load_tests
 from rapc.parser.parse import parse
 
 if TYPE_CHECKING:
@@ -32,10 +35,10 @@ def check_files(
     parser: Parse = parse,
     cache: Cache | None = None,
 ) -> CheckReport:
-    """Check files and folders; test files that are named are checked as they are run.
+    """Check files and folders; test files are checked as they are run.
 
     Args:
-        paths: files, folders (all `.rap` below but tests), `-` for standard input.
+        paths: files, folders (all `.rap` files below), `-` for standard input.
         selection: the rules that may report; those that are not opt-in if None.
         texts: what stands for the texts of some files, by name.
         parser: what makes units of files, unless there is a cache, which has its own.
@@ -47,7 +50,7 @@ def check_files(
     check = partial(check_library, selection=selection)
     reports: list[CheckReport] = []
     given = list(paths)
-    for load in _loads(given, texts):
+    for load in _loads(given, texts, parser):
         if cache is None:
             reports += map(check, load(parser))
         else:
@@ -58,22 +61,26 @@ def check_files(
 
 
 def _loads(
-    paths: Iterable[str], texts: Mapping[str, str] | None
+    paths: Iterable[str], texts: Mapping[str, str] | None, parser: Parse
 ) -> Iterator[Callable[[Parse], Sequence[Loaded]]]:
-    """Yield what loads the libraries: one of all files, those of each file of tests."""
+    """Yield what loads the libraries: the one of all files, then those of tests."""
     given = list(dict.fromkeys(paths))
     named = [path for path in given if path.endswith(TEST_SUFFIX)]
     others = [path for path in given if path not in named]
-    if others or not named:
-        yield lambda parser: [loader.load(others, texts=texts, parser=parser)]
-    for source in loader.read_tests(named, texts):
-        yield partial(_of_tests, source, texts)
+    folders = [path for path in others if os.path.isdir(path_of(path))]
+    names: Names = {}
+    yield lambda parser: [loader.load(others, texts=texts, parser=parser, names=names)]
+    for sources in alike(loader.read_tests([*named, *folders], texts), parser):
+        yield partial(_of_tests, sources, texts, names)
 
 
 def _of_tests(
-    source: SourceFile, texts: Mapping[str, str] | None, parser: Parse
+    sources: Sequence[SourceFile],
+    texts: Mapping[str, str] | None,
+    names: Names,
+    parser: Parse,
 ) -> Sequence[Loaded]:
-    return load_tests(source, texts, parser).libraries
+    return load_tests(sources, texts, parser, names).libraries
 
 
 def _judged(report: CheckReport, given: Sequence[str]) -> CheckReport:
@@ -97,17 +104,23 @@ def _is_given(file: str, given: Sequence[str]) -> bool:
     return file == loader.STANDARD_INPUT or any(lies_in(file, path) for path in given)
 
 
-def _joined(reports: Iterable[CheckReport]) -> CheckReport:
-    """Return one report on several libraries, each finding once.
+def _joined(every: Sequence[CheckReport]) -> CheckReport:
+    """Return one report on the library and those of tests, each finding once.
 
     A suppression is unused if no library that holds its file has a use for it.
     """
-    every = list(reports)
+    own = every[0].files
     files = {name: file for one in every for name, file in one.files.items()}
     raps = {name: number for one in every for name, number in one.raps_in.items()}
     found: dict[tuple[str, Span, str], Finding] = {}
     for report in every:
         for finding in report.findings:
+            if (
+                report is not every[0]
+                and finding.diagnostic.span.file in own
+                and finding.rule.name not in grave.errors()
+            ):
+                continue
             if finding.rule.name != suppressions.UNUSED.name or all(
                 finding in other.findings
                 for other in every

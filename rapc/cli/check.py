@@ -110,8 +110,9 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
 def check(**given: Any) -> None:
     """Check RAP libraries: files, folders with RAP files, or - for standard input.
 
-    All paths together are one library, with the files that they require; a test file
-    that is named is checked by itself, each test with what it requires. RULES are
+    All paths together are one library, with the files that they require. Each test
+    file, named or below a folder, is checked by itself, each test with what it
+    requires. RULES are
     names or codes of rules, separated by commas (see `rapc rule`). What a `rapc.toml`
     or `[tool.rapc]` in a pyproject.toml says counts where no option does.
 

@@ -59,7 +59,7 @@ def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
 def _below(paths: Iterable[str]) -> Iterator[Path]:
     for path in paths:
         try:
-            yield from files_at(path_named(path), tests=False)
+            yield from files_at(path_named(path), tests=True)
         except LoadError:
             yield path_of(path)
 

@@ -38,6 +38,12 @@ from rapc.parser.unit import Partial, SourceUnit
 Parse = Callable[[SourceFile], SourceUnit]
 """What makes a unit of a file: `rapc.parser.parse.parse`, or what remembers units."""
 
+Names = dict[Identity, str]
+"""The name of each file, under which it was read first.
+
+Loads that share one give a file the same name, whatever path leads to it.
+"""
+
 STANDARD_INPUT = "<stdin>"
 """What spans call the text on standard input."""
 
@@ -75,6 +81,7 @@ def load(
     tests: bool = False,
     texts: Mapping[str, str] | None = None,
     parser: Parse = parse,
+    names: Names | None = None,
 ) -> Loaded:
     """Read files and folders, all they require, and link them into one library.
 
@@ -85,15 +92,16 @@ def load(
         texts: what stands for the texts of some files, by the names they would get; a
             path among them need not exist.
         parser: what makes units of files.
+        names: the names of files that are read more than once.
 
     Raises:
         LoadError: for a path that is missing, unreadable, not UTF-8 or not text, and
             for folders that lead back into themselves.
     """
-    names = list(dict.fromkeys(map(str, paths)))
-    given = [Path(n) for n in names if n != "-" and not n.startswith(STANDARD)]
-    reading = _Reading(tests, given=given, texts=texts, parser=parser)
-    for path in names:
+    typed = list(dict.fromkeys(map(str, paths)))
+    given = [Path(n) for n in typed if n != "-" and not n.startswith(STANDARD)]
+    reading = _Reading(tests, given=given, texts=texts, parser=parser, names=names)
+    for path in typed:
         if path == "-":
             reading.add(reading.source(STANDARD_INPUT))
         elif path in reading.texts:
@@ -105,18 +113,23 @@ def load(
 
 @gc_paused()
 def load_for_test(
-    source: SourceFile,
+    sources: Iterable[SourceFile],
     requires: Iterable[nodes.Require],
     texts: Mapping[str, str] | None = None,
     parser: Parse = parse,
+    names: Names | None = None,
 ) -> Loaded:
     """Link what a test runs: its file, and what that and the test itself require.
 
-    What other tests of the file require is left out. Raises LoadError as `load`.
+    What other tests of the file require is left out. There may be more than one file
+    of tests. Raises LoadError as `load`.
     """
-    names = frozenset(form.name for form in requires)
-    reading = _Reading(tests=False, of_tests=names, texts=texts, parser=parser)
-    reading.add_first(source)
+    wanted = frozenset(form.name for form in requires)
+    reading = _Reading(
+        tests=False, of_tests=wanted, texts=texts, parser=parser, names=names
+    )
+    for source in sources:
+        reading.add_first(source)
     return reading.finish()
 
 
@@ -183,6 +196,7 @@ class _Reading:
         follow: whether what files require is read at all.
         texts: what stands for the texts of some files, by name.
         parser: what makes units of files.
+        names: the names of files that were read before.
     """
 
     def __init__(  # what kind of load it is, each with a default
@@ -193,8 +207,10 @@ class _Reading:
         follow: bool = True,
         texts: Mapping[str, str] | None = None,
         parser: Parse = parse,
+        names: Names | None = None,
     ) -> None:
         self.tests = tests
+        self.names = {} if names is None else names
         self.parser = parser
         self.of_tests = of_tests
         self.given = given
@@ -209,9 +225,8 @@ class _Reading:
 
     def read_all(self, names: Iterable[str]) -> None:
         """Read files that were not read before, under whatever name."""
-        for name in names:
-            if self._is_new(name):
-                self.add(self.source(name))
+        for name in filter(None, map(self._new, names)):
+            self.add(self.source(name))
 
     def source(self, name: str) -> SourceFile:
         """Read a file, or standard input, unless another text stands for it."""
@@ -225,7 +240,9 @@ class _Reading:
         """Parse a file that was read before this began, or a text; see `add`."""
         path = path_of(source.name)
         if os.path.lexists(path):
-            self.seen.setdefault(identity_of(path), source.name)
+            identity = identity_of(path)
+            self.seen.setdefault(identity, source.name)
+            self.names.setdefault(identity, source.name)
         self.add(source)
 
     def add(self, source: SourceFile) -> None:
@@ -235,8 +252,8 @@ class _Reading:
             name = next(opened[-1].required, None)
             if name is None:
                 self.units.append(opened.pop().unit)
-            elif self._is_new(name):
-                opened.append(self._open(self.source(name)))
+            elif new := self._new(name):
+                opened.append(self._open(self.source(new)))
 
     def finish(self) -> Loaded:
         """Link what was read."""
@@ -249,11 +266,16 @@ class _Reading:
         found = (*own, *self.missing, *names)
         return Loaded(linked, tuple(self.units), found, required)
 
-    def _is_new(self, name: str) -> bool:
+    def _new(self, name: str) -> str | None:
+        """Return the name of a file that was not read before, by this name or another.
+
+        None if it was read.
+        """
         identity = identity_of(path_of(name))
-        is_new = identity not in self.seen
-        self.seen.setdefault(identity, name)
-        return is_new
+        if identity in self.seen:
+            return None
+        self.seen[identity] = self.names.setdefault(identity, name)
+        return self.seen[identity]
 
     def _open(self, source: SourceFile) -> _Opened:
         unit = self.parser(source)

@@ -65,7 +65,7 @@ def _find_in(source: SourceFile, reports: list[CheckReport]) -> list[Case]:
     What is wrong with a test keeps that test alone from being run; what is wrong with
     a library is added to `reports`, once.
     """
-    file = load_tests(source)
+    file = load_tests([source])
     own = file.tests
     cases: dict[Span, Case] = {}
     for loaded in file.libraries:

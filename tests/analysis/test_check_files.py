@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from rapc.analysis.check_files import check_files
-from rapc.analysis.driver import Finding
+from rapc.analysis.driver import CheckReport, Finding, check_library
+from rapc.analysis.selection import Selection
 from rapc.base.diagnostics import Severity
+from rapc.library.loader import Loaded
 from rapc.testing.discover import find
 
 LIBRARIES = {
@@ -210,3 +212,82 @@ def test_a_file_required_through_a_link_keeps_the_name_that_finds_it(
     assert [one.diagnostic.span.file for one in found.findings] == [
         "linked/../library/go.rap"
     ]
+
+
+def _found(*paths: str) -> list[tuple[str, str, int]]:
+    return [_key(one) for one in check_files(paths).findings]
+
+
+@pytest.fixture
+def suite(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return the names of test files in a folder, each with one of `TESTS`."""
+    monkeypatch.chdir(tmp_path)
+    _put(tmp_path, [])
+    (tmp_path / "all.test.rap").unlink()
+    for number, clauses in enumerate(TESTS):
+        file = tmp_path / f"t{number:02}.test.rap"
+        helper = "(define-rap (help) (succeed t))\n" if number % 2 else ""
+        required = ' (require "doors") ' if '"doors"' in clauses else ""
+        test = clauses.replace('(require "doors")', "")
+        file.write_text(f"{required}{helper}(define-test it {test})\n")
+    return sorted(file.name for file in tmp_path.glob("*.test.rap"))
+
+
+def test_tests_below_a_folder_are_checked_as_if_they_were_named(
+    suite: list[str], tmp_path: Path
+) -> None:
+    """Each by itself: half of them define the same RAP, all tests have one name."""
+    (tmp_path / "lamps.rap").rename(tmp_path / "lamps.txt")  # `light` stands twice
+    (tmp_path / "bad.rap").unlink()
+    alone = {found for name in suite for found in _found(name)}
+    assert len(alone) > len(TESTS)
+    assert sorted(_found(".")) == sorted(alone)
+    assert sorted(_found(".", *suite)) == sorted(alone)
+
+
+def test_files_of_tests_that_require_the_same_are_checked_at_once(
+    suite: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So a library is not checked as often as it has files of tests."""
+    for name in suite:
+        (tmp_path / name).write_text('(require "doors") (define-test it)')
+    seen: list[list[str]] = []
+
+    def check(loaded: Loaded, selection: Selection) -> CheckReport:
+        seen.append(list(loaded.files))
+        return check_library(loaded, selection)
+
+    monkeypatch.setattr("rapc.analysis.check_files.check_library", check)
+    check_files(["doors.rap", *suite])
+    assert seen == [["doors.rap"], ["doors.rap", *suite]]
+
+
+def test_of_a_part_of_a_library_only_errors_are_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the library as a whole `lit` is used; for the first test `dark` is missing."""
+    monkeypatch.chdir(tmp_path)
+    texts = {
+        "lit.rap": "(declare-primitive light () (okay))\n"
+        "(define-rap (go) (method (claims lamp) (primitive (light))))",
+        "dark.rap": '(require "lit")'
+        "(define-rap (stay) (method (claims lamp) (task-net (t1 (go)))))",
+        "one.test.rap": '(require "lit") (define-test it (task (stay)))',
+        "two.test.rap": '(require "dark") (define-test it (task (stay)))',
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    part = check_files(["one.test.rap"]).findings
+    assert [one.rule.name for one in part] == ["unused-claim", "unknown-rap"]
+    whole = check_files(["."]).findings
+    assert [one.rule.name for one in whole] == ["unknown-rap"]
+
+
+def test_a_file_has_one_name_whatever_paths_lead_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _project(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    found = check_files(["library", str(tmp_path / "tests")])
+    assert [one.diagnostic.span.file for one in found.findings] == ["library/go.rap"]
+    assert len(found.files) == 3

@@ -123,11 +123,16 @@ def test_standard_input_is_read(tmp_path: Path) -> None:
     assert done.stdout.startswith("<stdin>:1:2: error[")
 
 
-def test_tests_in_folders_are_left_alone(tmp_path: Path) -> None:
+def test_tests_in_folders_are_checked_too(tmp_path: Path) -> None:
+    (tmp_path / "waiting.test.rap").write_text("(nonsense)\n(define-rap (a))")
+    named = rapc("check", "waiting.test.rap", cwd=tmp_path)
+    assert named.returncode == 1
+    assert named.stdout.endswith("checked 1 file, 1 RAP: 1 error\n")
+    assert rapc("check", ".", cwd=tmp_path).stdout == named.stdout
     (tmp_path / "waiting.rap").write_text(CLEAN)
-    (tmp_path / "waiting.test.rap").write_text("(nonsense)")
-    assert rapc("check", str(tmp_path)).returncode == 0
-    assert rapc("check", str(tmp_path / "waiting.test.rap")).returncode == 1
+    done = rapc("check", ".", cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stdout.endswith("checked 2 files, 2 RAPs: 1 error\n")
 
 
 def test_colour_is_asked_for_or_not(program: Path) -> None:

@@ -55,6 +55,14 @@ def _nothing(number: int) -> bool:
     return False
 
 
+def test_a_new_test_is_a_change(times: Callable[..., int], tmp_path: Path) -> None:
+    def add(number: int) -> bool:
+        _write(tmp_path / "lib" / "new.test.rap", NOW)
+        return number == 1
+
+    assert times(_nothing, add) == 2
+
+
 def test_nothing_is_done_again_without_a_change(times: Callable[..., int]) -> None:
     assert times(_nothing, _nothing) == 1
 
