@@ -92,6 +92,21 @@ def test_what_became_unknown_is_still_older_than_anything() -> None:
     assert {fact: restored.stamp(fact) for fact in restored} == before
 
 
+def test_exclusion_by_a_fact_that_has_gone_outlives_a_restore() -> None:
+    memory = bench(DRUMS)
+    (old,) = see(memory, "drum", "bay", {"mark": "x"})
+    memory.assert_fact("contains", old, "nuts", "true")
+    leave(memory)
+    new, _ = see(memory, "drum", "bay", {}, {})
+    memory.assert_fact("is-empty", new, "true")
+    memory.time += 1
+    memory.assert_fact("is-empty", new, "false")
+    _restore(memory, _bytes(memory))
+    memory.assert_fact("mark", new, "x")
+    assert memory.name(new) == old
+    assert memory.memory.value("contains", old, "nuts") is None
+
+
 def test_notations_are_held_by_as_many_methods() -> None:
     memory = bench(DRUMS)
     inside = memory.parts.memory

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rapc.base.values import Atom, Fact
 
 from .plain_parts import Declared, Thing
@@ -19,6 +21,8 @@ class Facts:
     def __init__(self, declared: Declared) -> None:
         self.now: float = 0
         self.stamps: dict[Fact, float] = {}
+        #: When facts of a name and last part were last excluded for an item.
+        self.denied: dict[Fact, float] = {}
         self.aliases: dict[Atom, Atom] = {}
         self.declared = declared
 
@@ -36,6 +40,11 @@ class Facts:
                 del self.stamps[other]
         self.stamps.pop(fact, None)
         self.stamps[fact] = self.now
+        for owner, value, other, forbidden in self.declared.excludes:
+            if (fact[0], fact[-1]) == (owner, value):
+                self.denied[other, fact[1], forbidden] = self.now
+            if (fact[0], fact[-1]) == (other, forbidden):
+                self.denied[owner, fact[1], value] = self.now
 
     def erase(self, prefix: Fact) -> None:
         """Every fact that starts so goes."""
@@ -56,6 +65,24 @@ class Facts:
         for fact in list(self.stamps):
             if name in fact[1:]:
                 del self.stamps[fact]
+        self._drop_denied(name)
+
+    def _drop_denied(self, name: Atom) -> dict[tuple[Atom, Atom], float]:
+        """Drop when facts of an item were denied; by what they are without the item."""
+        mine = [(what, of, value) for what, of, value in self.denied if of == name]
+        return {
+            (what, value): self.denied.pop((what, name, value))
+            for what, _, value in mine
+        }
+
+    def share_denied(self, names: Sequence[Atom | None]) -> None:
+        """What was not denied of all of these items was denied of none."""
+        dropped = [self._drop_denied(name) if name else {} for name in names]
+        for what, value in dropped[0]:
+            if all((what, value) in each for each in dropped):
+                for name in names:
+                    oldest = min(each[what, value] for each in dropped)
+                    self.denied[what, str(name), value] = oldest
 
     def contradict(self, one: Fact, other: Fact) -> bool:
         """Whether two facts cannot stand beside each other."""
@@ -98,6 +125,7 @@ class Facts:
 
         If `wins`, those facts stay at any time, except what was never asserted.
         """
+        its_denied, my_denied = self._drop_denied(gone), self._drop_denied(keep)
         its = {f: s for f, s in self.stamps.items() if gone in f[1:]}
         for fact in its:
             del self.stamps[fact]
@@ -105,12 +133,25 @@ class Facts:
         self.aliases[gone] = keep
         renamed = {tuple(map(self.name, f)): s for f, s in its.items()}
         strong, weak = (renamed, mine) if gone_is_stronger else (mine, renamed)
+        hard, soft = my_denied, its_denied
+        if gone_is_stronger:
+            hard, soft = soft, hard
         kept: dict[Fact, float] = {}
-        for facts, others, better in ((strong, weak, True), (weak, strong, False)):
+        sides = (strong, weak, soft, True), (weak, strong, hard, False)
+        for facts, others, denied, better in sides:
             for fact, stamp in facts.items():
                 rivals = [s for f, s in others.items() if self.contradict(fact, f)]
-                if all(_stays(stamp, rival, better, wins) for rival in rivals):
+                stays = [_stays(stamp, rival, better, wins) for rival in rivals]
+                if fact[1] == keep and (fact[0], fact[-1]) in denied:
+                    rival = denied[fact[0], fact[-1]]
+                    stays.append(_stays(stamp, rival, better, wins and better))
+                if all(stays):
                     kept[fact] = max(stamp, kept.get(fact, NEVER))
+        for what, value in {**my_denied, **its_denied}:
+            stamps = [
+                d[what, value] for d in (my_denied, its_denied) if (what, value) in d
+            ]
+            self.denied[what, keep, value] = max(stamps)
         for fact in mine:
             self.stamps.pop(fact, None)
         self.stamps.update(kept)

@@ -168,6 +168,7 @@ def make_alike(
     """What a collection does not share becomes unknown; the rest is as old as any."""
     if len(collection) < 2:
         return
+    facts.share_denied([thing.name for thing in collection])
     every = [facts.of(thing) for thing in named]
     empty = len(named) < len(collection)
     for index in {index: None for each in every for index in each}:

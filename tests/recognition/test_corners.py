@@ -7,6 +7,8 @@ from typing import cast
 
 import pytest
 
+from rapc.base.values import Fact
+
 from .pictures import Side, Told
 from .plain_parts import Comparator, Known
 from .sides import ByHand, UnderTest
@@ -103,12 +105,35 @@ def _little_known(one: Known, other: Known) -> int:
 def test_comparator_scores_an_empty_description_by_no_properties(
     kind: type[UnderTest] | type[ByHand],
 ) -> None:
-    compared = {("drum", None): Comparator(function=_little_known)}
-    story = Story(kind(replace(DEPOT, comparators=compared)), "drum")
+    in_python = Comparator(function=_little_known)
+    declared = replace(DEPOT, comparators={("drum", None): in_python})
+    story = Story(kind(declared), "drum")
     story.see("dock", {"1": {"color": "red"}})
     story.leave()
     # 3 is the one of which the first visit says nothing: so 2 is 1.
     assert story.see("dock", {"2": {"size": 1}, "3": {}}) == [("@1", "@2", 10, None)]
+
+
+@pytest.mark.parametrize("names", ["abx", "axb", "bax", "bxa", "xab", "xba"])
+def test_exclusion_holds_in_whatever_order_items_turn_out_to_be_one(
+    side: Side, names: str
+) -> None:
+    story = Story(side, "drum")
+    facts: dict[str, Fact] = {
+        "a": ("contains", "nuts", "true"),
+        "b": ("is-empty", "true"),
+        "x": ("is-empty", "false"),
+    }
+    for visit, name in enumerate("abx", 1):
+        story.see("dock", {str(visit): {}, f"{visit}0": {"mark": visit, "size": visit}})
+        story.look(str(visit), *facts[name])
+        story.leave()
+    one = {name: f"@{visit}" for visit, name in enumerate("abx", 1)}
+    assert len({story.name(label) for label in one.values()}) == 3
+    for name in names:
+        story.look(one[name][1:], "color", "red")
+    assert len({story.name(label) for label in one.values()}) == 1
+    assert story.values("@1") == {"color": "red", "is-empty": "false"}
 
 
 def test_a_moved_item_keeps_what_is_known_of_itself(side: Side) -> None:

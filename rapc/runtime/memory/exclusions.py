@@ -3,6 +3,9 @@
 A property that has a value excludes the facts of a pattern; its own arguments are
 the pattern's variables, every other variable is free. It works both ways. What goes
 when one of two comes, or when a merge brings them together, is for others to say.
+
+A fact that excludes others may itself have gone when its item turns out to be another
+one, of which an older fact is known. So the last assertion of such a fact is kept.
 """
 
 from __future__ import annotations
@@ -12,7 +15,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from rapc.base.values import Atom, Fact
 from rapc.ir import nodes
 from rapc.library.signatures import Signatures
+from rapc.runtime.memory.mentions import PREFIX
 from rapc.runtime.memory.store import FactStore
+from rapc.world import Time
+
+Pattern = tuple[Atom | None, ...]
+"""The facts of a name; None for any argument."""
+
+Excluded = tuple[Pattern, ...]
+"""All facts that a fact excludes."""
+
+Past = tuple[Fact, Time]
+"""A fact that was asserted at a time, and perhaps has gone since."""
 
 Shape = tuple[str | nodes.Const, ...]
 """The arguments of one side: constants, and the names of variables."""
@@ -40,7 +54,7 @@ class _Side:
                 return None
         return found
 
-    def pattern(self, bound: dict[str, Atom]) -> tuple[Atom | None, ...]:
+    def pattern(self, bound: dict[str, Atom]) -> Pattern:
         """Return the facts of this side that go with what the other side has bound."""
         args = [
             arg.value if isinstance(arg, nodes.Const) else bound.get(arg)
@@ -59,6 +73,8 @@ class Exclusions:
         facts: FactStore,
     ) -> None:
         self._facts = facts
+        #: The past assertions by item, then by what they exclude.
+        self._past: dict[str, dict[Excluded, Past]] = {}
         self._pairs: dict[Atom, list[tuple[_Side, _Side]]] = {}
         for declared in properties:
             for exclusion in declared.excludes:
@@ -72,16 +88,72 @@ class Exclusions:
 
     def of(self, fact: Fact) -> Sequence[Fact]:
         """The facts in memory that cannot stand beside a fact, oldest first."""
-        pairs = self._pairs.get(fact[0])
-        return () if pairs is None else list(dict.fromkeys(self._of(fact, pairs)))
+        return list(
+            dict.fromkeys(
+                found
+                for other, pattern in self._patterns(fact)
+                for found in self._facts.matching(pattern)
+                if found != fact and other.bound(found) is not None
+            )
+        )
 
-    def _of(self, fact: Fact, pairs: Iterable[tuple[_Side, _Side]]) -> Iterator[Fact]:
-        for mine, other in pairs:
+    def _patterns(self, fact: Fact) -> Iterator[tuple[_Side, Pattern]]:
+        for mine, other in self._pairs.get(fact[0], ()):
             bound = mine.bound(fact)
             if bound is not None:
-                for found in self._facts.matching(other.pattern(bound)):
-                    if found != fact and other.bound(found) is not None:
-                        yield found
+                yield other, other.pattern(bound)
+
+    # --- past assertions ---------------------------------------------------------
+
+    def excluded(self, fact: Fact) -> Excluded:
+        """Return the patterns of all facts that a fact excludes."""
+        return tuple([pattern for _, pattern in self._patterns(fact)])
+
+    def asserted(self, fact: Fact, time: Time) -> None:
+        """Keep when a fact was asserted, if it excludes facts of an item.
+
+        Of several facts that exclude the same the last one is kept.
+        """
+        excluded = self.excluded(fact)
+        for item in _items(excluded):
+            known = self._past.setdefault(item, {})
+            before = known.get(excluded)
+            if before is None or before[1] <= time:
+                known[excluded] = (fact, time)
+
+    def past(self, item: str) -> list[Past]:
+        """Return the last assertions of facts that exclude facts of an item."""
+        return list(self._past.get(item, {}).values())
+
+    def forget(self, item: str) -> list[Past]:
+        """Drop the past assertions of an item, and return them."""
+        dropped = self._past.pop(item, {})
+        for excluded in dropped:
+            for other in _items(excluded):
+                known = self._past.get(other, {})
+                known.pop(excluded, None)
+                if not known:
+                    self._past.pop(other, None)
+        return list(dropped.values())
+
+    def state(self) -> tuple[tuple[str, tuple[Past, ...]], ...]:
+        """Return the past assertions by item, as `load` takes them."""
+        return tuple(
+            (item, tuple(known.values())) for item, known in self._past.items()
+        )
+
+    def load(self, state: Iterable[tuple[str, Iterable[Past]]]) -> None:
+        """Hold the past assertions that `state` returned, and no others."""
+        self._past = {
+            item: {self.excluded(fact): (fact, time) for fact, time in known}
+            for item, known in state
+        }
+
+
+def _items(excluded: Excluded) -> Iterable[str]:
+    """The items of indistinct classes that stand in patterns."""
+    parts = dict.fromkeys(part for pattern in excluded for part in pattern[1:])
+    return [p for p in parts if type(p) is str and p.startswith(PREFIX)]
 
 
 def _owner(declared: nodes.DeclareProperty, exclusion: nodes.Exclusion) -> _Side:

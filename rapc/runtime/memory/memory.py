@@ -135,6 +135,7 @@ class Memory:
             if self.exclusions is not None:
                 for other in self.exclusions.of(fact):
                     self.remove(other, "memory")
+                self.exclusions.asserted(fact, stamp)
         replaced = self.facts.add(fact, stamp)
         if replaced is not None:
             if noted:

@@ -13,6 +13,7 @@ import msgspec
 
 from rapc.base.values import Atom, Fact
 from rapc.runtime.memory.build import Assembled
+from rapc.runtime.memory.exclusions import Past
 from rapc.runtime.memory.items import Item
 from rapc.runtime.memory.recognition.sets import Description, ExpectationSet, View
 from rapc.runtime.memory.store import NEVER
@@ -72,6 +73,8 @@ class MemoryState(msgspec.Struct, frozen=True):
     #: The numbers of the youngest description and of the latest layer.
     number: int
     layers: int
+    #: By item the last assertions that exclude facts of it: `Exclusions.past`.
+    past: tuple[tuple[str, tuple[Past, ...]], ...] = ()
 
 
 # --- capturing ---------------------------------------------------------------------
@@ -108,6 +111,7 @@ def capture_memory(parts: Assembled) -> MemoryState:
         lost=tuple(d.number for d in recognizer.lost),
         number=recognizer.number,
         layers=recognizer.layers,
+        past=() if memory.exclusions is None else memory.exclusions.state(),
     )
 
 
@@ -165,6 +169,8 @@ def restore_memory(parts: Assembled, state: MemoryState) -> None:
     memory.notations.load(state.notations)
     if memory.mentions is not None:
         memory.mentions.load(state.mentions)
+    if memory.exclusions is not None:
+        memory.exclusions.load(state.past)
     known = [_made(item) for item in state.items]
     memory.items.load(known, state.aliases, state.gone, state.sensors, state.reach)
     found = (*known, *(_made(item) for item in state.empty))

@@ -23,16 +23,18 @@ def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> N
     """
     assert memory.mentions is not None
     sources = dict.fromkeys(memory.mentions.of(kept), kept)
+    shared: set[Fact] = set()
     for fact in memory.mentions.of(lost):
-        renamed = tuple([kept if part == lost else part for part in fact])
-        renamed = (fact[0], *renamed[1:])
+        renamed = _renamed(fact, lost, kept)
         rival = _rival(memory, renamed)
         if rival is None or rival == fact:
             memory.rename(fact, renamed, _stamp_of(memory, fact))
             sources[renamed] = lost
         elif rival == renamed:
-            newer = max(_stamp_of(memory, fact), _stamp_of(memory, rival))
-            memory.rename(fact, renamed, newer)
+            its, mine = _stamp_of(memory, fact), _stamp_of(memory, rival)
+            memory.rename(fact, renamed, max(its, mine))
+            sources[renamed] = own or (lost if its > mine else kept)
+            shared.add(renamed)
         elif _wins(memory, (lost, fact), (kept, rival), first, own):
             stamp = _stamp_of(memory, fact)
             memory.remove(rival, "memory")
@@ -42,6 +44,13 @@ def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> N
             memory.remove(fact, "memory")
     if memory.exclusions is not None:
         _keep_newer(memory, sources, first, own)
+        for fact in shared:
+            del sources[fact]
+        _drop_outdated(memory, sources, (kept, lost), own or first, own)
+
+
+def _renamed(fact: Fact, old: str, new: str) -> Fact:
+    return (fact[0], *[new if part == old else part for part in fact[1:]])
 
 
 def _rival(memory: Memory, fact: Fact) -> Fact | None:
@@ -81,6 +90,29 @@ def _keep_newer(memory: Memory, sources: dict[Fact, str], first: str, own: str) 
                 break
 
 
+def _drop_outdated(
+    memory: Memory,
+    sources: dict[Fact, str],
+    names: tuple[str, str],
+    first: str,
+    own: str,
+) -> None:
+    """Remove facts that the other name excluded later by a fact that may have gone."""
+    exclusions = memory.exclusions
+    assert exclusions is not None
+    kept, lost = names
+    for name in names:
+        for fact, time in exclusions.past(name):
+            for other in exclusions.of(_renamed(fact, lost, kept)):
+                stamp, source = _stamp_of(memory, other), sources.get(other, name)
+                if source == name or (source == own and stamp != NEVER):
+                    continue
+                if time > stamp or (time == stamp and name == first):
+                    memory.remove(other, "memory")
+    for fact, time in exclusions.forget(lost):
+        exclusions.asserted(_renamed(fact, lost, kept), time)
+
+
 def make_alike(memory: Memory, members: Sequence[Description]) -> None:
     """Forget what descriptions do not share, as if never asserted.
 
@@ -96,10 +128,30 @@ def make_alike(memory: Memory, members: Sequence[Description]) -> None:
         facts = [_fact(m, index, value) for m in members if not m.empty]
         stamp = NEVER if shared is None else min(_stamp_of(memory, f) for f in facts)
         _stamp(memory, facts, stamp)
+    _share_past(memory, members)
     named = [member for member in members if not member.empty]
     for of_all in ([_class(m) for m in named], [_place(m) for m in named]):
         stamps = [_stamp_of(memory, fact) for fact in of_all]
         _stamp(memory, of_all, min(stamps, default=NEVER))
+
+
+def _share_past(memory: Memory, members: Sequence[Description]) -> None:
+    """Keep of past assertions what all members have, as long ago as for any."""
+    exclusions = memory.exclusions
+    if exclusions is None:
+        return
+    pasts = [
+        {
+            exclusions.excluded(_renamed(p[0], m.name, "")): p
+            for p in exclusions.forget(m.name)
+        }
+        for m in members
+    ]
+    for past in pasts:
+        for excluded, (fact, _) in past.items():
+            if all(excluded in each for each in pasts):
+                oldest = min(each[excluded][1] for each in pasts)
+                exclusions.asserted(fact, oldest)
 
 
 def _stamp(memory: Memory, facts: Sequence[Fact], stamp: Time) -> None:
@@ -124,5 +176,7 @@ def _fact(member: Description, index: Fact, value: Atom) -> Fact:
 def forget_facts(memory: Memory, name: str) -> None:
     """Erase all facts that mention a name."""
     assert memory.mentions is not None
+    if memory.exclusions is not None:
+        memory.exclusions.forget(name)
     for fact in memory.mentions.of(name):
         memory.remove(fact, "memory")
