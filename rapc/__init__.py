@@ -100,7 +100,9 @@ def __getattr__(name: str) -> object:
     if name in _MODULES:
         return _import_module(_MODULES[name])
     if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        former = _import_module("rapc.base.former").NAMES.get(name)
+        now = f"; it is replaced by {former}" if former else ""
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}{now}")
     return getattr(_import_module(_HOMES[name]), name)
 
 

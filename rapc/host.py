@@ -45,7 +45,12 @@ from rapc.runtime.prepare import Given, prepare
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, of_agenda, read_task_request
 from rapc.world import Callables, Time, World
-from rapc.worlds.registry import build_world, check_options, find_world
+from rapc.worlds.registry import (
+    build_world,
+    check_options,
+    find_world,
+    refuse_incomplete,
+)
 
 if TYPE_CHECKING:
     from rapc.library import saved, saved_check
@@ -451,5 +456,6 @@ def _world(
     if not (isinstance(world, type) and issubclass(world, World)):
         listed = "`rapc worlds` lists those installed"
         raise ArgumentError(f"`world` is {kind(world)}, no world", listed)
+    refuse_incomplete(world, f"{world.__module__}:{world.__qualname__}")
     given = check_options(world, options or {})
     return build_world(world, seed, given), given

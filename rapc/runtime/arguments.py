@@ -7,13 +7,14 @@ from math import inf, isnan
 
 import msgspec
 
+from rapc.base.former import kit_help
 from rapc.base.values import Text
 from rapc.compiler.program import Program
-from rapc.errors import ArgumentError, SettingError
+from rapc.errors import ArgumentError, SettingError, WorldError
 from rapc.language.atoms import is_atom
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest
-from rapc.world import World
+from rapc.world import Kit, World
 
 
 def need_call(value: object, what: str) -> None:
@@ -102,10 +103,19 @@ def need_program(value: object, what: str) -> None:
 
 
 def need_world(value: object) -> None:
-    """Raise ArgumentError unless `value` is a world that was made."""
+    """Refuse what is no world that was made, or a world without name and `Kit`.
+
+    Raises:
+        ArgumentError: for what is no world.
+        WorldError: for a world that lacks a part.
+    """
     if not isinstance(value, World):
         wanted = "it takes one that was made: `rapc.open_world(name)`"
         raise ArgumentError(f"`world` is {kind(value)}, no world", wanted)
+    for part, of in (("name", str), ("kit", Kit)):
+        if not isinstance(getattr(value, part, None), of):
+            said = f"the world of class `{type(value).__qualname__}` does not define"
+            raise WorldError(f"{said} {part}", kit_help(value))
 
 
 def need_settings(settings: object) -> None:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from rapc.base.code_places import place_of_error, said_by
 from rapc.base.files import path_named, read_text
+from rapc.base.former import kit_help, module_help
 from rapc.base.later import later
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
@@ -106,15 +107,25 @@ def find_world(name: str) -> type[World]:
     found = _load(name, place)
     if not (isinstance(found, type) and issubclass(found, World)):
         raise WorldError(f"`{place}` is not a subclass of `rapc.World`")
-    missing = sorted(getattr(found, "__abstractmethods__", ()))
+    refuse_incomplete(found, place)
+    return found
+
+
+def refuse_incomplete(world: type[World], place: str) -> None:
+    """Refuse a class of worlds that lacks what each has to define.
+
+    Raises:
+        WorldError: with the names; `place` is what the class is called.
+    """
+    missing = sorted(getattr(world, "__abstractmethods__", ()))
     parts: tuple[tuple[str, type], ...] = (("name", str), ("kit", Kit))
     for part, kind in parts:
-        if not isinstance(getattr(found, part, None), kind):
+        if not isinstance(getattr(world, part, None), kind):
             missing.append(part)
     if missing:
         listed = ", ".join(missing)
-        raise WorldError(f"the world `{place}` does not define {listed}")
-    return found
+        said = f"the world `{place}` does not define {listed}"
+        raise WorldError(said, kit_help(world) if "kit" in missing else "")
 
 
 def _installed(name: str) -> str:
@@ -145,6 +156,8 @@ def _load(name: str, place: str) -> object:
     except BaseException as error:  # whatever code from elsewhere may raise on import
         said = f"{place_of_error(error)}: {said_by(error)}"
         meant = _in_capitals(module.strip(), path.strip())
+        if isinstance(error, ImportError):
+            meant = meant or module_help(error.name)
         raise WorldError(f"the world `{name}` cannot be loaded{said}", meant) from error
     return found
 
