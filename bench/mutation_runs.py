@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 
 from rapc.base.source import SourceFile
-from rapc.runtime.events.events import Event
+from rapc.events import Event
 from rapc.testing.discover import find
 from rapc.testing.run import Case, run_case
 

@@ -15,8 +15,8 @@ from collections.abc import Iterator
 
 from bench.common import Figure, compiled
 from rapc.compiler.program import Program
+from rapc.events import Event
 from rapc.library import loader
-from rapc.runtime.events.events import Event
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.worlds import registry

@@ -26,10 +26,10 @@ from unittest.mock import patch
 import msgspec
 
 from bench.chapter6 import session
+from rapc.events import Cause
 from rapc.experiments.config import PointConfig
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import measure
-from rapc.runtime.events.events import Cause
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP
 from rapc.runtime.state.task import Env, Task

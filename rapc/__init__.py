@@ -22,6 +22,7 @@ from rapc.base.version import VERSION as _VERSION
 TYPE_CHECKING = False  # to type checkers it is true, by its name
 
 if TYPE_CHECKING:
+    from rapc import events as events
     from rapc import world as world
     from rapc.analysis.driver import CheckReport as CheckReport
     from rapc.errors import ArgumentError as ArgumentError
@@ -44,7 +45,6 @@ if TYPE_CHECKING:
     from rapc.host import methods as methods
     from rapc.host import rap_text as rap_text
     from rapc.host import run as run
-    from rapc.runtime.events import events as events
     from rapc.runtime.events.trace import JsonTrace as JsonTrace
     from rapc.runtime.events.trace import TextTrace as TextTrace
     from rapc.runtime.interpreter import Interpreter as Interpreter
@@ -91,7 +91,7 @@ _HOMES = {
 }
 """Every public name that is no module, with the module that has it."""
 
-_MODULES = {"events": "rapc.runtime.events.events", "world": "rapc.world"}
+_MODULES = {"events": "rapc.events", "world": "rapc.world"}
 
 __all__ = ["__version__", *_HOMES, *_MODULES]  # noqa: PLE0604  # they are strings
 

@@ -25,6 +25,7 @@ from rapc.base.source import SourceFile, place
 from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, Error, RefusedError, TextError
+from rapc.events import TaskResult
 from rapc.ir.nodes import DefineRap, Method
 from rapc.ir.printer import format_node
 from rapc.library import loader
@@ -38,7 +39,6 @@ from rapc.runtime.arguments import (
     need_table,
     need_time,
 )
-from rapc.runtime.events.events import TaskResult
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.prepare import Given, prepare

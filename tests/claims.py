@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rapc import events
 from rapc.ir.nodes import DeclarePrimitive, DeclareSkill
 from rapc.library.library import Library
-from rapc.runtime.events import events
 
 Method = tuple[str, str]
 """The name of a RAP, and of a method of it."""

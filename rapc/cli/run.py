@@ -22,9 +22,9 @@ from rapc.cli.common import PIPED_WIDTH, refuse_output
 from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.errors import reason
+from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
 from rapc.runtime.authors import picture_of
-from rapc.runtime.events.events import Deadlock, Event, TaskResult
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.interpreter import Interpreter

@@ -10,14 +10,14 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
+from rapc import events
 from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom, is_variable, match_pattern
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
+from rapc.events import Event, Goal
 from rapc.library.signatures import Use
-from rapc.runtime.events import events
-from rapc.runtime.events.events import Event, Goal
 from rapc.world import Time
 
 KINDS: Mapping[str, str] = {

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import msgspec
 
+from rapc import events
 from rapc.base.resources import Value
 from rapc.base.values import Fact
 from rapc.debug.acts import live_task
@@ -15,7 +16,6 @@ from rapc.debug.session import Session
 from rapc.debug.why import method_supports
 from rapc.debug.why_not import methods
 from rapc.errors import ArgumentError
-from rapc.runtime.events import events
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Task
 from rapc.runtime.tasks.start import read_inputs

@@ -7,11 +7,11 @@ from typing import Any
 
 import msgspec
 
+from rapc import events
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError
-from rapc.runtime.events import events
-from rapc.runtime.events.events import Cause
+from rapc.events import Cause
 from rapc.world import Time
 
 

@@ -6,24 +6,13 @@ from collections.abc import Callable, Iterable
 
 import msgspec
 
+from rapc import events
 from rapc.base.names import hint
 from rapc.debug.log import ToldEvent
 from rapc.debug.stepped import Stepped
 from rapc.errors import TextError
-from rapc.runtime.events import events
-from rapc.runtime.events.events import Event
+from rapc.events import Event
 from rapc.runtime.events.trace import record
-
-
-def kinds() -> dict[str, type[Event]]:
-    """Return the kinds of events by their names in traces."""
-    found: dict[str, type[Event]] = {}
-    for value in vars(events).values():
-        if isinstance(value, type) and issubclass(value, Event):
-            tag = value.__struct_config__.tag
-            if value not in (Event, events.ItemEvent):
-                found[str(tag)] = value
-    return found
 
 
 class Finder(msgspec.Struct, frozen=True):
@@ -42,7 +31,7 @@ class Finder(msgspec.Struct, frozen=True):
         Raises:
             TextError: for a kind of events that there is not, or a key of it.
         """
-        known = kinds()
+        known = events.kinds()
         if kind not in known:
             raise TextError(f"there are no events `{kind}`{hint(kind, known)}")
         keys, words = [], []

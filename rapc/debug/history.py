@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import Fact, format_atom, format_list, match_pattern
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
-from rapc.runtime.events import events
 from rapc.world import Time
 
 _FACTS = (events.FactAsserted, events.FactErased)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from itertools import chain
 from typing import Any, NamedTuple
 
-from rapc.runtime.events.events import Event
+from rapc.events import Event
 from rapc.world import Time
 
 MOST = 60_000

@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 import msgspec
 from msgspec.structs import replace
 
+from rapc import events
 from rapc.base.values import Atom, Fact, format_atom, format_list, number
 from rapc.debug.acts import live_task
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError
-from rapc.runtime.events import events
-from rapc.runtime.events.events import Cause, Goal, TaskCreated
+from rapc.events import Cause, Goal, TaskCreated
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.store import NEVER
 from rapc.runtime.snapshot import deadlocks_in_words

@@ -10,11 +10,11 @@ from typing import Any
 
 import msgspec
 
+from rapc import events
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError
-from rapc.runtime.events import events
 from rapc.runtime.events.trace import JsonTrace, record
 
 _DECISIONS = ("task-selected", "method-chosen")

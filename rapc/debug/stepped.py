@@ -14,7 +14,7 @@ import msgspec
 from rapc.base.values import format_atom
 from rapc.debug.log import EventLog, ToldEvent
 from rapc.errors import PortError
-from rapc.runtime.events.events import TaskSelected
+from rapc.events import TaskSelected
 from rapc.world import Time
 
 

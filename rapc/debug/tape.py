@@ -13,15 +13,14 @@ from typing import Any
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import Fact, number
-from rapc.debug.find import kinds
 from rapc.debug.log import EventLog, ToldEvent, Wanted
 from rapc.debug.recorded import read_events
 from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError, TextError
+from rapc.events import Cause, Goal, TaskResult, kinds
 from rapc.parser.parse import parse_fact
-from rapc.runtime.events import events
-from rapc.runtime.events.events import Cause, Goal, TaskResult
 from rapc.world import Time
 
 

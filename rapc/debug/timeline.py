@@ -10,10 +10,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import Fact, format_list
 from rapc.debug.log import ToldEvent
 from rapc.debug.stepped import Stepped
-from rapc.runtime.events import events
 from rapc.world import Time
 
 _ENDS = (

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import msgspec
 
+from rapc import events
 from rapc.debug.acts import Act
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
-from rapc.runtime.events import events
 
 _TOLD = (
     events.TaskSelected,

@@ -13,8 +13,8 @@ from rapc.debug.clause import Support, support
 from rapc.debug.session import Session
 from rapc.debug.why import Origin, origins
 from rapc.errors import ArgumentError
+from rapc.events import Goal
 from rapc.library.signatures import Use
-from rapc.runtime.events.events import Goal
 
 _READS: tuple[Use, ...] = ("test", "believed")
 _WRITES: tuple[Use, ...] = ("asserted", "erased")

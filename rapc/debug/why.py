@@ -12,6 +12,7 @@ from typing import Any
 
 import msgspec
 
+from rapc import events
 from rapc.base.resources import Value
 from rapc.base.values import Fact, format_list, number
 from rapc.compiler.rap_plan import MethodPlan
@@ -21,8 +22,7 @@ from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.why_not import MethodAnswer, last_cycle, methods
 from rapc.errors import ArgumentError
-from rapc.runtime.events import events
-from rapc.runtime.events.events import Cause, Event
+from rapc.events import Cause, Event
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Task
 from rapc.runtime.tasks.start import read_inputs

@@ -17,9 +17,9 @@ from rapc.debug.acts import live_task
 from rapc.debug.clause import ClauseAsked, ask
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError
+from rapc.events import Goal, TaskSelected
 from rapc.ir import clauses
 from rapc.parser.parse import parse_formula
-from rapc.runtime.events.events import Goal, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.state.task import Task

@@ -7,9 +7,9 @@ from collections.abc import Container, Iterable, Mapping
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import is_number
 from rapc.runtime.authors import laid_at
-from rapc.runtime.events import events
 from rapc.world import OKAY, Offer, Time, Truthful, World
 
 LABELS: Mapping[str, str] = {

@@ -16,8 +16,8 @@ import msgspec
 
 from rapc.base.values import format_atom
 from rapc.debug.breakpoints import KINDS
-from rapc.debug.find import kinds
 from rapc.debug.session import Session
+from rapc.events import kinds
 from rapc.language.complete import fits
 from rapc.library.library import Library
 from rapc.repl.arguments import split

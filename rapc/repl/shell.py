@@ -30,11 +30,11 @@ from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
 from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
 from rapc.errors import Error, RefusedError, StateError, TextError
+from rapc.events import PrimitiveEnded, PrimitiveRequested
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.repl.answer import ShownAnswer, failure, say, table
 from rapc.repl.arguments import Arguments, is_balanced, read_pattern, split
-from rapc.runtime.events.events import PrimitiveEnded, PrimitiveRequested
 from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.task_request import read_task_request
 

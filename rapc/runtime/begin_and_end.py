@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rapc.events import RunEnded, RunStarted
 from rapc.library.digest import digest
 from rapc.runtime import snapshot
-from rapc.runtime.events.events import RunEnded, RunStarted
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.remove import remove
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from rapc.events import DataReceived
 from rapc.runtime.acts.primitives import handle, take_reply, with_memory_names
 from rapc.runtime.authors import breach, wrong_type
-from rapc.runtime.events.events import DataReceived
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.tasks.finish import end_method

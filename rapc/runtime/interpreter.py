@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, PortError
+from rapc.events import Event, Goal, TaskResult
 from rapc.ir.nodes import Formula, Node
 from rapc.parser.parse import parse_formula
 from rapc.runtime import snapshot
@@ -34,7 +35,6 @@ from rapc.runtime.arguments import (
 )
 from rapc.runtime.authors import blame, first_facts
 from rapc.runtime.begin_and_end import end_run, tell_start
-from rapc.runtime.events.events import Event, Goal, TaskResult
 from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.loop import Loop

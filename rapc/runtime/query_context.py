@@ -8,7 +8,7 @@ from typing import Any
 from rapc.base.values import Fact, Number, format_atom, number
 from rapc.compiler.query.query import BoundQueries
 from rapc.compiler.query.term_value import TermValue
-from rapc.runtime.events.events import QueryFaulted
+from rapc.events import QueryFaulted
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.memory.view import MemoryView

@@ -9,8 +9,8 @@ from collections.abc import Iterable
 import msgspec
 
 from rapc.base.values import format_list, number
+from rapc.events import Goal, TaskResult
 from rapc.ir.printer import format_formula
-from rapc.runtime.events.events import Goal, TaskResult
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.deadlocks import deadlocks, held, in_words
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING

@@ -13,11 +13,11 @@ from typing import Any, TypeVar
 
 import msgspec
 
+from rapc import events
 from rapc.base.files import TEST_SUFFIX
 from rapc.base.values import format_list
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.runtime.events import events
 from rapc.testing.asked_queries import Asker, asked_with, traced_name
 from rapc.testing.heard_signals import HeardSignals, waits_of
 from rapc.testing.patterns import flat

@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import msgspec
 
+from rapc import events
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact, Text, format_atom, format_list
 from rapc.errors import StateError
 from rapc.ir.layout import laid_out
 from rapc.ir.nodes import DefineTest
 from rapc.parser.parse import parse
-from rapc.runtime.events import events
 from rapc.testing.run import LATEST
 from rapc.world import Time
 

@@ -6,9 +6,9 @@ ends a step or ends a primitive of skills is the signal that came last.
 
 from __future__ import annotations
 
+from rapc import events
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.runtime.events import events
 from rapc.testing.asked_queries import traced_name
 
 Heard = tuple[str, str, str]

@@ -11,9 +11,9 @@ from typing import Any
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import Fact, format_atom, format_list, match_pattern
 from rapc.ir import nodes, walk
-from rapc.runtime.events import events
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.events.trace import record
 from rapc.testing.patterns import atom, event_matches, flat

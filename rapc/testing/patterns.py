@@ -14,10 +14,10 @@ from typing import Any
 
 import msgspec
 
+from rapc import events
 from rapc.base import values
 from rapc.base.values import Atom, Fact, Text, number
 from rapc.ir import nodes
-from rapc.runtime.events import events
 from rapc.runtime.events.trace import record
 
 Value = Atom | tuple[Any, ...]

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from io import StringIO
 
+from rapc import events
 from rapc.base.values import Fact, format_atom, format_list
 from rapc.ir import nodes
-from rapc.runtime.events import events
 from rapc.runtime.events.trace import TextTrace
 from rapc.testing.patterns import goal_matches
 from rapc.world import Time

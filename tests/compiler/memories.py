@@ -9,10 +9,10 @@ from typing import Any, cast
 
 from rapc.base.values import Fact
 from rapc.compiler.query.query import Query
+from rapc.events import Event, QueryFaulted
 from rapc.ir import nodes
 from rapc.library.loader import load_text
 from rapc.library.signatures import Signatures
-from rapc.runtime.events.events import Event, QueryFaulted
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.memory import Memory

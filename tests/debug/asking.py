@@ -18,6 +18,7 @@ from pathlib import Path
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import Fact
 from rapc.debug import (
     commitments,
@@ -37,8 +38,8 @@ from rapc.debug import (
 from rapc.debug.acts import AssertFact, EraseFacts, FailTask
 from rapc.debug.session import Session
 from rapc.errors import Error
+from rapc.events import Event
 from rapc.ir.printer import format_formula
-from rapc.runtime.events.events import Event
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Adjustable, Drawable, Truthful
 from tests.debug.moments import RUNS, asked_for
@@ -141,7 +142,7 @@ def _what_if(one: Asker) -> None:
 
 
 def _find_before(one: Asker) -> None:
-    here, kind = one.session.cycle, one.dice.choice(sorted(find.kinds()))
+    here, kind = one.session.cycle, one.dice.choice(sorted(events.kinds()))
     find.find_event(one.session, find.Finder.of(kind, ()), back=True)
     one.session.goto(here)
 

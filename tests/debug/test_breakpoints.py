@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from rapc import events
 from rapc.debug.breakpoints import Breakpoint, Breakpoints
 from rapc.debug.differences import between
 from rapc.debug.find import Finder, find_event
@@ -15,7 +16,6 @@ from rapc.repl.arguments import read_pattern
 from rapc.repl.commands.table import commands
 from rapc.repl.complete import candidates
 from rapc.repl.shell import Shell
-from rapc.runtime.events import events
 from tests.debug.sessions import row, scripted, truck
 from tests.repl.shells import said, truck_shell
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from rapc import events
 from rapc.debug.forced import ForceResult
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError
-from rapc.runtime.events import events
 from tests.debug.sessions import truck
 from tests.repl.shells import said, truck_shell
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.runtime.events import events
+from rapc import events
 from tests.debug.sessions import truck
 from tests.repl.shells import rows, said, truck_shell
 

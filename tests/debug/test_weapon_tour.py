@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from rapc import events
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.why import why
 from rapc.debug.why_not import TaskAnswer, why_not
 from rapc.host import CheckedLibrary
-from rapc.runtime.events import events
 from rapc.runtime.task_request import of_node
 from rapc.testing.discover import find
 from rapc.testing.patterns import flat

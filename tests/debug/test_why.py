@@ -6,6 +6,7 @@ import random
 
 import pytest
 
+from rapc import events
 from rapc.debug.acts import AssertFact
 from rapc.debug.clause import ClauseAsked
 from rapc.debug.commitments import commitment, stale
@@ -15,7 +16,6 @@ from rapc.debug.what_if import what_if
 from rapc.debug.why import why
 from rapc.debug.why_not import why_not, why_not_query
 from rapc.errors import ArgumentError, FactError
-from rapc.runtime.events import events
 from tests.debug.sessions import row, scripted, truck
 from tests.effort import first
 

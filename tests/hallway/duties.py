@@ -15,8 +15,8 @@ from random import Random
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import Number
-from rapc.runtime.events import events
 from rapc.runtime.events.report import cause_lines
 from rapc.worlds.hallway.map_text import named_map
 from tests.claims import Claims, claimants_of, users_of

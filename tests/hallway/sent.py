@@ -11,8 +11,8 @@ from random import Random
 import msgspec
 
 import rapc
+from rapc import events
 from rapc.base.values import Atom, Number, Text
-from rapc.runtime.events import events
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.hallway import HallwayWorld

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import Number, format_list
-from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.hallway import HallwayWorld
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 import pytest
 
+from rapc import events
 from rapc.base.values import Atom, Text
-from rapc.runtime.events import events
 from tests.claims import Claims, claimants_of, users_of
 from tests.hallway.sent import begin, library
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import pytest
 
 import rapc
+from rapc import events
 from rapc.base.values import Atom
 from rapc.ir.nodes import Method
-from rapc.runtime.events import events
 from rapc.worlds.hallway import HallwayWorld
 from rapc.worlds.registry import build_world
 from tests.hallway.sent import STDLIB, begin

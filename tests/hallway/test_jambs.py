@@ -7,8 +7,8 @@ from random import Random
 
 import pytest
 
+from rapc import events
 from rapc.base.values import Atom, Text
-from rapc.runtime.events import events
 from rapc.worlds.hallway.map import Sign, signs
 from rapc.worlds.hallway.map_text import named_map
 from rapc.worlds.hallway.state import HallwaySettings

@@ -6,8 +6,8 @@ from random import Random
 
 import pytest
 
+from rapc import events
 from rapc.base.values import Text
-from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.worlds.hallway.map_text import named_map
 from rapc.worlds.hallway.random_map import random_map

@@ -11,9 +11,9 @@ import msgspec
 from rapc import host
 from rapc.base.values import Fact
 from rapc.compiler.program import Program
+from rapc.events import Event
 from rapc.library.library import Library
 from rapc.library.saved import SavedLibrary, Suite, encode
-from rapc.runtime.events.events import Event
 from rapc.runtime.events.trace import record
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage

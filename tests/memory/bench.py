@@ -21,9 +21,9 @@ from contextlib import contextmanager
 import msgspec
 
 from rapc.base.values import Atom, Fact
+from rapc.events import Event
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
-from rapc.runtime.events.events import Event
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
 from rapc.runtime.memory.memory import Memory

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rapc import events
 from rapc.base.values import Atom
 from rapc.library.loader import load_text
-from rapc.runtime.events import events
 from tests.memory.bench import DescriptionView, MemoryBench, SetView
 
 WORDS = """

@@ -5,10 +5,10 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 
+from rapc import events
 from rapc.base.values import Atom, Fact, Number
 from rapc.compiler.program import Program
 from rapc.library.loader import load_text
-from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import (

@@ -11,8 +11,8 @@ from pathlib import Path
 from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
+from rapc import events
 from rapc.base.values import Atom
-from rapc.runtime.events import events
 from rapc.runtime.memory.recognition.scoring import DescribedItem
 from tests.effort import examples, thorough
 from tests.memory.bench import MemoryBench

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rapc import events
 from rapc.errors import FactError
-from rapc.runtime.events import events
 from rapc.runtime.memory.recognition.scoring import DescribedItem
 
 from .sightings import DRUMS, WORDS, bench, leave, merges, names, see, the_set, values

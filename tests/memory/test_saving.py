@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from rapc.base.values import Fact, Text
-from rapc.runtime.events.events import Event
+from rapc.events import Event
 from rapc.runtime.memory.saving import MemoryState, capture_memory, restore_memory
 from rapc.runtime.memory.store import NEVER
 from tests.effort import first

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rapc.base.values import Atom, Fact
+from rapc.events import ItemEvent
 from rapc.library.loader import load_text
-from rapc.runtime.events.events import ItemEvent
 from rapc.runtime.memory.recognition.scoring import DescribedItem
 from tests.memory.bench import DescriptionView, MemoryBench
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rapc.runtime.events import events
+from rapc import events
 from tests.reference.run import Run
 from tests.reference.tasks import Task
 from tests.reference.waking import deadline, may_run

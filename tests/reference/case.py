@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from rapc import events
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact, Text, number
 from rapc.compiler.program import Program
@@ -15,7 +16,6 @@ from rapc.errors import FactError, PortError, RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library, link
 from rapc.parser.parse import parse, parse_fact
-from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import (

@@ -15,7 +15,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.runtime.events import events
+from rapc import events
 from rapc.runtime.events.trace import record
 from tests.reference.case import Case, Trace, run_rapc, run_reference
 from tests.reference.generate import generate

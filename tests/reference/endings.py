@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from rapc import events
 from rapc.base.resources import Counter, SetResource, Value, frozen
 from rapc.base.values import format_atom, format_list, is_number
 from rapc.ir import nodes
-from rapc.runtime.events import events
 from rapc.world import OKAY
 from tests.reference.rules import at_end
 from tests.reference.run import Run

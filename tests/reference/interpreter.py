@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, cast
 
+from rapc import events
 from rapc.base.values import Atom, Fact, match_pattern, number
+from rapc.events import TaskResult
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.runtime.events import events
-from rapc.runtime.events.events import TaskResult
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Time, World
 from tests.reference.agenda import choose, tell_family

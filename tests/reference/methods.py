@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import msgspec
 
+from rapc import events
 from rapc.base.resources import frozen
 from rapc.base.values import Fact, format_atom
 from rapc.ir import nodes
 from rapc.ir.walk import variables
-from rapc.runtime.events import events
 from tests.reference.endings import (
     fail,
     method_badly,

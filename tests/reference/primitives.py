@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from rapc import events
 from rapc.base.values import Atom, Fact, format_list
 from rapc.ir import nodes
-from rapc.runtime.events import events
 from rapc.world import OKAY, Datum, Finished, Refused, Reply
 from rapc.worlds.script_state import AT
 from tests.reference.endings import method_badly, method_well

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rapc import events
 from rapc.base.resources import Value
 from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
-from rapc.runtime.events import events
 from tests.reference.run import Run
 from tests.reference.tasks import Task
 from tests.reference.terms import Fault

@@ -9,12 +9,12 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from rapc import events
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.source import NOWHERE, Span
 from rapc.base.values import Atom, Fact, format_atom
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.runtime.events import events
 from rapc.world import Time, World
 from tests.reference.memory import Memory
 from tests.reference.queries import Asker

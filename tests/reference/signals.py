@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rapc import events
 from rapc.base.resources import Value
 from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
-from rapc.runtime.events import events
 from tests.reference.endings import (
     bindings_repeat,
     clear,

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rapc import events
 from rapc.base.values import Fact, format_list
 from rapc.ir import nodes
-from rapc.runtime.events import events
 from rapc.world import Refused, Skilled
 from tests.reference.run import Run
 from tests.reference.tasks import Running

@@ -5,11 +5,11 @@ Everything is looked at anew, for every task, at every choice [L 3, 4, 5].
 
 from __future__ import annotations
 
+from rapc import events
 from rapc.base.resources import Counter, SetResource, Value, frozen
 from rapc.base.values import format_atom, is_number, number
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.runtime.events import events
 from rapc.world import Time
 from tests.reference.deadlocks import circle_through
 from tests.reference.run import Run, unbound

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from rapc import events
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.library import link
 from rapc.parser.parse import parse, parse_pattern
-from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import read_task_request

@@ -9,10 +9,10 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 
+from rapc import events
 from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
 from rapc.library.loader import load_text
-from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.world import (

@@ -25,8 +25,8 @@ import msgspec
 
 from rapc.base.values import Atom
 from rapc.compiler.program import Program
+from rapc.events import Event
 from rapc.library.loader import load
-from rapc.runtime.events.events import Event
 from rapc.runtime.events.trace import record
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest, read_task_request

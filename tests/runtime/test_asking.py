@@ -9,7 +9,7 @@ import pytest
 import rapc
 from rapc.base.values import Fact
 from rapc.debug import look
-from rapc.runtime.events.events import Event, TaskBlocked
+from rapc.events import Event, TaskBlocked
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import HandlerMemory, Handlers, Kit
 from rapc.worlds.script import Row

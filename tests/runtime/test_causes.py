@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from rapc.runtime.events import events
-from rapc.runtime.events.events import Cause, MethodEnded, TaskFailed
+from rapc import events
+from rapc.events import Cause, MethodEnded, TaskFailed
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pytest
 
 from rapc.errors import PortError
-from rapc.runtime.events.events import Event, RunEnded
+from rapc.events import Event, RunEnded
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import read_task_request

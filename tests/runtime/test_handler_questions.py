@@ -10,7 +10,7 @@ import pytest
 
 import rapc
 from rapc.base.values import Atom, Fact
-from rapc.runtime.events.events import Event, QueryFaulted
+from rapc.events import Event, QueryFaulted
 from rapc.runtime.host_query import HostQuery
 from rapc.world import Handlers, Kit, Offer, Reply, World
 

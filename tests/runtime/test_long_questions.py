@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from rapc import events
 from rapc.debug.clause import ask
 from rapc.parser.parse import parse_formula
-from rapc.runtime.events import events
 from rapc.runtime.settings import Settings
 from tests.runtime.helpers import Play, play
 

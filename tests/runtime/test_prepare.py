@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import rapc
+from rapc import events
 from rapc.errors import FactError, RefusedError
-from rapc.runtime.events import events
 from rapc.runtime.prepare import Given, prepare
 from rapc.runtime.task_request import TaskRequest
 from rapc.testing import discover

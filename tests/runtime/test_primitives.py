@@ -9,10 +9,10 @@ from typing import Any
 import msgspec
 import pytest
 
+from rapc import events
 from rapc.base.values import Fact
 from rapc.errors import PortError
 from rapc.library.library import Library
-from rapc.runtime.events import events
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.interpreter import Interpreter

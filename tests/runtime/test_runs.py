@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from rapc import events
 from rapc.errors import RefusedError
-from rapc.runtime.events import events
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import read_task_request

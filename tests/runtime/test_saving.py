@@ -13,9 +13,9 @@ from rapc.base.source import SourceFile
 from rapc.base.values import Fact
 from rapc.compiler.program import Program
 from rapc.errors import StateError
+from rapc.events import Event, SignalReceived
 from rapc.library.library import link
 from rapc.parser.parse import parse
-from rapc.runtime.events.events import Event, SignalReceived
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving import format
 from rapc.runtime.settings import Settings

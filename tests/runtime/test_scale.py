@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import pytest
 
-from rapc.runtime.events import events
+from rapc import events
 from tests.effort import first
 from tests.work import lines
 

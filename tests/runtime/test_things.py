@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.runtime.events.events import (
+from rapc.events import (
     Deadlock,
     RunEnded,
     TaskBlocked,

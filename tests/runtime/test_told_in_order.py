@@ -12,9 +12,9 @@ import msgspec
 import pytest
 
 import rapc
+from rapc import events
 from rapc.base.values import Fact
 from rapc.runtime.acts import activations
-from rapc.runtime.events import events
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.memory import gate
 from rapc.runtime.memory.recognition import item_events

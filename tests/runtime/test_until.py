@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.runtime.events import events
+from rapc import events
 
 from .helpers import at, play, row
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import rapc
-from rapc.runtime.events.events import RunStarted
+from rapc.events import RunStarted
 
 LIBRARY = """
 (declare-primitive warm (?oven) (okay cold))

@@ -9,10 +9,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from rapc import events
 from rapc.base.values import Atom, Text, format_list
 from rapc.compiler.program import Program
 from rapc.library.loader import load
-from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, of_agenda

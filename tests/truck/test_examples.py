@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rapc import events
 from rapc.base.values import Fact, format_list
-from rapc.runtime.events import events
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.worlds.script import Row

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.runtime.events import events
+from rapc import events
 from rapc.worlds.truck.state import ARMS
 from tests.effort import first
 

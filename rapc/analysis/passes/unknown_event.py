@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rapc import events
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
 from rapc.analysis.renaming import renaming
@@ -9,7 +10,6 @@ from rapc.base.diagnostics import Diagnostic, Fix, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.language.trace_events import COMMON, KEYS
 from rapc.library.library import word_span
 
 UNKNOWN = Rule(
@@ -38,20 +38,24 @@ otherwise is never found.""",
 
 
 def _run(run: Pass) -> None:
-    events = Suggestions(KEYS)
+    known_kinds = events.kinds()
+    near_kinds = Suggestions(known_kinds)
     keys: dict[str, Suggestions] = {}
     for found in run.result(INDEX).of(nodes.EventPattern):
         pattern = found.node
         place = word_span(run.library.files, pattern.span, 0)
-        if pattern.event not in KEYS:
+        if pattern.event not in known_kinds:
             fix = renaming(
-                run.library.files, pattern.event, events.near(pattern.event), [place]
+                run.library.files,
+                pattern.event,
+                near_kinds.near(pattern.event),
+                [place],
             )
-            help_ = events.did_you_mean(pattern.event, "`docs/trace.md` lists them")
+            help_ = near_kinds.did_you_mean(pattern.event, "`docs/trace.md` lists them")
             _report(run, f"no event is called `{pattern.event}`", place, help_, fix)
             continue
         if pattern.event not in keys:
-            keys[pattern.event] = Suggestions((*COMMON, *KEYS[pattern.event]))
+            keys[pattern.event] = Suggestions(events.keys(known_kinds[pattern.event]))
         known = keys[pattern.event]
         for key, _ in pattern.keys:
             if key not in known:

@@ -22,7 +22,7 @@ from rich.text import Text
 from rapc.base.values import format_list
 from rapc.console.findings import write_lines
 from rapc.console.show.frame import Activity, draw_frame
-from rapc.runtime.events.events import (
+from rapc.events import (
     Event,
     PrimitiveEnded,
     SkillDisabled,

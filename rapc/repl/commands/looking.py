@@ -8,13 +8,13 @@ from rapc.debug import look
 from rapc.debug.acts import live_task
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
+from rapc.events import Goal, TaskCreated
 from rapc.ir.nodes import Const, Proposition
 from rapc.parser.parse import parse_formula, parse_pattern
 from rapc.repl.answer import Cell, ShownAnswer, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Shell, command
 from rapc.runtime.authors import picture_of
-from rapc.runtime.events.events import Goal, TaskCreated
 from rapc.runtime.events.report import cause_lines
 from rapc.world import Drawable, Thing
 

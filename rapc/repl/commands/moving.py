@@ -8,10 +8,10 @@ from rapc.base.names import plural
 from rapc.debug.acts import live_task
 from rapc.debug.stepped import Stepped, Stop
 from rapc.errors import ArgumentError
+from rapc.events import PrimitiveEnded
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Shell, command
-from rapc.runtime.events.events import PrimitiveEnded
 
 _SHOWN = 40
 """How many lines of what has happened are shown at once."""

@@ -10,9 +10,9 @@ from collections.abc import Iterable, Sequence
 from rapc.base.values import Fact
 from rapc.compiler.activation import ActivationPlan
 from rapc.compiler.compiler import RequestPlan
+from rapc.events import RequestRefused, SkillDisabled, SkillEnabled
 from rapc.runtime.acts.primitives import cancel, filled_in, ground, sensed
 from rapc.runtime.authors import is_refusal, wrong_type
-from rapc.runtime.events.events import RequestRefused, SkillDisabled, SkillEnabled
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.states import INTERFERENCE

@@ -10,13 +10,13 @@ from __future__ import annotations
 from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact
 from rapc.compiler.compiler import RequestPlan
-from rapc.runtime.authors import is_refusal
-from rapc.runtime.events.events import (
+from rapc.events import (
     PrimitiveCancelled,
     PrimitiveEnded,
     PrimitiveRequested,
     RequestRefused,
 )
+from rapc.runtime.authors import is_refusal
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
 from rapc.runtime.state.activations import Activation

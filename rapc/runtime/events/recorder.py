@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from rapc.runtime.events.events import Event, MethodEnded, TaskFailed
+from rapc.events import Event, MethodEnded, TaskFailed
 from rapc.world import Time
 
 Listener = Callable[[Event], None]

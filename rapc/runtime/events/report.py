@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
+from rapc import events
 from rapc.base.values import format_atom
-from rapc.runtime.events import events
 from rapc.world import OKAY
 
 _LEFT_OVER = 20
@@ -96,21 +96,9 @@ class RunReport:
 def cause_lines(cause: events.Cause | None) -> Iterator[str]:
     """Say why something failed, one line for each link down to the first cause."""
     while cause is not None:
-        yield f"because of {cause_in_a_line(cause)}"
+        yield f"because of {cause.line()}"
         for method in cause.methods:
-            yield f"  {cause_in_a_line(method)}"
+            yield f"  {method.line()}"
         if cause.skipped:
             yield f"... and so on, {cause.skipped} further down"
         cause = cause.because
-
-
-def cause_in_a_line(cause: events.Cause) -> str:
-    """Return a cause on one line, without what it came from."""
-    at = f" at {cause.place}" if cause.place else ""
-    said = cause.part
-    if cause.bindings:
-        pairs = " ".join(f"{name} {value}" for name, value in cause.bindings.items())
-        said = f"{said} with {pairs}" if said else f"with {pairs}"
-    note = cause.note or ("does not hold" if cause.part else "")
-    said = ", ".join(one for one in (said, note) if one)
-    return f"{cause.clause}{at}: {said}" if said else f"{cause.clause}{at}"

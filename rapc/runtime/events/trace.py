@@ -1,22 +1,20 @@
 """Traces: events written as JSON Lines, or as text in the manner of T 6.2.1.
 
 Both forms go to any text stream, one line at a time, so that a run that is cut off
-leaves a readable trace. The keys of the JSON form are in docs/trace.md. Events hold
-values; the words for them are made here.
+leaves a readable trace. The keys of the JSON form are in docs/trace.md; what is written
+of an event is in `rapc.events`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple, Protocol, TextIO
 
 import msgspec
 
-from rapc.base.values import Fact, format_atom, format_list
-from rapc.base.visible import visible
-from rapc.runtime.events import events
-from rapc.runtime.events.report import cause_in_a_line
+from rapc import events
+from rapc.base.values import format_atom, format_list
 from rapc.world import Time
 
 
@@ -63,8 +61,7 @@ def _shape(kind: type[events.Event]) -> _Shape:
     size = sum(one.required or not config.omit_defaults for one in own)
     if any(name != key for name, key, _ in fields):
         size = -1
-    words = dict(_WORDS.get(kind, ()))
-    in_words = [(key, words[key]) for _, key, _ in fields if key in words]
+    in_words = [(key, kind.words[key]) for _, key, _ in fields if key in kind.words]
     return _Shape(str(config.tag), in_words, size, fields, config.omit_defaults)
 
 
@@ -98,44 +95,6 @@ def _text(value: object) -> str:
     """Return what the encoder does not know as text: goals, mostly."""
     # by its attribute, as Python takes long to find the `__str__` of a class
     return (type(value) is events.Goal and value.text) or str(value)
-
-
-def _facts(data: Iterable[Fact]) -> tuple[str, ...]:
-    return tuple([format_list(fact) for fact in data])
-
-
-def _bindings(bindings: Mapping[str, object]) -> dict[str, str]:
-    return {name: format_atom(value) for name, value in bindings.items()}
-
-
-def _result_or_signal(what: str | Fact) -> str:
-    return what if isinstance(what, str) else format_list(what)
-
-
-_WORDS: Mapping[type, Sequence[tuple[str, Callable[[Any], Any]]]] = {
-    events.MethodChosen: [("bindings", _bindings)],
-    events.TaskSucceeded: [("outputs", _bindings)],
-    events.PrimitiveRequested: [("request", format_list), ("sent", format_list)],
-    events.PrimitiveEnded: [("request", format_list), ("data", _facts)],
-    events.PrimitiveCancelled: [("request", format_list)],
-    events.RequestRefused: [("request", format_list), ("sent", format_list)],
-    events.SkillEnabled: [("what", format_list)],
-    events.SkillDisabled: [("what", format_list)],
-    events.RuleRun: [("what", _result_or_signal)],
-    events.DataReceived: [("data", format_list)],
-    events.FactAsserted: [("fact", format_list)],
-    events.FactErased: [("fact", format_list)],
-    events.ResourceChanged: [("what", str)],
-    events.SignalReceived: [("what", format_list)],
-    events.ItemIntroduced: [("location", format_atom)],
-    events.ItemMerged: [("location", format_atom)],
-    events.ItemMoved: [("location", format_atom)],
-    events.ItemLost: [("location", format_atom)],
-}
-"""The keys of each kind of event whose values a trace has as text, and their words.
-
-Goals need no row: the encoder writes as text what it does not know.
-"""
 
 
 class JsonTrace:
@@ -212,8 +171,7 @@ class TextTrace:
         if isinstance(event, events.PrimitiveRequested):
             self._asked = event
             return
-        line = _LINES.get(type(event))
-        text = line(event) if line is not None else None
+        text = event.line()
         if text is None:
             return
         if self._asked is not None:
@@ -243,93 +201,3 @@ class TextTrace:
         stamp = "" if event.time == self._time else format_atom(event.time)
         self._time = event.time
         self._stream.write(f"{stamp:>7} {text}\n")
-
-
-_CAUSE = " " * 16
-"""Where the cause of a failure stands, below the failure."""
-
-
-def _created(event: Any) -> str:
-    priority = f" priority {event.priority}" if event.priority else ""
-    return f"    ... creating task {event.goal} [{event.task}]{priority}"
-
-
-def _chosen(event: Any) -> str:
-    return f"    ... method {event.method} of {event.rap} [{event.task}]"
-
-
-def _ended(event: Any) -> str | None:
-    return f"    ... primitive operation {format_list(event.request)} - {event.result}"
-
-
-def _blocked(event: Any) -> str:
-    if event.holder is None:
-        return f"    ... blocked until {event.on} [{event.task}]"
-    return f"    ... waits for {event.on}, held by [{event.holder}] [{event.task}]"
-
-
-def _failed(event: Any) -> str:
-    told = f"    ... goal failed ({event.reason}) - {event.result}: "
-    told += f"{event.goal} [{event.task}]"
-    if event.because is None:
-        return told
-    lines = [told, f"{_CAUSE}because of {_short(event.because)}"]
-    lines += [f"{_CAUSE}  {_short(ruled_out)}" for ruled_out in event.because.methods]
-    return "\n".join(lines)
-
-
-def _short(cause: events.Cause) -> str:
-    """Return a cause on one line, with its file but not with the folders of that."""
-    file = cause.place.replace("\\", "/").rpartition("/")[2]
-    return cause_in_a_line(msgspec.structs.replace(cause, place=file))
-
-
-def _run_started(event: Any) -> str:
-    tasks = ", ".join(event.tasks) or "no task"
-    return (
-        f"run of {visible(event.library)} in {event.world}, seed {event.seed}: {tasks}"
-    )
-
-
-_LINES: Mapping[type, Callable[[Any], str | None]] = {
-    events.RunStarted: _run_started,
-    events.TaskCreated: _created,
-    events.TaskSelected: lambda e: f"--> considering {e.goal} [{e.task}]",
-    events.MethodChosen: _chosen,
-    events.TaskBlocked: _blocked,
-    events.Deadlock: lambda e: f"    ... deadlock: {'; '.join(e.waiting)}",
-    events.MethodSuspended: lambda e: (
-        f"    ... method {e.method} suspended for {e.for_} of [{e.by}] [{e.task}]"
-    ),
-    events.PrimitiveCancelled: lambda e: (
-        f"    ... primitive operation {format_list(e.request)} - cancelled"
-    ),
-    events.RequestRefused: lambda e: (
-        f"    ... primitive operation {format_list(e.request)} - refused"
-        + (f": {e.because}" if e.because else "")
-    ),
-    events.SkillEnabled: lambda e: (
-        f"    ... skill {format_list(e.what)} enabled [{e.task}]"
-    ),
-    events.SkillDisabled: lambda e: (
-        f"    ... skill {format_list(e.what)} disabled [{e.task}]"
-    ),
-    events.SignalReceived: lambda e: f"    ... signal {format_list(e.what)}",
-    events.TaskWoken: lambda e: f"    ... woken by {e.on} [{e.task}]",
-    events.TaskSucceeded: lambda e: f"    ... task accomplished {e.goal} [{e.task}]",
-    events.TaskFailed: _failed,
-    events.TaskRemoved: lambda e: f"    ... removing task [{e.task}] ({e.cause})",
-    events.PrimitiveEnded: _ended,
-    events.ResourceChanged: lambda e: f"    ... {e.what} [{e.task}]",
-    events.QueryFaulted: lambda e: f"    ... query fault: {e.what}",
-    events.FamilySwitched: lambda e: (
-        f"--> switching family from [{e.from_}] to [{e.to}]"
-    ),
-    events.DeadlineMissed: lambda e: (
-        f"    ... deadline {format_atom(e.deadline)} missed [{e.task}]"
-    ),
-    events.SolverCalled: lambda e: (
-        f"    ... problem solver for {e.goal}: {e.methods} methods"
-    ),
-    events.RunEnded: lambda e: f"run over: {e.reason}",
-}

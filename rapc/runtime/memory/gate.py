@@ -9,10 +9,10 @@ from typing import Any
 from rapc.base import source
 from rapc.base.values import Atom, Fact, format_list
 from rapc.errors import FactError
+from rapc.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.ir.nodes import Formula
 from rapc.library.kinds import Test
 from rapc.library.signatures import Signatures
-from rapc.runtime.events.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.checking import check_prefix, in_one_form
 from rapc.runtime.memory.items import Item

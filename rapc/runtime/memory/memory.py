@@ -15,9 +15,9 @@ from functools import partial
 from typing import Any, Final, Protocol
 
 from rapc.base.values import Atom, Fact
+from rapc.events import FactAsserted, FactErased
 from rapc.ir import nodes
 from rapc.library.signatures import Signatures
-from rapc.runtime.events.events import FactAsserted, FactErased
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.checking import full_form
 from rapc.runtime.memory.exclusions import Exclusions

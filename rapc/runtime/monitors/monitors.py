@@ -13,14 +13,14 @@ from typing import Final
 
 from rapc.base.values import format_atom, number
 from rapc.compiler.watches import WatchKey
-from rapc.ir.printer import format_formula
-from rapc.runtime.events.events import (
+from rapc.events import (
     DeadlineMissed,
     Deadlock,
     Event,
     TaskBlocked,
     TaskWoken,
 )
+from rapc.ir.printer import format_formula
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.monitors.deadlines import Deadlines
 from rapc.runtime.monitors.listeners import Listeners

@@ -11,8 +11,8 @@ import msgspec
 
 from rapc.base.chance import Stream
 from rapc.base.values import Atom, Fact, Number, Text
+from rapc.events import Cause
 from rapc.ir.nodes import Method
-from rapc.runtime.events.events import Cause
 from rapc.runtime.memory.saving import MemoryState
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from rapc.base.resources import Value
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.runtime.events.events import Cause
+from rapc.events import Cause
 
 
 class History:

@@ -17,8 +17,8 @@ from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Fact
 from rapc.compiler.net_plan import StepPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
+from rapc.events import Goal
 from rapc.ir import nodes
-from rapc.runtime.events.events import Goal
 from rapc.runtime.memory.notations import Notation
 from rapc.runtime.state.history import History
 from rapc.runtime.state.states import ENDED, WAITING

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.runtime.events.events import Cause
+from rapc.events import Cause
 from rapc.runtime.state.task import Env, Task
 from rapc.world import Time
 

@@ -21,10 +21,10 @@ from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan
+from rapc.events import Cause
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_goal, format_term
 from rapc.ir.walk import subterms
-from rapc.runtime.events.events import Cause
 from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import NotingContext, time_of
 from rapc.runtime.state.task import Env, MethodRun, Task

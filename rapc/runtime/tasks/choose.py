@@ -16,8 +16,8 @@ from rapc.base.later import later
 from rapc.base.resources import frozen
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import PortError
+from rapc.events import SolverCalled
 from rapc.ir import nodes
-from rapc.runtime.events.events import SolverCalled
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.hold_things import must_wait

@@ -7,7 +7,7 @@ ends the cycle.
 from __future__ import annotations
 
 from rapc.compiler.query.query import Query
-from rapc.runtime.events.events import FamilySwitched, TaskSelected
+from rapc.events import FamilySwitched, TaskSelected
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import ENDED, INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task

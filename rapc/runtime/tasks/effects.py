@@ -10,7 +10,7 @@ from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Number, is_number
 from rapc.compiler.net_plan import EffectPlan, StepPlan
 from rapc.compiler.query.builtin import QueryFault, add, subtract
-from rapc.runtime.events.events import ResourceChange, ResourceChanged
+from rapc.events import ResourceChange, ResourceChanged
 from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import QueryContext
 from rapc.runtime.state.task import Env, MethodRun, Task

@@ -11,13 +11,13 @@ from collections.abc import Iterable
 
 from rapc.base.resources import Value
 from rapc.compiler.net_plan import OutputTarget, StepPlan
-from rapc.runtime.acts.activations import deactivate
-from rapc.runtime.events.events import (
+from rapc.events import (
     Cause,
     MethodEnded,
     TaskFailed,
     TaskSucceeded,
 )
+from rapc.runtime.acts.activations import deactivate
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import (
     ELIGIBLE,

@@ -12,6 +12,7 @@ from typing import Final
 
 from rapc.base.values import format_list
 from rapc.compiler.rap_plan import MethodPlan
+from rapc.events import MethodSuspended
 from rapc.runtime.acts.activations import (
     activatable,
     activate,
@@ -19,7 +20,6 @@ from rapc.runtime.acts.activations import (
     reactivate,
 )
 from rapc.runtime.acts.primitives import filled_in, ground, request, sendable
-from rapc.runtime.events.events import MethodSuspended
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import BLOCKED, INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task

@@ -6,9 +6,9 @@ from rapc.base.resources import Counter, SetResource
 from rapc.base.values import format_atom
 from rapc.compiler.compiler import RequestPlan
 from rapc.errors import FactError
+from rapc.events import Cause
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_term
-from rapc.runtime.events.events import Cause
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import MethodRun
 from rapc.runtime.tasks.causes import context_of, file_and_line, told_of, variables_in

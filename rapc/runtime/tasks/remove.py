@@ -9,8 +9,8 @@ whole subtrees is iterative: tasks may nest without limit.
 from __future__ import annotations
 
 from rapc.base.values import Fact, match_pattern
+from rapc.events import TaskRemoved
 from rapc.runtime.acts.activations import call_off
-from rapc.runtime.events.events import TaskRemoved
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import ENDED
 from rapc.runtime.state.task import MethodRun, Task

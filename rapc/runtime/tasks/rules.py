@@ -19,9 +19,9 @@ from rapc.compiler.rules import (
     RulesPlan,
 )
 from rapc.errors import FactError
+from rapc.events import RuleRun
 from rapc.ir import nodes
 from rapc.runtime.acts.primitives import fill_in
-from rapc.runtime.events.events import RuleRun
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task
 from rapc.world import OKAY

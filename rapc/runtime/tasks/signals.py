@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from rapc import events
 from rapc.base.values import Fact, format_list
 from rapc.compiler.net_plan import WaitPlan
-from rapc.runtime.events import events
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.task import Env, MethodRun, Task

@@ -10,8 +10,8 @@ from rapc.base.resources import Counter, SetResource, frozen
 from rapc.base.values import number
 from rapc.compiler.net_plan import StepPlan, WindowPlan
 from rapc.compiler.query.term_value import TermValue
+from rapc.events import TaskBlocked, TaskCreated
 from rapc.ir.printer import format_formula
-from rapc.runtime.events.events import TaskBlocked, TaskCreated
 from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.states import ELIGIBLE

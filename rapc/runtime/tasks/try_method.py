@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from rapc.compiler.activation import ActivationPlan
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.errors import FactError
+from rapc.events import Cause, MethodChosen
 from rapc.runtime.acts.activations import activate
 from rapc.runtime.acts.primitives import ground, request
-from rapc.runtime.events.events import Cause, MethodChosen
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.base.values import Atom, Number
-from rapc.runtime.events.events import ItemEvent, ItemMerged
+from rapc.events import ItemEvent, ItemMerged
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.recognition.departure import Collection
 from rapc.runtime.memory.recognition.matching import Match

@@ -56,7 +56,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 
 from rapc.base.values import Atom, Fact
-from rapc.runtime.events.events import ItemIntroduced, ItemLost, ItemMoved
+from rapc.events import ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.memory import REPLACED, STORED, Memory
 from rapc.runtime.memory.mentions import PREFIX

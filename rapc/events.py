@@ -5,18 +5,23 @@ The fields are the keys of the trace format (`docs/trace.md`) after `event`, `n`
 
 Events hold values: goals, facts, bindings. A value is a symbol or a string of the
 language (`str`, `Text`), a number, or a tuple for a list; a variable that has no value
-stands as its name, and a set or counter as it was then, in words. What a trace writes
-of an event is for `rapc.runtime.events.trace` to say.
+stands as its name, and a set or counter as it was then, in words.
+
+This is the one list of events: each says which of its fields a trace writes as text and
+what a trace for people writes in a line. Traces themselves are in
+`rapc.runtime.events.trace`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from typing import Any, ClassVar
 
 import msgspec
 
 from rapc.base.values import Atom, Fact, format_atom, format_list
+from rapc.base.visible import visible
 
 
 def _kebab(name: str) -> str:
@@ -98,13 +103,53 @@ class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
     #: What it came from: why the step's task failed, or the method tried last.
     because: Cause | None = None
 
+    def short(self) -> Cause:
+        """Return the cause with its file, but not with the folders of that."""
+        file = self.place.replace("\\", "/").rpartition("/")[2]
+        return msgspec.structs.replace(self, place=file)
+
+    def line(self) -> str:
+        """Return the cause on one line, without what it came from."""
+        at = f" at {self.place}" if self.place else ""
+        said = self.part
+        if self.bindings:
+            pairs = " ".join(f"{name} {value}" for name, value in self.bindings.items())
+            said = f"{said} with {pairs}" if said else f"with {pairs}"
+        note = self.note or ("does not hold" if self.part else "")
+        said = ", ".join(one for one in (said, note) if one)
+        return f"{self.clause}{at}: {said}" if said else f"{self.clause}{at}"
+
+
+Write = Callable[[Any], Any]
+"""Returns the text that a trace has for a value."""
+
+
+def _facts(data: Iterable[Fact]) -> tuple[str, ...]:
+    return tuple([format_list(fact) for fact in data])
+
+
+def _bindings(bindings: Mapping[str, object]) -> dict[str, str]:
+    return {name: format_atom(value) for name, value in bindings.items()}
+
+
+def _result_or_signal(what: str | Fact) -> str:
+    return what if isinstance(what, str) else format_list(what)
+
 
 class Event(msgspec.Struct, frozen=True, tag_field="event", tag=_kebab, kw_only=True):
     """The base of all events. `n` is a serial from 0; `time` in time units."""
 
+    #: The fields whose values a trace has as text, by their names in the trace. Goals
+    #: need no row: the encoder writes as text what it does not know.
+    words: ClassVar[Mapping[str, Write]] = {}
+
     n: int
     cycle: int
     time: int | float
+
+    def line(self) -> str | None:
+        """Return what a trace for people writes, without the time; None for nothing."""
+        return None
 
 
 class RunStarted(Event, frozen=True, kw_only=True):
@@ -122,6 +167,11 @@ class RunStarted(Event, frozen=True, kw_only=True):
     faults: tuple[str, ...]
     facts: tuple[str, ...]
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        tasks = ", ".join(self.tasks) or "no task"
+        library = visible(self.library)
+        return f"run of {library} in {self.world}, seed {self.seed}: {tasks}"
+
 
 class TaskCreated(Event, frozen=True, kw_only=True):
     """A task joined the agenda. `family` is the number of its top-level task."""
@@ -133,6 +183,10 @@ class TaskCreated(Event, frozen=True, kw_only=True):
     priority: int
     step: str | None
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        priority = f" priority {self.priority}" if self.priority else ""
+        return f"    ... creating task {self.goal} [{self.task}]{priority}"
+
 
 class TaskSelected(Event, frozen=True, kw_only=True):
     """The agenda chose a task."""
@@ -140,14 +194,22 @@ class TaskSelected(Event, frozen=True, kw_only=True):
     task: int
     goal: Goal
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"--> considering {self.goal} [{self.task}]"
+
 
 class MethodChosen(Event, frozen=True, kw_only=True):
     """A task starts a method, with the bindings it was chosen under."""
+
+    words: ClassVar[Mapping[str, Write]] = {"bindings": _bindings}
 
     task: int
     rap: str
     method: str
     bindings: Mapping[str, Any]
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... method {self.method} of {self.rap} [{self.task}]"
 
 
 class MethodEnded(Event, frozen=True, kw_only=True):
@@ -166,6 +228,12 @@ class TaskBlocked(Event, frozen=True, kw_only=True, omit_defaults=True):
     on: str
     holder: int | None = None
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        if self.holder is None:
+            return f"    ... blocked until {self.on} [{self.task}]"
+        held = f"held by [{self.holder}]"
+        return f"    ... waits for {self.on}, {held} [{self.task}]"
+
 
 class TaskWoken(Event, frozen=True, kw_only=True, omit_defaults=True):
     """What a task waited for has come; `holder` had it, if it is a thing."""
@@ -173,6 +241,9 @@ class TaskWoken(Event, frozen=True, kw_only=True, omit_defaults=True):
     task: int
     on: str
     holder: int | None = None
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... woken by {self.on} [{self.task}]"
 
 
 class Deadlock(Event, frozen=True, kw_only=True):
@@ -184,6 +255,9 @@ class Deadlock(Event, frozen=True, kw_only=True):
 
     tasks: tuple[int, ...]
     waiting: tuple[str, ...]
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... deadlock: {'; '.join(self.waiting)}"
 
 
 class MethodSuspended(Event, frozen=True, kw_only=True):
@@ -197,13 +271,22 @@ class MethodSuspended(Event, frozen=True, kw_only=True):
     for_: str = msgspec.field(name="for")
     by: int
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        taken = f"{self.for_} of [{self.by}]"
+        return f"    ... method {self.method} suspended for {taken} [{self.task}]"
+
 
 class TaskSucceeded(Event, frozen=True, kw_only=True):
     """A task ended well."""
 
+    words: ClassVar[Mapping[str, Write]] = {"outputs": _bindings}
+
     task: int
     goal: Goal
     outputs: Mapping[str, Any]
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... task accomplished {self.goal} [{self.task}]"
 
 
 class TaskFailed(Event, frozen=True, kw_only=True):
@@ -215,6 +298,17 @@ class TaskFailed(Event, frozen=True, kw_only=True):
     result: str
     because: Cause | None = None
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        told = f"    ... goal failed ({self.reason}) - {self.result}: "
+        told += f"{self.goal} [{self.task}]"
+        if self.because is None:
+            return told
+        below = " " * 16
+        lines = [told, f"{below}because of {self.because.short().line()}"]
+        for ruled_out in self.because.methods:
+            lines.append(f"{below}  {ruled_out.short().line()}")
+        return "\n".join(lines)
+
 
 class TaskRemoved(Event, frozen=True, kw_only=True):
     """A task left the agenda without ending by itself."""
@@ -222,9 +316,14 @@ class TaskRemoved(Event, frozen=True, kw_only=True):
     task: int
     cause: str
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... removing task [{self.task}] ({self.cause})"
+
 
 class PrimitiveRequested(Event, frozen=True, kw_only=True):
     """A request went to the world: memory names, and sensor names as sent."""
+
+    words: ClassVar[Mapping[str, Write]] = {"request": format_list, "sent": format_list}
 
     task: int
     request: Fact
@@ -234,21 +333,34 @@ class PrimitiveRequested(Event, frozen=True, kw_only=True):
 class PrimitiveEnded(Event, frozen=True, kw_only=True):
     """A primitive ended and its handlers have changed what they change."""
 
+    words: ClassVar[Mapping[str, Write]] = {"request": format_list, "data": _facts}
+
     task: int | None
     request: Fact
     result: str
     data: tuple[Fact, ...]
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        request = format_list(self.request)
+        return f"    ... primitive operation {request} - {self.result}"
+
 
 class PrimitiveCancelled(Event, frozen=True, kw_only=True):
     """What was under way is wanted no more; told before what follows from it."""
 
+    words: ClassVar[Mapping[str, Write]] = {"request": format_list}
+
     task: int
     request: Fact
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... primitive operation {format_list(self.request)} - cancelled"
 
 
 class RequestRefused(Event, frozen=True, kw_only=True):
     """The world will not carry a request out beside others: names as requested."""
+
+    words: ClassVar[Mapping[str, Write]] = {"request": format_list, "sent": format_list}
 
     task: int
     request: Fact
@@ -256,29 +368,48 @@ class RequestRefused(Event, frozen=True, kw_only=True):
     #: Why, in the world's words; None where it gives no reason.
     because: str | None = None
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        reason = f": {self.because}" if self.because else ""
+        request = format_list(self.request)
+        return f"    ... primitive operation {request} - refused{reason}"
+
 
 class SkillEnabled(Event, frozen=True, kw_only=True):
     """A skill of an activation of `task` is on from now."""
 
+    words: ClassVar[Mapping[str, Write]] = {"what": format_list}
+
     task: int
     what: Fact
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... skill {format_list(self.what)} enabled [{self.task}]"
 
 
 class SkillDisabled(Event, frozen=True, kw_only=True):
     """A skill of an activation of `task` is wanted no more."""
 
+    words: ClassVar[Mapping[str, Write]] = {"what": format_list}
+
     task: int
     what: Fact
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... skill {format_list(self.what)} disabled [{self.task}]"
 
 
 class DataReceived(Event, frozen=True, kw_only=True):
     """A datum came unasked."""
+
+    words: ClassVar[Mapping[str, Write]] = {"data": format_list}
 
     data: Fact
 
 
 class FactAsserted(Event, frozen=True, kw_only=True):
     """A fact was asserted or refreshed."""
+
+    words: ClassVar[Mapping[str, Write]] = {"fact": format_list}
 
     fact: Fact
     by: str
@@ -287,6 +418,8 @@ class FactAsserted(Event, frozen=True, kw_only=True):
 class FactErased(Event, frozen=True, kw_only=True):
     """A fact went."""
 
+    words: ClassVar[Mapping[str, Write]] = {"fact": format_list}
+
     fact: Fact
     by: str
 
@@ -294,8 +427,13 @@ class FactErased(Event, frozen=True, kw_only=True):
 class ResourceChanged(Event, frozen=True, kw_only=True):
     """A set or counter changed; `what` is the effect and the new value."""
 
+    words: ClassVar[Mapping[str, Write]] = {"what": str}
+
     task: int
     what: ResourceChange
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... {self.what} [{self.task}]"
 
 
 class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
@@ -304,8 +442,13 @@ class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
     The task may have ended.
     """
 
+    words: ClassVar[Mapping[str, Write]] = {"what": format_list}
+
     task: int | None
     what: Fact
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... signal {format_list(self.what)}"
 
 
 class RuleRun(Event, frozen=True, kw_only=True):
@@ -313,6 +456,8 @@ class RuleRun(Event, frozen=True, kw_only=True):
 
     `at` is where the query and the actions stand, `doors.rap:12`.
     """
+
+    words: ClassVar[Mapping[str, Write]] = {"what": _result_or_signal}
 
     task: int | None
     what: str | Fact
@@ -324,6 +469,9 @@ class QueryFaulted(Event, frozen=True, kw_only=True):
 
     task: int | None
     what: str
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... query fault: {self.what}"
 
 
 class ItemEvent(Event, frozen=True, kw_only=True):
@@ -345,17 +493,25 @@ class ItemEvent(Event, frozen=True, kw_only=True):
 class ItemIntroduced(ItemEvent, frozen=True, kw_only=True):
     """An item came into reach under a sensor name."""
 
+    words: ClassVar[Mapping[str, Write]] = {"location": format_atom}
+
 
 class ItemMerged(ItemEvent, frozen=True, kw_only=True):
     """Two descriptions have turned out to be of one item."""
+
+    words: ClassVar[Mapping[str, Write]] = {"location": format_atom}
 
 
 class ItemMoved(ItemEvent, frozen=True, kw_only=True):
     """An item is at another place than before."""
 
+    words: ClassVar[Mapping[str, Write]] = {"location": format_atom}
+
 
 class ItemLost(ItemEvent, frozen=True, kw_only=True):
     """An item is not where it was: its location is `unknown`."""
+
+    words: ClassVar[Mapping[str, Write]] = {"location": format_atom}
 
 
 class FamilySwitched(Event, frozen=True, kw_only=True):
@@ -365,12 +521,18 @@ class FamilySwitched(Event, frozen=True, kw_only=True):
     from_: int = msgspec.field(name="from")
     to: int
 
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"--> switching family from [{self.from_}] to [{self.to}]"
+
 
 class DeadlineMissed(Event, frozen=True, kw_only=True):
     """The clock has passed a task's deadline."""
 
     task: int
     deadline: int | float
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... deadline {format_atom(self.deadline)} missed [{self.task}]"
 
 
 class SolverCalled(Event, frozen=True, kw_only=True):
@@ -379,6 +541,9 @@ class SolverCalled(Event, frozen=True, kw_only=True):
     task: int
     goal: Goal
     methods: int
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"    ... problem solver for {self.goal}: {self.methods} methods"
 
 
 class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -407,3 +572,25 @@ class RunEnded(Event, frozen=True, kw_only=True):
     because: str | None = None
     results: tuple[TaskResult, ...]
     waiting: tuple[str, ...]
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        return f"run over: {self.reason}"
+
+
+@cache
+def kinds() -> Mapping[str, type[Event]]:
+    """Return the kinds of events by their names in a trace."""
+    found: dict[str, type[Event]] = {}
+    waiting = Event.__subclasses__()
+    while waiting:
+        kind = waiting.pop(0)
+        waiting = [*kind.__subclasses__(), *waiting]
+        if kind is not ItemEvent:
+            found[str(kind.__struct_config__.tag)] = kind
+    return found
+
+
+@cache
+def keys(kind: type[Event]) -> tuple[str, ...]:
+    """Return the keys of a kind of event in a trace, those of all events first."""
+    return tuple([field.encode_name for field in msgspec.structs.fields(kind)])

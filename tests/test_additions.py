@@ -1,8 +1,9 @@
-"""A clause with a formula is one row of `rapc.ir.clauses`, its syntax and its use.
+"""What is added in one place is known everywhere: a clause and an event.
 
-A clause `(give-up formula)` is added to a copy of the package: a task fails where the
-formula holds. Nothing but its syntax, its row and its one use in a cycle is written;
-the checker, the compiler, the saved library and the debugger must know it then.
+A clause `(give-up formula)` and an event `task-given-up` are added to a copy of the
+package: a task fails where the formula holds. Of the clause its syntax, its row in
+`rapc.ir.clauses` and its one use in a cycle are written, of the event its record and
+the place that emits it. Checker, compiler, saved library, traces and tests know them.
 """
 
 from __future__ import annotations
@@ -49,7 +50,25 @@ EDITS = (
         "    machine.context.task = task\n"
         "    if found is not None:\n        succeed(machine, task, found)\n"
         "    elif given_up and given_up.holds(machine.context, task.env):\n"
+        "        kind, why = events.TaskGivenUp, ('lost', plan.name)\n"
+        "        machine.recorder.emit(kind, task=task.number, why=why)\n"
         "        fail(machine, task, 'given-up', None)\n",
+    ),
+    (
+        "runtime/tasks/cycle.py",
+        "from rapc.events import",
+        "from rapc import events\nfrom rapc.events import",
+    ),
+    (
+        "events.py",
+        "class TaskRemoved(",
+        "class TaskGivenUp(Event, frozen=True, kw_only=True):\n"
+        "    words: ClassVar[Mapping[str, Write]] = {'why': format_list}\n"
+        "    task: int\n"
+        "    why: Fact\n\n"
+        "    def line(self) -> str:\n"
+        "        return f'    ... given up [{self.task}]'\n\n\n"
+        "class TaskRemoved(",
     ),
 )
 
@@ -122,7 +141,28 @@ def test_new_clause_is_laid_out_compiled_run_and_explained(package: Path) -> Non
     assert "give-up" in plan
     test = (
         '(require "find") (define-test gives-up (facts (lost cup))'
-        " (script) (task (find cup)) (expect (fails (find cup) ?result)))"
+        " (script) (task (find cup)) (expect (fails (find cup) ?result)"
+        " (trace (task-given-up :why (lost find)))))"
     )
     (package / "find.test.rap").write_text(test, "utf-8")
     assert "1 passed" in _rapc(package, "test", "find.test.rap")
+
+
+def test_new_event_is_written_found_and_checked(package: Path) -> None:
+    library = LIBRARY.format("(not (lost ?thing))")
+    library = library.replace("(declare-primitive look (?thing) (okay))\n", "")
+    library = library.replace("(primitive (look ?thing))", "(task-net)")
+    (package / "find.rap").write_text(library, "utf-8")
+    script = ("repl", "find.rap", "--task", "(find cup)", "-c", ":run")
+    shown = _rapc(package, *script, "-c", ":find back task-given-up")
+    assert shown.count("given up [1]") == 2
+    assert "in cycle 1" in shown
+    written = package / "run.jsonl"
+    _rapc(package, *script, "-c", f":record {written}")
+    rows = [json.loads(line) for line in written.read_text("utf-8").splitlines()]
+    assert [r["why"] for r in rows if r["event"] == "task-given-up"] == ["(lost find)"]
+    again = _rapc(package, "repl", str(written), "-c", ":find task-given-up")
+    assert "given up [1]" in again
+    test = '(require "find") (define-test x (task (find cup)) (expect (trace {})))'
+    (package / "b.test.rap").write_text(test.format("(task-given-up :what 1)"), "utf-8")
+    assert "has no key `what`" in _rapc(package, "check", "b.test.rap")
