@@ -54,7 +54,11 @@ def _run(run: Pass) -> Misuses:
     index = run.result(INDEX)
     found: list[Misuse] = []
     for used in index.uses():
-        fault = faults(used.use, used.name, used.count, used.outputs)
+        owner = used.owner
+        within = ""
+        if used.use == "goal" and isinstance(owner, nodes.DefineRap):
+            within = owner.name
+        fault = faults(used.use, used.name, used.count, used.outputs, within)
         if fault is not None:
             run.watch(used.owner)  # what is said of it depends on all other names
             found.append(Misuse(used, fault))
@@ -145,7 +149,7 @@ class UnknownNames:
 
     def __init__(self, rule: Rule) -> None:
         self._rule = rule
-        self._uses: dict[tuple[str, int], tuple[Fault, list[Span]]] = {}
+        self._uses: dict[tuple[str, int], list[tuple[Fault, Span]]] = {}
         self._owners: list[Form] = []
 
     def add(self, fault: Fault, span: Span, owner: Form) -> None:
@@ -154,7 +158,7 @@ class UnknownNames:
         A test is run by itself, so each has findings of its own.
         """
         test = id(owner) if type(owner) is nodes.DefineTest else 0
-        self._uses.setdefault((fault.message, test), (fault, []))[1].append(span)
+        self._uses.setdefault((fault.message, test), []).append((fault, span))
         self._owners.append(owner)
 
     def report(self, run: Pass) -> None:
@@ -163,12 +167,17 @@ class UnknownNames:
             return
         for owner in self._owners:
             run.watch(owner)  # of one name there is one finding for all forms
-        for fault, spans in self._uses.values():
-            sure = [span for span in spans if not run.unsure(span)]
+        for uses in self._uses.values():
+            sure = [(fault, span) for fault, span in uses if not run.unsure(span)]
             if sure:
-                here = [span for span in sure if span.file == sure[0].file]
-                fix = renaming(run.library.files, fault.name, fault.meant, here)
-                found = self._finding(fault, sure, _unused(run, fault.near))
+                fault, first = sure[0]
+                here = [use for use in sure if use[1].file == first.file]
+                alike = all(use.meant == fault.meant for use, _ in here)
+                meant = fault.meant if alike else None
+                places = [span for _, span in here]
+                fix = renaming(run.library.files, fault.name, meant, places)
+                spans = [span for _, span in sure]
+                found = self._finding(fault, spans, _unused(run, fault.near))
                 run.report(msgspec.structs.replace(found, fix=fix))
 
     def _finding(

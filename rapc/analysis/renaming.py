@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Mapping
 
 from rapc.base.diagnostics import Applicability, Edit, Fix
+from rapc.base.names import is_slip
 from rapc.base.source import SourceFile, Span
 
 _WORD = r"[^\s()\";']"
@@ -23,13 +24,15 @@ def renaming(
 ) -> Fix | None:
     """Return the fix that writes another name at some places, or None.
 
+    A name with too many other letters (`is_slip`) may be a question, but is not a fix.
+
     Args:
         files: the files of the library.
         name: the name that stands there.
         meant: the name that may be meant; None if there is none.
         places: the names themselves, or stretches in which the name stands once.
     """
-    if not meant:
+    if not meant or not is_slip(name, meant):
         return None
     edits = []
     for place in places:

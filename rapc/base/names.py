@@ -40,6 +40,30 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
     return best[1] if best else None
 
 
+_LONGEST = 60
+"""The longest names that `is_slip` compares: nobody compares longer ones by eye."""
+
+
+def is_slip(name: str, other: str) -> bool:
+    """Return whether few letters are wrong: one, or a quarter of the shorter name.
+
+    A letter is wrong if it is missing, added or another one, or if two letters are
+    swapped. `nearest` also returns names that share no more than a long end.
+    """
+    if max(len(name), len(other)) > _LONGEST:
+        return False
+    above: list[int] = []
+    row = list(range(len(other) + 1))
+    for at, letter in enumerate(name):
+        earlier, above, row = above, row, [at + 1]
+        for to, wanted in enumerate(other):
+            cost = min(above[to] + (letter != wanted), above[to + 1] + 1, row[to] + 1)
+            if at and to and (name[at - 1], letter) == (wanted, other[to - 1]):
+                cost = min(cost, earlier[to - 1] + 1)
+            row.append(cost)
+    return row[-1] <= max(1, min(len(name), len(other)) // 4)
+
+
 def did_you_mean(
     name: str, names: Iterable[str], otherwise: str = "", form: str = "`{}`"
 ) -> str:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal
 
 import msgspec
 
-from rapc.base.names import Suggestions
+from rapc.base.names import Suggestions, is_slip
 from rapc.base.values import Atom
 from rapc.language.heads import CALLS, QUERIES
 from rapc.library.kinds import Kinds, misfits, said_of
@@ -72,8 +72,9 @@ class Fault(msgspec.Struct, frozen=True):
     declared: Signature | None = None
     #: What may be meant by an unknown name, if it is declared.
     near: Signature | None = None
-    #: The name at fault, and the one that may be meant, if any.
+    #: The name at fault.
     name: str = ""
+    #: The name that can be written in its place; None if there is none.
     meant: str | None = None
 
     def __str__(self) -> str:
@@ -170,7 +171,12 @@ class Signatures:
         )
 
     def fault(
-        self, use: Use, name: str, count: int, outputs: int | None = None
+        self,
+        use: Use,
+        name: str,
+        count: int,
+        outputs: int | None = None,
+        within: str = "",
     ) -> Fault | None:
         """Return what is wrong with a use of a name, or None.
 
@@ -179,10 +185,13 @@ class Signatures:
             name: the name.
             count: how many arguments (inputs) it is given.
             outputs: how many outputs are taken of a RAP; None if none are named.
+            within: the RAP that asks for the name; nothing if none does.
         """
         declared = self.table(use).get(name)
         if declared is None:
-            return self.unknown(use, name)
+            fault = self.unknown(use, name, within)
+            fits = fault.near is None or not _miscount(fault.near, use, count, outputs)
+            return fault if fits else msgspec.structs.replace(fault, meant=None)
         computed = use == "computed" or declared.kind in _COMPUTED
         if computed and (what := _other_kind(use, declared.kind)) is not None:
             help_ = ""
@@ -191,10 +200,7 @@ class Signatures:
                 help_ += "variable it binds"
             message = f"`{name}` is a {declared.kind} and {what}"
             return Fault("kind", message, help_, declared)
-        message = declared.miscount(count, erased=use == "erased") or ""
-        if outputs is not None and outputs != declared.outputs:
-            wrong = f"{amount(declared.outputs, 'output')}, not {outputs}"
-            message = f"{message} and {wrong}" if message else f"`{name}` has {wrong}"
+        message = _miscount(declared, use, count, outputs)
         return Fault("arguments", message, "", declared) if message else None
 
     def wrong_kind(
@@ -239,8 +245,12 @@ class Signatures:
         """Return the signatures among which a name used so is looked up."""
         return self._tables[use]
 
-    def unknown(self, use: Use, name: str) -> Fault:
-        """Return what to say about a name that is not declared, used so."""
+    def unknown(self, use: Use, name: str, within: str = "") -> Fault:
+        """Return what to say about a name that is not declared, used so.
+
+        The RAP `within` which the name stands is meant only if the name is a slip: few
+        RAPs ask for themselves.
+        """
         space = _SPACES.get(use, "predicate")
         near = self._near.get(use)
         if near is None:
@@ -251,6 +261,8 @@ class Signatures:
         if advice:
             return Fault("unknown", message, advice)
         meant = near.near(name)
+        if meant == within and not is_slip(name, within):
+            return Fault("unknown", message, _ADVICE[space])
         declared = self.table(use).get(meant or "")
         help_ = near.did_you_mean(name, _ADVICE[space])
         return Fault("unknown", message, help_, near=declared, name=name, meant=meant)
@@ -339,6 +351,15 @@ _NO_FACT: Mapping[Use, str] = {
 
 _COMPUTED: Container[Kind] = ("function", "query")
 """What is asked for without standing in memory."""
+
+
+def _miscount(declared: Signature, use: Use, count: int, outputs: int | None) -> str:
+    """Say what is wrong with the numbers of arguments and outputs, or nothing."""
+    message = declared.miscount(count, erased=use == "erased") or ""
+    if outputs is None or outputs == declared.outputs:
+        return message
+    wrong = f"{amount(declared.outputs, 'output')}, not {outputs}"
+    return f"{message} and {wrong}" if message else f"`{declared.name}` has {wrong}"
 
 
 def _other_kind(use: Use, kind: Kind) -> str | None:

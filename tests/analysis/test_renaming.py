@@ -115,3 +115,54 @@ def test_where_the_name_stands_twice_nobody_guesses() -> None:
     text = "(declare-sensor-datum seen (?x))\n"
     text += "(declare-primitive look () (okay) :tells (sene sene))\n"
     assert _mended(text, unsafe=True)[0] == text
+
+
+COMMON_ENDS = {
+    "a primitive as a step": (
+        "(define-rap (pickup ?thing)\n"
+        "  (method (task-net (t1 (arm-pickup arm1 ?thing)))))\n"
+    ),
+    "a RAP like its caller": (
+        "(define-rap (handle-enemy-troops ?place)\n"
+        "  (method (task-net (t1 (shoot-enemy-troops ?place)))))\n"
+    ),
+}
+
+
+@pytest.mark.parametrize("text", COMMON_ENDS.values(), ids=COMMON_ENDS)
+def test_a_rap_with_a_common_end_is_not_offered_as_its_own_step(text: str) -> None:
+    mended, report = _mended(text, unsafe=True)
+    found = [f.diagnostic for f in report.findings if f.rule.name == "unknown-rap"]
+    assert [(f.help, f.fix) for f in found] == [
+        ("define it, or `require` the file that does", None)
+    ]
+    assert mended == text
+
+
+def test_a_rap_is_offered_as_its_own_step_where_one_letter_is_wrong() -> None:
+    text = "(define-rap (walk ?there)\n  (succeed nil)\n"
+    text += "  (method (task-net (t1 (wolk ?there)))))\n"
+    _, report = _mended(text, unsafe=False)
+    found = [f.diagnostic for f in report.findings if f.rule.name == "unknown-rap"]
+    assert [f.help for f in found] == ["did you mean `walk`?"]
+    assert found[0].fix is not None
+
+
+NO_FIX = {
+    "other arguments": "(define-rap (go) (method (task-net (t1 (wiat a)))))",
+    "other arguments of a fact": "(define-rap (go) (succeed (lokced a b)))",
+    "other outputs": "(define-rap (go) (method (task-net (t1 (wiat => ?x)))))",
+    "other arguments in one place": (
+        "(define-rap (go) (succeed (or (lokced a) (lokced a b))))"
+    ),
+    "a common end": "(define-rap (go) (succeed (unlocked a)))",
+}
+
+
+@pytest.mark.parametrize("form", NO_FIX.values(), ids=NO_FIX)
+def test_a_name_that_cannot_be_written_there_is_a_question_alone(form: str) -> None:
+    _, report = _mended(f"{FACTS}{form}\n", unsafe=False)
+    rules = ("unknown-rap", "undeclared-predicate")
+    found = [f.diagnostic for f in report.findings if f.rule.name in rules]
+    assert [f.help.startswith("did you mean") for f in found] == [True]
+    assert found[0].fix is None
