@@ -1,15 +1,21 @@
 """Carry out the fixes that findings bring, until there is none left to carry out.
 
-Fixes may overlap, and one may bring others to light: so a round carries out those that
+Fixes may overlap, and one may bring others to light. So a round carries out fixes that
 do not touch each other, the library is checked again, and so on. Nothing is written
-here. A round that would bring in errors that were not there before is not kept; but
-where the text of a form was not in order, what else is wrong there was not told, and
-comes to light when the text is put right.
+here. A round keeps only the fixes that improve the library (`_is_better`). It tries the
+fixes in halves if all of them together do not improve the library: so a bad fix does
+not stop the good ones.
+
+The checker withholds findings about a form in which parentheses do not match. So the
+fixes of the parser come first, and the next check may show faults that were withheld.
+If no later round repairs these faults, the other fixes begin with the best library
+before that.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right, insort
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 
@@ -18,12 +24,16 @@ import msgspec
 from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.diagnostics import Applicability, Fix, Severity
 from rapc.base.source import Span
-from rapc.parser.rules.forms import FORM_RULES
-from rapc.parser.rules.slips import SLIP_RULES
+from rapc.parser.rules.table import RULES
 from rapc.parser.rules.text import TEXT_RULES
 
-_ROUNDS = 20
-"""After so many rounds fixes that bring each other about are left as they are."""
+_CHECKS = 100
+"""The most checks of one call: fixes that these do not reach are not carried out."""
+
+_Count = tuple[int, ...]
+"""Numbers of findings, the most important one first."""
+
+_Check = Callable[[Mapping[str, str]], CheckReport]
 
 
 class Mended(msgspec.Struct, frozen=True):
@@ -37,12 +47,7 @@ class Mended(msgspec.Struct, frozen=True):
     fixed: int
 
 
-def mend(
-    check: Callable[[Mapping[str, str]], CheckReport],
-    allowed: Callable[[str], bool],
-    *,
-    unsafe: bool,
-) -> Mended:
+def mend(check: _Check, allowed: Callable[[str], bool], *, unsafe: bool) -> Mended:
     """Check a library, carry out fixes, and check it again, while there are any.
 
     Args:
@@ -50,19 +55,50 @@ def mend(
         allowed: whether the file of a name may be changed.
         unsafe: whether fixes that may change the meaning are carried out as well.
     """
-    texts: dict[str, str] = {}
-    report = check(texts)
-    fixed = 0
-    for _ in range(_ROUNDS):
-        chosen = list(_chosen(report.findings, allowed, unsafe))
-        if not chosen:
-            break
-        tried = texts | _applied(chosen, report)
-        after = check(tried)
-        if _is_worse(report, after):
-            break
-        texts, report, fixed = tried, after, fixed + len(chosen)
-    return Mended(texts, report, fixed)
+    left = iter(range(_CHECKS))
+
+    def rounds(now: Mended, of_parser: bool) -> Iterator[Mended]:
+        while True:
+            findings = now.report.findings
+            some = (f for f in findings if (f.rule.name in _OF_PARSER) is of_parser)
+            after = _round(check, left, now, list(_chosen(some, allowed, unsafe)))
+            if after is now:
+                return
+            now = after
+            yield now
+
+    best = Mended({}, check({}), 0)
+    for now in rounds(best, of_parser=True):
+        if _is_better(best.report, now.report, _of_parser):
+            best = now
+    return [best, *rounds(best, of_parser=False)][-1]
+
+
+def _round(
+    check: _Check, left: Iterator[int], before: Mended, fixes: Sequence[Fix]
+) -> Mended:
+    """Carry out the fixes that improve a library; return it unchanged if none does.
+
+    Args:
+        check: checks the library with other texts.
+        left: has one item for each check that may still be made.
+        before: the library that the fixes are for.
+        fixes: fixes that do not touch each other.
+    """
+    kept: list[Fix] = []
+    now = before
+    waiting = [fixes] if fixes else []
+    while waiting and next(left, None) is not None:
+        some = waiting.pop()
+        texts = {**before.texts, **_applied([*kept, *some], before.report)}
+        report = check(texts)
+        if _is_better(now.report, report, _of_reader_and_parser):
+            kept += some
+            now = Mended(texts, report, before.fixed + len(kept))
+        elif len(some) > 1:
+            half = len(some) // 2
+            waiting += [some[half:], some[:half]]
+    return now
 
 
 def _applicable(fix: Fix | None, unsafe: bool) -> bool:
@@ -113,21 +149,46 @@ def _applied(fixes: Iterable[Fix], report: CheckReport) -> dict[str, str]:
     return texts
 
 
-def _is_worse(before: CheckReport, after: CheckReport) -> bool:
-    """Whether there are more errors of a sort, and no fewer of a sort that hides it."""
-    return _errors(after) > _errors(before)
+def _is_better(
+    before: CheckReport, after: CheckReport, most: Callable[[CheckReport], _Count]
+) -> bool:
+    """Whether a library is better after fixes than before.
+
+    A library is better if what counts `most` is less. If that is equal, no rule may
+    report more errors, and there must be fewer errors, or as many errors and fewer
+    findings.
+    """
+    if most(after) != most(before):
+        return most(after) < most(before)
+    old, new = _errors(before), _errors(after)
+    fewer = (new.total(), len(after.findings)) < (old.total(), len(before.findings))
+    return new <= old and fewer
 
 
-def _errors(report: CheckReport) -> tuple[int, int, int]:
-    """Return how many errors texts have, how many more their forms, and all in all."""
-    errors = [f.rule.name for f in report.findings if f.severity is Severity.ERROR]
-    texts = sum(name in _OF_TEXTS for name in errors)
-    forms = sum(name in _OF_FORMS for name in errors)
-    return texts, texts + forms, len(errors)
+def _of_parser(report: CheckReport) -> _Count:
+    """Return the number of findings of the parser."""
+    return (sum(f.rule.name in _OF_PARSER for f in report.findings),)
 
 
-_OF_TEXTS = frozenset(rule.name for rule in TEXT_RULES)
-"""The rules about parentheses and the like."""
+def _of_reader_and_parser(report: CheckReport) -> _Count:
+    """Return the numbers of findings of the reader, and of reader and parser together.
 
-_OF_FORMS = frozenset(rule.name for rule in (*FORM_RULES, *SLIP_RULES))
-"""The rules about what stands in parentheses."""
+    Where the reader finds an error, the parser withholds what else it finds.
+    """
+    return (
+        sum(f.rule.name in _OF_READER for f in report.findings),
+        *_of_parser(report),
+    )
+
+
+def _errors(report: CheckReport) -> Counter[str]:
+    """Return the number of errors by rule."""
+    findings = report.findings
+    return Counter(f.rule.name for f in findings if f.severity is Severity.ERROR)
+
+
+_OF_READER = frozenset(rule.name for rule in TEXT_RULES) - {"unknown-form"}
+"""The rules of the reader: parentheses and the like."""
+
+_OF_PARSER = frozenset(rule.name for rule in RULES)
+"""The rules of the parser."""

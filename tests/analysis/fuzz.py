@@ -15,13 +15,13 @@ from collections.abc import Iterator, Mapping
 from rapc.analysis import graphs, suite
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.analysis.effects_graph import effects_of
-from rapc.analysis.fixes import mend
 from rapc.analysis.selection import Selection
 from rapc.base.source import SourceFile
 from rapc.console import findings, formats
 from rapc.console import graphs as drawn
 from rapc.library.loader import Loaded, load_text
 from rapc.parser.formatter import formatted
+from tests.analysis.mending import broken_by_fixes
 from tests.damage import with_other_tokens
 from tests.parser.programs import for_each_program
 
@@ -84,13 +84,8 @@ def _rules(report: CheckReport) -> Mapping[str, int]:
 
 
 def _more(loaded: Loaded) -> Iterator[str]:
-    """Fixes can be carried out, and graphs drawn."""
-    text = loaded.files[_TEXT].text
-
-    def check(texts: Mapping[str, str]) -> CheckReport:
-        return check_library(load_text(texts.get(_TEXT, text)), EVERYTHING)
-
-    mend(check, lambda _: True, unsafe=True)
+    """Fixes leave nothing worse, and graphs can be drawn."""
+    yield from broken_by_fixes(loaded.files[_TEXT].text, EVERYTHING)
     library = loaded.library
     made = [graphs.calls(library), graphs.monitors(library), graphs.things(library)]
     made += [graphs.task_nets(rap) for rap in library.raps.values()]

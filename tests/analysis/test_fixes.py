@@ -1,4 +1,4 @@
-"""How fixes are carried out: none that touch each other, none that make it worse."""
+"""How fixes are carried out: none that touch each other, only those that improve."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from rapc.library.loader import load_text
 
 WARNING = suite.rules()["unused-suppression"]
 ERROR = suite.rules()["unknown-rap"]
+OTHER_ERROR = suite.rules()["wrong-step-arity"]
 
 Say = Callable[[str], Sequence[tuple[Rule, int, int, str]]]
 
@@ -72,9 +73,45 @@ def test_a_round_that_brings_in_errors_is_not_kept() -> None:
     assert [f.rule for f in mended.report.findings] == [WARNING]
 
 
-def test_fixes_that_bring_each_other_about_come_to_an_end() -> None:
-    text, mended = _mended("; a", lambda text: [(WARNING, 0, 1, ";")])
-    assert (text, len(mended.report.findings)) == ("; a", 1)
+def test_a_fix_that_leaves_as_many_findings_is_not_kept() -> None:
+    text, mended = _mended("; a", lambda text: [(WARNING, 0, 0, ";")])
+    assert (text, mended.fixed, len(mended.report.findings)) == ("; a", 0, 1)
+
+
+def test_a_fix_that_replaces_an_error_by_another_is_not_kept() -> None:
+    def say(text: str) -> Sequence[tuple[Rule, int, int, str]]:
+        if "y" in text:
+            return [(OTHER_ERROR, 0, 0, "")]
+        return [(ERROR, 2, 3, "y"), (WARNING, 0, 0, "")]
+
+    text, mended = _mended("; x", say)
+    assert (text, mended.fixed) == ("; x", 0)
+
+
+def test_a_bad_fix_does_not_stop_the_good_ones() -> None:
+    def say(text: str) -> Sequence[tuple[Rule, int, int, str]]:
+        bad = [(WARNING, at, at + 1, "!") for at, c in enumerate(text) if c == "y"]
+        return [
+            *_letters(text, "x"),
+            *bad,
+            *[(ERROR, 0, 0, "") for c in text if c == "!"],
+        ]
+
+    text, mended = _mended("; x x y x", say)
+    assert (text, mended.fixed) == ("; ;  ;  y ; ", 3)
+    assert [f.rule for f in mended.report.findings] == [WARNING]
+
+
+def test_checks_are_limited() -> None:
+    calls: list[str] = []
+
+    def say(text: str) -> Sequence[tuple[Rule, int, int, str]]:
+        calls.append(text)
+        return [(WARNING, 2, 3, "") for letter in text if letter == "x"]
+
+    text, mended = _mended("; " + "x" * 300, say)
+    assert (len(calls), mended.fixed) == (101, 100)
+    assert text == "; " + "x" * 200
 
 
 def test_files_that_may_not_be_changed_are_not() -> None:
@@ -96,3 +133,36 @@ def test_errors_that_a_parenthesis_hid_do_not_keep_it_from_being_put_right() -> 
     assert mended.texts["<text>"] == text.replace("(lost a b)))", "(lost a b))")
     found = [f.rule.name for f in mended.report.findings]
     assert found == ["undeclared-predicate", "unknown-rap"]
+
+
+def test_faults_that_a_parenthesis_hid_are_fixed_after_it() -> None:
+    text = "(define-rap (go)\n  (sucede nil)\n  (metod (task-net))\n"
+    assert [f.rule.name for f in _texts({}, text).findings] == ["missing-parenthesis"]
+    mended = mend(lambda texts: _texts(texts, text), lambda name: True, unsafe=True)
+    sound = "(define-rap (go)\n  (succeed nil)\n  (method (task-net)))\n"
+    assert (mended.texts["<text>"], mended.fixed) == (sound, 3)
+
+
+def test_a_parenthesis_that_hides_more_faults_than_have_fixes_stays() -> None:
+    text = "(define-rap (go)\n  (weather)\n  (mood)\n  (method (task-net))\n"
+    assert [f.rule.name for f in _texts({}, text).findings] == ["missing-parenthesis"]
+    mended = mend(lambda texts: _texts(texts, text), lambda name: True, unsafe=True)
+    assert (mended.texts, mended.fixed) == ({}, 0)
+
+
+def test_other_faults_are_fixed_where_a_parenthesis_stays() -> None:
+    text = "(define-rap (go)\n  (weather)\n  (mood)\n  (method (task-net))\n"
+    text += "(define-rap (halt)\n  (method (task-net (t1 (hlat)))))\n"
+    mended = mend(lambda texts: _texts(texts, text), lambda name: True, unsafe=True)
+    assert mended.texts == {"<text>": text.replace("hlat", "halt")}
+
+
+def test_two_findings_of_one_slip_do_not_swap_its_names() -> None:
+    """One finding offers to write `?litress`, the other to write `?litres`."""
+    text = "(declare-memory-property room (?x) unknown)\n"
+    text += "(declare-primitive fill (?x) (okay))\n(define-rap (fill-up ?litress)\n"
+    text += "  (preconditions (and (room ?room) (<= ?litres ?room)))\n"
+    text += "  (method (primitive (fill ?litres))))\n"
+    mended = mend(lambda texts: _texts(texts, text), lambda name: True, unsafe=True)
+    assert mended.texts == {"<text>": text.replace("litress", "litres")}
+    assert mended.report.findings == ()
