@@ -21,9 +21,9 @@ from rapc.ir.walk import FormulaAt, formulas
 class Site(msgspec.Struct, frozen=True):
     """One place that binds a variable.
 
-    `clause` is the clause's name, or `input`, `resource` or `step`; `method` and
-    `step` (its position) say where it is in a method; `negated` places lie inside a
-    `not`, `branch` places in an `or`.
+    `clause` is the clause's name, or `input`, `resource` or `step`, or one of `SIGNALS`
+    for a signal that ends a step; `method` and `step` (its position) say where it is in
+    a method; `negated` places lie inside a `not`, `branch` places in an `or`.
     """
 
     name: str
@@ -44,6 +44,9 @@ class Site(msgspec.Struct, frozen=True):
 
 
 _WORDS = {"input": "an input", "resource": "a resource"}
+
+SIGNALS = {"succeed": "a signal that ends", "fail": "a signal that fails"}
+"""What a signal that ends a step is called, by the mode of its `wait-for`."""
 
 
 def sites(rap: nodes.DefineRap, functions: Container[str]) -> Iterator[Site]:
@@ -76,7 +79,9 @@ def _step(place: Site, step: nodes.Step, functions: Container[str]) -> Iterator[
     yield from _terms(place, step.goal.outputs)
     for annotation in step.annotations:
         if isinstance(annotation, nodes.WaitFor):
-            yield from _terms(place, annotation.args)
+            clause = SIGNALS.get(annotation.mode, place.clause)
+            there = msgspec.structs.replace(place, clause=clause)
+            yield from _terms(there, annotation.args)
         elif isinstance(annotation, nodes.For) and annotation.formula is not None:
             yield from _formula(place, annotation.formula, functions)
 

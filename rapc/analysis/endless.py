@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
+from functools import cached_property
 
 from rapc.analysis.effects import calls_of
 from rapc.base.graph import components
@@ -51,6 +52,28 @@ def endless(raps: Mapping[str, nodes.DefineRap]) -> Mapping[str, Span]:
                 found[rap.name] = next(cause for cause in causes if cause)
                 grown = True
     return found
+
+
+class NeverDone(Container[str]):
+    """The RAPs that never end well by themselves; all are looked at when one is asked.
+
+    Args:
+        raps: the RAPs of a library.
+    """
+
+    def __init__(self, raps: Mapping[str, nodes.DefineRap]) -> None:
+        self._raps = raps
+
+    def __contains__(self, name: object) -> bool:
+        rap = self._raps.get(name) if isinstance(name, str) else None
+        if rap is None:
+            return False
+        goal = rap.succeed
+        return (goal is not None and is_never(goal)) or name in self._endless
+
+    @cached_property
+    def _endless(self) -> Mapping[str, Span]:
+        return endless(self._raps)
 
 
 def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap]:

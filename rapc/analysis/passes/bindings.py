@@ -5,7 +5,8 @@ to [L 3.68]: inputs and resources everywhere; besides, in a method, what
 `repeat-while` and its context surely bind; in a step, what steps ordered before it
 hand out, what `for` formulas pointing at it or at those bind, and the signals that
 they wait for. A step that an `until` may end early surely hands nothing on, not even
-what steps before it did: they may be running still.
+what steps before it did: they may be running still. A step that a signal may end hands
+on what each way to end binds: its own work, if that can end it, and each such signal.
 How a formula binds is in `rapc.analysis.binding_rules`; what is said about it is in the
 passes `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
 """
@@ -19,6 +20,7 @@ import msgspec
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import BindingWalker, Bound, Findings
 from rapc.analysis.binding_sites import rules_over_memory
+from rapc.analysis.endless import NeverDone
 from rapc.analysis.named_bindings import query_arguments
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
 from rapc.ir import clauses, nodes
@@ -52,7 +54,8 @@ def _run(run: Pass) -> Bindings:
     nets = run.result(TASK_NETS)
     missing = {}
     library = run.library
-    walk = _Walk(BindingWalker(library.functions, library.queries, Findings()), nets)
+    walker = BindingWalker(library.functions, library.queries, Findings())
+    walk = _Walk(walker, nets, NeverDone(library.raps))
     for form in run.library.forms:
         if type(form) is nodes.DefineRap:
             _rap(walk, form)
@@ -92,9 +95,12 @@ class _Walk:
     `missing` is what the form at hand lacks, `ages` those that monitors bind.
     """
 
-    def __init__(self, walker: BindingWalker, nets: Nets) -> None:
+    def __init__(
+        self, walker: BindingWalker, nets: Nets, never_done: Container[str]
+    ) -> None:
         self.walker = walker
         self.nets = nets
+        self.never_done = never_done
         self.missing: list[Missing] = []
         self.ages: list[nodes.Believe] = []
 
@@ -218,8 +224,12 @@ def _task_net(
         bound = Bound(before)
         _step(walk, body.steps[at], bound, net, at)
         walk.note("step", method, at)
-        if at not in net.early:
-            handed.after(at, before, bound.names)
+        if at in net.by_until:
+            continue
+        sure = bound.names
+        if at in net.early:
+            sure = _sure_at_the_end(walk, body.steps[at], bound.names)
+        handed.after(at, before, sure)
 
 
 def _cyclic_net(
@@ -228,7 +238,7 @@ def _cyclic_net(
     """Steps in a circle: each may use what any of them binds, to find the rest."""
     net = walk.nets[id(body)]
     everything = Bound(base)
-    quiet = _Walk(walk.walker.apart(), walk.nets)
+    quiet = _Walk(walk.walker.apart(), walk.nets, walk.never_done)
     for at, step in enumerate(body.steps):
         _step(quiet, step, everything, net, at)
     for at, step in enumerate(body.steps):
@@ -270,7 +280,7 @@ def _formulas(walk: _Walk, net: Net, at: int, bound: Bound) -> None:
         if type(annotation) is nodes.For and annotation.formula is not None:
             scope = Bound(bound)
             walk.walker.formula(annotation.formula, scope)
-            if edge.before not in net.early:
+            if edge.before not in net.by_until:
                 bound.names |= scope.names
 
 
@@ -281,6 +291,18 @@ def _signals(step: nodes.Step) -> set[str]:
         if type(annotation) is nodes.WaitFor and annotation.mode == "proceed":
             names |= _names(annotation.args)
     return names
+
+
+def _sure_at_the_end(walk: _Walk, step: nodes.Step, bound: set[str]) -> set[str]:
+    """The variables that have values however a step ends, which a signal may end."""
+    ways = [
+        _names(note.args)
+        for note in step.annotations
+        if isinstance(note, nodes.WaitFor) and note.mode == "succeed"
+    ]
+    if step.goal.name not in walk.never_done:
+        ways.append(bound)
+    return set.intersection(*ways)
 
 
 class _OrderedBindings:

@@ -110,12 +110,14 @@ class Net(msgspec.Struct, frozen=True):
     `order` lists the steps so that each follows what it waits for; it is None if they
     wait in a circle. `edges` holds, for each step, what puts others before it, in the
     order of the text. `early` are the steps that another one or a signal may end
-    before they have done their work.
+    before they have done their work; `by_until` are those of them that another step
+    may end, even before the steps that they follow have ended [L 4.33].
     """
 
     order: tuple[int, ...] | None
     edges: tuple[tuple[StepOrder, ...], ...]
     early: frozenset[int]
+    by_until: frozenset[int]
     #: Whether a tag names no step, or two: what is said of the order is not sure.
     broken: bool = False
 
@@ -126,9 +128,9 @@ class Net(msgspec.Struct, frozen=True):
     def has_ended(self, one: int, other: int) -> bool:
         """Whether a step has surely ended when another begins.
 
-        A step between them that is ended early says nothing of those before it.
+        A step between them that `until` ends early says nothing of those before it.
         """
-        return _is_before(self.edges, one, other, self.early)
+        return _is_before(self.edges, one, other, self.by_until)
 
     def reach(self) -> tuple[list[int], list[int]]:
         """Return for each step those before it and those after it, as sets of bits.
@@ -222,36 +224,48 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
     for tag, places in unknown.items() if names and not doubled else ():
         assert names is not None
         run.report(_unknown_tag(run, places, tag, names))
+    by_until = _ended_by_until(net, tags, edges)
+    by_signal = {at for at, step in enumerate(net.steps) if _ended_by_signal(step)}
     return Net(
         _order(run, net, edges, doubled),
         tuple(map(tuple, edges)),
-        _early(net, tags, edges),
+        by_until | by_signal,
+        by_until,
         broken,
     )
 
 
-def _early(net: nodes.TaskNet, tags: Mapping[str, int], edges: Edges) -> frozenset[int]:
-    """The steps that may be ended early.
+def _ended_by_until(
+    net: nodes.TaskNet, tags: Mapping[str, int], edges: Edges
+) -> frozenset[int]:
+    """The steps that an `until` may end early.
 
-    An `until` cannot end a step that has ended when the step it speaks of begins.
+    It cannot end a step that has ended when the step it speaks of begins.
     """
-    marked = {at for at, step in enumerate(net.steps) if any(_ends(step))}
-    early = set()
-    for at in marked:
-        for tag in _ends(net.steps[at]):
-            by = tags.get(tag) if tag else at
-            if by is not None and not _is_before(edges, at, by, marked):
-                early.add(at)
-    return frozenset(early)
+    marked = {at: named for at, step in enumerate(net.steps) if (named := _ends(step))}
+    return frozenset(
+        at
+        for at, named in marked.items()
+        for tag in named
+        if tag in tags and not _is_before(edges, at, tags[tag], marked)
+    )
 
 
-def _ends(step: nodes.Step) -> Iterator[str | None]:
-    """Yield what may end a step: the tag of another, or None for a signal."""
-    for annotation in step.annotations:
-        if type(annotation) is nodes.UntilStart or type(annotation) is nodes.UntilEnd:
-            yield annotation.tag
-        elif type(annotation) is nodes.WaitFor and annotation.mode == "succeed":
-            yield None
+def _ends(step: nodes.Step) -> list[str]:
+    """Return the tags of the steps that end a step by `until`."""
+    return [
+        note.tag
+        for note in step.annotations
+        if isinstance(note, nodes.UntilStart | nodes.UntilEnd)
+    ]
+
+
+def _ended_by_signal(step: nodes.Step) -> bool:
+    """Whether a signal may end a step well."""
+    return any(
+        isinstance(note, nodes.WaitFor) and note.mode == "succeed"
+        for note in step.annotations
+    )
 
 
 def _tags(run: Pass, net: nodes.TaskNet) -> dict[str, int]:

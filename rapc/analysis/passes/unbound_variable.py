@@ -6,12 +6,13 @@ variable is bound and why that does not help, or which variable was probably mea
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.binding_sites import Site, sites_by_name
+from rapc.analysis.binding_sites import SIGNALS, Site, sites_by_name
+from rapc.analysis.endless import NeverDone
 from rapc.analysis.index import Form
 from rapc.analysis.passes.bindings import BINDINGS, Missing
 from rapc.analysis.passes.explained import EXPLAINED
@@ -19,7 +20,10 @@ from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
-from rapc.ir import clauses, nodes
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.ir.walk import formulas, steps
+from rapc.library.library import Library
 
 UNBOUND = Rule(
     code="RAP012",
@@ -30,8 +34,9 @@ UNBOUND = Rule(
 a computed term needs a value when its turn comes. Inputs and resources have one
 everywhere. In a method, `repeat-while` and `context` bind; in a step, what steps
 ordered before it hand out and the `for` formulas that point at it or at those. What
-only one branch of an `or` binds, or a step that `until` may end early, is not surely
-bound; `not` hands out nothing. Without a value the query or the task fails.""",
+only one branch of an `or` binds, or a step that `until` or a signal may end early, is
+not surely bound; `not` hands out nothing. Without a value the query or the task
+fails.""",
     ignore="never: let a query or a function ask for what a host knows",
     source="T 4.2, 4.5.2",
     example="""\
@@ -83,7 +88,7 @@ def _run(run: Pass) -> None:
     for form in (*run.library.forms, *run.library.tests):
         lacking: Iterable[Missing] = missing.get(id(form), ())
         if lacking:
-            places = _Places(form, run.library.functions)
+            places = _Places(form, run.library)
             lacking = run.result(EXPLAINED).left(id(form), lacking, places.binds)
             for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
@@ -105,11 +110,23 @@ ANALYZER = Analyzer(
 class _Places:
     """Where the variables of a RAP or rule are bound, by name, and their names."""
 
-    def __init__(self, form: Form, functions: Container[str]) -> None:
+    def __init__(self, form: Form, library: Library) -> None:
+        functions = library.functions
+        self.never_done = NeverDone(library.raps)
         self.by_name: Mapping[str, Sequence[Site]] = {}
+        self._formulas: Sequence[Span] = ()
         if isinstance(form, nodes.DefineRap):
             self.by_name = sites_by_name(form, functions)
+            self._formulas = [one.formula.span for one in formulas(form)]
         self.names = Suggestions(self.by_name)
+
+    def in_one_formula(self, site: Site, missing: Missing) -> bool:
+        """Whether a variable is needed and bound in the same formula."""
+        there = site.span, missing.variable.span
+        return any(
+            all(span.start <= one.start < span.end for one in there)
+            for span in self._formulas
+        )
 
     def binds(self, missing: Missing) -> bool:
         """Whether something that the method may see binds a variable."""
@@ -147,8 +164,8 @@ def _explain(
     name = first.variable.name
     used = {m.variable.span for m in (first, *further)}
     elsewhere = [s for s in places.by_name.get(name, ()) if s.span not in used][:_MOST]
-    labels = [Label(s.span, _why_not(s, first, net)) for s in elsewhere]
-    help_ = _advice(elsewhere, first, net)
+    labels = [Label(s.span, _why_not(s, first, net, places)) for s in elsewhere]
+    help_ = _advice(elsewhere, first, net, places)
     near = None if elsewhere else places.names.near(name)
     if near is not None:
         site = places.by_name[near][0]
@@ -186,7 +203,7 @@ def _close(site: Site) -> str:
     return "a variable with a close name is bound here"
 
 
-def _why_not(site: Site, missing: Missing, net: Net | None) -> str:
+def _why_not(site: Site, missing: Missing, net: Net | None, places: _Places) -> str:
     """Return why a place that binds the variable does not help where it is missing."""
     if site.negated:
         return "bound inside `not` only, which hands out nothing"
@@ -194,7 +211,7 @@ def _why_not(site: Site, missing: Missing, net: Net | None) -> str:
         return f"bound here, in a method, which `{missing.clause}` does not see"
     if site.method is not None and site.method is not missing.method:
         return "bound here, in another method"
-    return _out_of_order(site, missing, net) or _out_of_sight(site, missing)
+    return _out_of_order(site, missing, net) or _out_of_sight(site, missing, places)
 
 
 def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
@@ -204,52 +221,106 @@ def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
         return None
     if other is None or net is None:
         return "bound here only when the method has begun"
-    if one == other or (one not in net.early and net.has_ended(one, other)):
+    by = site.what
+    if site.clause in SIGNALS.values():
+        by = f"{site.clause} {by}"
+        if one == other or site.clause == SIGNALS["fail"]:
+            return f"bound by {by}"
+        if one not in net.by_until and net.has_ended(one, other):
+            return f"bound by {by}, which may end without it"
+    elif one == other or (one not in net.early and net.has_ended(one, other)):
         return None
-    return f"bound by {site.what}, {_order_in_words(one, other, net)}"
+    return f"bound by {by}, {_order_in_words(one, other, net)}"
 
 
 def _order_in_words(one: int, other: int, net: Net) -> str:
     """Return why a step has not surely done its work when another begins."""
-    if one in net.early:
+    if one in net.by_until:
         return "which may be ended before that"
     if net.is_before(other, one):
         return "which comes after this one"
-    if net.is_before(one, other):
-        return "but what lies between may be ended before that"
-    return "which nothing puts before this one"
+    if not net.is_before(one, other):
+        return "which nothing puts before this one"
+    if one in net.early:
+        return "which a signal may end before that"
+    return "but what lies between may be ended before that"
 
 
-def _out_of_sight(site: Site, missing: Missing) -> str:
+def _out_of_sight(site: Site, missing: Missing, places: _Places) -> str:
     if site.branch:
         return "bound here in one branch of an `or` only"
     if missing.method is None and site.clause not in (missing.clause, "resource"):
         return f"bound here, which `{missing.clause}` does not see"
-    if site.clause in {c.word for c in clauses.CLAUSES if not c.hands_on}:
+    if site.clause in ("monitor-state", "succeed", "preconditions", "constraints"):
         return f"bound here, but {site.what} keeps no bindings"
+    if places.in_one_formula(site, missing):
+        return "bound here, but asked only after that: parts go from left to right"
     return "bound here, but only after that"
 
 
-def _advice(elsewhere: Sequence[Site], missing: Missing, net: Net | None) -> str:
-    clause, method = missing.clause, missing.method
-    if clause in _SEES:
-        return f"`{clause}` sees {_SEES[clause]} only"
+def _advice(
+    elsewhere: Sequence[Site], missing: Missing, net: Net | None, places: _Places
+) -> str:
+    if missing.clause in _SEES:
+        return f"`{missing.clause}` sees {_SEES[missing.clause]} only"
     for site in elsewhere:
-        if site.method is method and site.branch and not site.negated:
-            return "bind it in every branch of the `or`"
-        if site.method is method and _may_precede(site, missing, net):
-            assert method is not None
-            assert isinstance(method.body, nodes.TaskNet)
-            tag = method.body.steps[missing.step or 0].tag
-            return f"put the steps in order: `(for {tag})` on {site.what}"
-    if clause in _BIND:
-        return _BIND[clause]
+        if site.method is missing.method:
+            found = _about_site(site, missing, net, places)
+            if found:
+                return found
+    if missing.clause in _BIND:
+        return _BIND[missing.clause]
     return "bind it by a fact to the left of this, or make it an input"
+
+
+def _about_site(
+    site: Site, missing: Missing, net: Net | None, places: _Places
+) -> str | None:
+    """Return what to do to a place of the method that binds the variable, if known."""
+    if site.branch and not site.negated:
+        return "bind it in every branch of the `or`"
+    if not site.negated and places.in_one_formula(site, missing):
+        return "put the part that binds it to the left of this"
+    if _may_precede(site, missing, net):
+        assert missing.method is not None
+        tag = steps(missing.method)[missing.step or 0].tag
+        return f"put the steps in order: `(for {tag})` on {site.what}"
+    if site.clause == SIGNALS["succeed"] and net is not None:
+        return _by_signal(site, missing, net, places)
+    return None
+
+
+def _by_signal(site: Site, missing: Missing, net: Net, places: _Places) -> str:
+    """Return how a step that a signal may end would surely bind a variable."""
+    one, other, method = site.step, missing.step, site.method
+    if one == other:
+        return "with `:proceed` the signal comes before the step begins"
+    assert method is not None
+    assert one is not None
+    step, name = steps(method)[one], missing.variable.name
+    needed = []
+    if other is not None and not net.is_before(one, other):
+        needed.append(f"put `(for {steps(method)[other].tag})` on {site.what}")
+    ending = [
+        {term.name for term in note.args if isinstance(term, nodes.Var)}
+        for note in step.annotations
+        if isinstance(note, nodes.WaitFor) and note.mode == "succeed"
+    ]
+    if any(name not in bound for bound in ending):
+        needed.append(f"let each signal that ends {site.what} bind `{name}`")
+    if step.goal.name not in places.never_done:
+        needed.append(
+            f"let only a signal end `{step.goal.name}`, as with `(succeed nil)`, or "
+            f"let it hand out `{name}`"
+        )
+    return ", and ".join(needed)
 
 
 def _may_precede(site: Site, missing: Missing, net: Net | None) -> bool:
     """Whether a step that binds the variable could be put before the one in need."""
     one, other = site.step, missing.step
     if one is None or other is None or net is None or one == other:
+        return False
+    if site.clause in SIGNALS.values() or net.has_ended(one, other):
         return False
     return one not in net.early and not net.is_before(other, one)
