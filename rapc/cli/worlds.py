@@ -8,13 +8,13 @@ import click
 
 from rapc.base.visible import visible_lines
 from rapc.cli.checked import load_checked
-from rapc.cli.options import command
+from rapc.cli.options import WholeNumber, command
 from rapc.console.world_contract import report
 from rapc.console.worlds import describe_world, list_worlds, summary_of
 from rapc.errors import WorldError
 from rapc.ir.layout import laid_out
 from rapc.testing.contract.declarations import declarations
-from rapc.testing.contract.trials import try_world
+from rapc.testing.contract.trials import REQUESTS, try_world
 from rapc.world import World
 from rapc.worlds import registry
 from rapc.worlds.skills.world import SkillWorld
@@ -26,8 +26,10 @@ Examples:
   rapc worlds my_package.world:MyWorld
   rapc worlds truck --declare > truck-words.rap
   rapc worlds lamps --test lamps.rap
+  rapc worlds lamps --test lamps.rap --requests 5000
 """
 
+_MOST_REQUESTS = 1_000_000
 _NARROWEST = 20
 _WIDEST = 100
 
@@ -47,7 +49,15 @@ _WIDEST = 100
     metavar="[LIBRARY]",
     help="Hold the world to the port; its handlers too, with a library of their words.",
 )
-def worlds(name: str | None, declare: bool, library: str | None) -> None:
+@click.option(
+    "--requests",
+    type=WholeNumber(_MOST_REQUESTS),
+    metavar="N",
+    help=f"With --test: requests under each seed [default: {REQUESTS}].",
+)
+def worlds(
+    name: str | None, declare: bool, library: str | None, requests: int | None
+) -> None:
     """List the worlds installed, or say what the world NAME offers.
 
     NAME is the name of an installed world, or `module:Class`. Exit status of `--test`:
@@ -60,6 +70,8 @@ def worlds(name: str | None, declare: bool, library: str | None) -> None:
         raise click.UsageError("the name of a world is missing")
     if declare and library is not None:
         raise click.UsageError("`--declare` and `--test` do not go together")
+    if requests is not None and library is None:
+        raise click.UsageError("`--requests` requires `--test`")
     if name is None:
         listed = {installed: _summary(installed) for installed in registry.available()}
         click.echo(visible_lines(list_worlds(listed, width)))
@@ -71,16 +83,20 @@ def worlds(name: str | None, declare: bool, library: str | None) -> None:
         words = declarations(world.kit.offer, skills)
         click.echo("\n".join(map(laid_out, words)))
     elif library is not None:
-        raise SystemExit(_test(found, library, width))
+        raise SystemExit(_test(found, library, requests or REQUESTS, width))
     else:
         click.echo(visible_lines(describe_world(world, width)))
 
 
-def _test(found: type[World], library: str, width: int) -> int:
+def _test(found: type[World], library: str, requests: int, width: int) -> int:
     """Hold a world to the port, say what came of it, and return the exit status."""
     program = load_checked(library) if library else None
-    trials = try_world(lambda seed: registry.build_world(found, seed, {}), program)
-    click.echo(visible_lines(report(found.name, trials, width)))
+
+    def made(seed: int) -> World:
+        return registry.build_world(found, seed, {})
+
+    trials = try_world(made, program, count=requests)
+    click.echo(visible_lines(report(found.name, trials, requests, width)))
     return int(any(trial.faults for trial in trials))
 
 

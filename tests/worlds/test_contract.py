@@ -16,6 +16,7 @@ from rapc.ir.layout import laid_out
 from rapc.library.loader import load_text
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.trials import (
+    ASKING,
     HANDLERS,
     PICTURE,
     SAVING,
@@ -97,6 +98,29 @@ def test_the_truck_with_faults_put_in() -> None:
         lambda seed: FaultyWorld(truck(seed), (fault,), seed), Program(truck_words())
     )
     assert faults(trials) == []
+
+
+def test_results_that_no_request_had_are_listed() -> None:
+    (before,) = [t.unseen for t in try_world(truck) if t.part == ASKING]
+    assert before["truck-move"] == ("okay", "truck-mishap")
+    requests = [request for request in REQUESTS if request]
+    (after,) = [t.unseen for t in try_world(truck, None, requests) if t.part == ASKING]
+    assert after["truck-move"] == ("truck-mishap",)
+    assert all(set(after.get(name, ())) <= {*told} for name, told in before.items())
+
+
+def test_more_requests_are_made_when_asked_for() -> None:
+    made: list[int] = []
+
+    class Counted(TruckWorld):
+        def perform(self, ticket: int, request: Fact) -> Any:
+            made[-1] += 1
+            return super().perform(ticket, request)
+
+    for count in (3, 30):
+        made.append(0)
+        try_world(lambda seed: Counted(random.Random(seed), {}), count=count)
+    assert made[0] < made[1]
 
 
 def test_the_hallway() -> None:

@@ -94,3 +94,19 @@ def test_the_worlds_that_come_along_call_all_their_arguments_something(
         for form in getattr(library, table).values()
     }
     assert {one: offer.arguments.get(one, ()) for one in declared} == declared
+
+
+def test_the_command_lists_results_never_seen() -> None:
+    done = CliRunner().invoke(worlds, ["courier", "--test", "--requests", "20"])
+    assert done.exit_code == 0
+    lines = [line.strip() for line in done.output.splitlines()]
+    at = lines.index("results never seen:")
+    assert lines[at - 1].endswith("requests, messages and chance")
+    assert "hand-over: okay, nobody-there" in lines[at:]
+    assert lines[-1] == "courier keeps to the port; 20 requests under each of 3 seeds"
+
+
+def test_the_number_of_requests_is_for_tests_only() -> None:
+    done = CliRunner().invoke(worlds, ["courier", "--requests", "20"])
+    assert done.exit_code == 2
+    assert "`--requests` requires `--test`" in done.output

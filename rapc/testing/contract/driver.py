@@ -65,6 +65,8 @@ class Driver:
             raise wrong_type(world, "now", "the time", now)
         self.world = world
         self.history: History = []
+        #: Each primitive with each result that a request for it had.
+        self.seen: set[tuple[str, str]] = set()
         self._rng = random.Random(f"{seed}:contract")
         self._library = program.library
         self._first = list(requests)
@@ -122,6 +124,7 @@ class Driver:
         args = [name_of(p) if isinstance(p, str) else p for p in request[1:]]
         asked = (request[0], *args)
         if reply is not None:
+            self.seen.add((str(request[0]), reply.result))
             self._note(reply.data)
             take_reply(machine, None, asked, reply)
         else:
@@ -168,9 +171,12 @@ class Driver:
         machine = self._machine
         machine.sync_clock()
         messages = self.world.messages()
+        under_way = dict(machine.state.pending)
         take_in(machine, messages)
         for message in messages:
             if isinstance(message, Finished):
+                name = str(under_way[message.ticket][1][0])
+                self.seen.add((name, message.reply.result))
                 self._note(message.reply.data)
             else:
                 self._note([message.content])

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import msgspec
+from msgspec.structs import replace
 
 from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom
@@ -30,7 +31,7 @@ from rapc.testing.contract.skills import try_skills
 from rapc.world import NOT_KNOWN, Drawable, Kit, Savable, Text, Time, Timed, World
 
 REQUESTS = 150
-"""How many requests a world is tried with under one seed."""
+"""How many requests a world is tried with under one seed, if nobody says."""
 
 SEEDS = (0, 1, 2)
 """The seeds under which a world is tried."""
@@ -57,6 +58,8 @@ class Trial(msgspec.Struct, frozen=True):
     faults: tuple[str, ...] = ()
     #: Why nothing was tried; empty if it was.
     left_out: str = ""
+    #: The results of each primitive that no request had, where requests are tried.
+    unseen: Mapping[str, tuple[str, ...]] = {}
 
 
 class _Tried(msgspec.Struct, frozen=True):
@@ -68,15 +71,38 @@ class _Tried(msgspec.Struct, frozen=True):
     #: A library with the words that the handlers use; or none.
     library: Program | None
     requests: Sequence[Fact]
+    #: How many requests are made under each seed.
+    count: int
+    drivers: list[Driver]
 
-    def driver(self, seed: int) -> Driver:
-        """Return a robot in a new world, whose handlers do not run."""
-        world = self.make(seed)
-        return Driver(world, self.offered, seed, False, self.requests)
+    def driver(self, seed: int, library: Program | None = None) -> Driver:
+        """Return a robot in a new world; its handlers run with a library of theirs."""
+        made = Driver(
+            self.make(seed),
+            library or self.offered,
+            seed,
+            library is not None,
+            self.requests,
+        )
+        self.drivers.append(made)
+        return made
+
+    def unseen(self) -> dict[str, tuple[str, ...]]:
+        """Return the results on offer that no request has had, by primitive."""
+        seen = {one for driver in self.drivers for one in driver.seen}
+        offer = self.make(0).kit.offer.primitives
+        found = {
+            name: tuple([result for result in results if (name, result) not in seen])
+            for name, (_, results) in offer.items()
+        }
+        return {name: results for name, results in found.items() if results}
 
 
 def try_world(
-    make: Make, program: Program | None = None, requests: Sequence[Fact] = ()
+    make: Make,
+    program: Program | None = None,
+    requests: Sequence[Fact] = (),
+    count: int = REQUESTS,
 ) -> tuple[Trial, ...]:
     """Hold a world to the port, part by part.
 
@@ -86,16 +112,22 @@ def try_world(
             handlers use; without one the handlers do not run.
         requests: what is asked for first; all else is asked for at random, about what
             the world has told.
+        count: how many requests are made under each seed.
     """
     offered = Program(declaring(make(0).kit.offer))
-    tried = _Tried(make, offered, program, requests)
+    tried = _Tried(make, offered, program, requests, count, [])
     trials: list[Trial] = []
     for part, check in _PARTS.items():
         if any(trial.part == CODE and trial.faults for trial in trials):
             trials.append(Trial(part, left_out="its code is to be mended first"))
         else:
             trials.append(_try(tried, part, check))
-    return tuple(trials)
+    return tuple(
+        replace(trial, unseen=tried.unseen())
+        if trial.part == ASKING and not trial.left_out
+        else trial
+        for trial in trials
+    )
 
 
 def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> Trial:
@@ -199,8 +231,8 @@ def _requests(tried: _Tried) -> Iterator[str]:
     """Answers and messages are declared, time goes on, and all is repeatable."""
     for seed in SEEDS:
         one, other = tried.driver(seed), tried.driver(seed)
-        one.drive(REQUESTS)
-        other.drive(REQUESTS)
+        one.drive(tried.count)
+        other.drive(tried.count)
         pairs = zip(one.history, other.history, strict=False)
         for first, second in pairs:
             if first != second:
@@ -270,7 +302,7 @@ def _saving(tried: _Tried) -> Iterator[str]:
         world = driver.world
         assert isinstance(world, Savable)
         assert isinstance(copy, Savable)
-        driver.drive(REQUESTS // 2)
+        driver.drive(tried.count // 2)
         state = saved_state(world)
         if world.save() != state:
             yield f"{breach(driver.world, 'save', 'is another once it is saved')}"
@@ -279,7 +311,7 @@ def _saving(tried: _Tried) -> Iterator[str]:
         if copy.save() != state:
             yield f"{breach(driver.world, 'restore', 'does not take up all of it')}"
             return
-        yield from _apart(driver, copy)
+        yield from _apart(driver, copy, tried.count // 2)
         try:
             copy.restore(b"no state")
         except ValueError:
@@ -287,10 +319,10 @@ def _saving(tried: _Tried) -> Iterator[str]:
         yield f"{breach(driver.world, 'restore', 'takes up what is no state')}"
 
 
-def _apart(driver: Driver, copy: World) -> Iterator[str]:
+def _apart(driver: Driver, copy: World, requests: int) -> Iterator[str]:
     """Yield where a world and one that was put in its state do not go the same way."""
     world = driver.world
-    for ticket in range(10**6, 10**6 + REQUESTS // 2):
+    for ticket in range(10**6, 10**6 + requests):
         request = driver.request()
         if request is None or world.ended() is not None:
             return
@@ -329,7 +361,7 @@ def _usual_times(tried: _Tried) -> Iterator[str]:
     driver = tried.driver(0)
     world = driver.world
     assert isinstance(world, Timed)
-    for _ in range(REQUESTS):
+    for _ in range(tried.count):
         request = driver.request()
         now = _now(driver.world)
         if request is not None and not is_time(takes := world.usual_time(request)):
@@ -349,11 +381,11 @@ def _handlers(tried: _Tried) -> Iterator[str]:
     """Handlers put declared facts into memory, and keep to `:on` and `:tells`."""
     for seed in SEEDS:
         assert tried.library is not None
-        world = tried.make(seed)
-        Driver(world, tried.library, seed, True, tried.requests).drive(REQUESTS)
+        tried.driver(seed, tried.library).drive(tried.count)
     yield from ()
 
 
+ASKING = "requests, messages and chance"
 CODE = "its code"
 SAVING = "it is saved and restored"
 PICTURE = "its picture"
@@ -365,7 +397,7 @@ _PARTS: Mapping[str, Callable[[_Tried], Iterator[str]]] = {
     "what it offers": _offer,
     CODE: _code,
     "the start": _start,
-    "requests, messages and chance": _requests,
+    ASKING: _requests,
     "time": _time,
     SAVING: _saving,
     PICTURE: _picture,
