@@ -40,10 +40,10 @@ class Facts:
                 del self.stamps[other]
         self.stamps.pop(fact, None)
         self.stamps[fact] = self.now
-        for owner, value, other, forbidden in self.declared.excludes:
+        for owner, value, barred, forbidden in self.declared.excludes:
             if (fact[0], fact[-1]) == (owner, value):
-                self.denied[other, fact[1], forbidden] = self.now
-            if (fact[0], fact[-1]) == (other, forbidden):
+                self.denied[barred, fact[1], forbidden] = self.now
+            if (fact[0], fact[-1]) == (barred, forbidden):
                 self.denied[owner, fact[1], value] = self.now
 
     def erase(self, prefix: Fact) -> None:
