@@ -16,8 +16,9 @@ from rapc.console.show.canvas import folded
 from rapc.console.show.frame import Activity, draw_frame
 from rapc.library.loader import load_text
 from rapc.world import Gauge, Picture, Spot, Thing
+from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.map_text import read_map
-from rapc.worlds.truck.picture import lay_out
+from rapc.worlds.truck.picture import Layout, lay_out
 from rapc.worlds.truck.world import TruckWorld
 from tests.memory.bench import MemoryBench
 
@@ -242,6 +243,24 @@ def test_a_picture_changes_nothing() -> None:
     before = world.save()
     assert world.picture() == world.picture()
     assert world.save() == before
+
+
+def test_map_is_laid_out_once_for_all_pictures(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    laid_out = []
+
+    def counted(ground: Map) -> Layout:
+        laid_out.append(ground)
+        return lay_out(ground)
+
+    monkeypatch.setattr("rapc.worlds.truck.world.lay_out", counted)
+    world = TruckWorld(random.Random(3), {})
+    assert laid_out == []
+    first = world.picture()
+    world.perform(1, ("truck-turn", "northeast"))
+    assert world.picture().spots == first.spots
+    assert len(laid_out) == 1
 
 
 def test_the_map_lies_as_its_roads_lead() -> None:

@@ -29,8 +29,12 @@ _ROUNDS = 200
 """How often places are pulled to where their roads want them."""
 
 
-def picture_of(scene: Scene) -> Picture:
-    """The picture of a scene as it is now."""
+Layout = Mapping[str, tuple[float, float]]
+"""Where to draw each place: to the right and down."""
+
+
+def picture_of(scene: Scene, layout: Layout) -> Picture:
+    """The picture of a scene as it is now, its places where the layout has them."""
     truck = scene.state.truck
     gauges = (
         Gauge("at", truck.place, ("truck-location",)),
@@ -39,11 +43,11 @@ def picture_of(scene: Scene) -> Picture:
         Gauge("speed", truck.speed, ("truck-speed",)),
     )
     roads = tuple((road.a, road.b) for road in scene.map.roads)
-    spots = tuple(_spots(scene))
+    spots = tuple(_spots(scene, layout))
     return Picture(truck.place, spots, roads, truck.heading, "color", gauges)
 
 
-def lay_out(ground: Map) -> dict[str, tuple[float, float]]:
+def lay_out(ground: Map) -> Layout:
     """Return where to draw each place, so that roads lead about where they say.
 
     A map has directions and no coordinates, and need not fit on a plane: each place
@@ -70,8 +74,7 @@ def _half(steps: float) -> float:
     return round(steps * 2) / 2
 
 
-def _spots(scene: Scene) -> Iterator[Spot]:
-    where = lay_out(scene.map)
+def _spots(scene: Scene, where: Layout) -> Iterator[Spot]:
     things: dict[str, list[Thing]] = {}
     for item in scene.state.items.values():
         things.setdefault(scene.root(item), []).append(Thing(item.kind, item.color))

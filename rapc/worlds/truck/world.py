@@ -31,7 +31,7 @@ from rapc.worlds.truck.options import (
     read_settings,
 )
 from rapc.worlds.truck.orders import read_orders
-from rapc.worlds.truck.picture import picture_of
+from rapc.worlds.truck.picture import Layout, lay_out, picture_of
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene
@@ -69,6 +69,8 @@ class TruckWorld(World):
         ground = _read_map(settings)
         truck = Truck(ground.start, ground.heading, number(settings.fuel))
         self._scene = Scene(ground, settings, rng, TruckState(truck))
+        #: Where the map is drawn; made for the first picture.
+        self._layout: Layout | None = None
         for lying in _at_first(ground, settings.quarry_rocks):
             for _ in range(lying.count):
                 self._place(lying)
@@ -148,7 +150,9 @@ class TruckWorld(World):
 
     def picture(self) -> Picture:
         """The map, and all there is on it and on the truck."""
-        return picture_of(self._scene)
+        if self._layout is None:
+            self._layout = lay_out(self._scene.map)
+        return picture_of(self._scene, self._layout)
 
     def save(self) -> bytes:
         """The state of world and random stream, as JSON."""
