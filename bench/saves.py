@@ -42,7 +42,7 @@ def save(file: Path, content: str, *, in_place: bool) -> None:
 
 def run(command: tuple[str, ...], file: Path) -> subprocess.Popen[str]:
     """Begin a command on a file."""
-    rapc = [Path(sys.executable).with_name("rapc"), *command, file.name]
+    rapc = [str(Path(sys.executable).with_name("rapc")), *command, file.name]
     return subprocess.Popen(
         rapc, cwd=file.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
