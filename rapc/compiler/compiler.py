@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rapc.base.graph import components
 from rapc.base.source import Span
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
-from rapc.compiler.recursion import Recursion
 from rapc.ir import nodes
+from rapc.ir.walk import steps
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 
@@ -29,6 +30,34 @@ class RequestPlan:
         self.bare = (node.name,)
         self.where = where
         self.args = tuple(TermValue(arg, where) for arg in args)
+
+
+class Recursion:
+    """The recursive RAPs of a library: the only ones tested for recursion [T 3.2.5].
+
+    A RAP is recursive if it is called, directly or through others, by itself. Only RAPs
+    that can be reached from those asked about are read, for a library that was compiled
+    decodes a RAP when it is first looked at. What methods of problem solvers call is
+    not known here.
+    """
+
+    def __init__(self, library: Library) -> None:
+        self._raps = library.raps
+        self._known: dict[str, bool] = {}
+
+    def covers(self, name: str) -> bool:
+        """Return whether the RAP `name` may come up among its own subtasks."""
+        if name not in self._known:
+            for members in components([name], self._calls, self._known):
+                is_circle = len(members) > 1 or members[0] in self._calls(members[0])
+                self._known.update(dict.fromkeys(members, is_circle))
+        return self._known[name]
+
+    def _calls(self, name: str) -> dict[str, None]:
+        """Return the RAPs that the methods of a RAP call, each once, in order."""
+        methods = self._raps[name].methods
+        goals = (step.goal.name for method in methods for step in steps(method))
+        return dict.fromkeys(called for called in goals if called in self._raps)
 
 
 class Compiler:

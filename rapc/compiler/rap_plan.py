@@ -6,21 +6,135 @@ Everything keeps its IR node, so that what happens at run time can point at sour
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rapc.base.source import Span
-from rapc.compiler.activation import ActivationPlan, activation_of
 from rapc.compiler.compiler import Compiler, RequestPlan
-from rapc.compiler.net_plan import StepPlan, WindowPlan, steps_of, steps_using
+from rapc.compiler.net_plan import StepPlan, WaitPlan, WindowPlan, steps_of, steps_using
 from rapc.compiler.query.formulas import watches
 from rapc.compiler.query.named import parts_of
 from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.rules import memory_rules
-from rapc.compiler.things import ThingPlan, things_of
 from rapc.compiler.watches import ANYTHING, Watch
 from rapc.ir import clauses, nodes
-from rapc.ir.walk import variable_names
+from rapc.ir.walk import substitute, variable_names
+
+
+class ThingPlan:
+    """A thing to be filled in; `used` by the request itself, or else claimed."""
+
+    __slots__ = ("plan", "used")
+
+    def __init__(self, plan: RequestPlan, used: bool) -> None:
+        self.plan = plan
+        self.used = used
+
+
+def things_of(compiler: Compiler, method: nodes.Method) -> tuple[ThingPlan, ...]:
+    """Return what `method` asks for: what its request uses, then what it claims."""
+    found = [
+        (thing, True)
+        for asked in _requests(method)
+        for thing in _used_by(compiler, asked)
+    ]
+    found += [(thing, False) for thing in method.claims]
+    return tuple(
+        [
+            ThingPlan(compiler.assertion(one, "use" if used else "claim"), used)
+            for one, used in found
+        ]
+    )
+
+
+def _used_by(compiler: Compiler, asked: nodes.Pattern) -> Iterator[nodes.Thing]:
+    """Yield what a request or a skill uses, as it is declared."""
+    declared: nodes.DeclarePrimitive | nodes.DeclareSkill | None
+    if isinstance(asked, nodes.Skill):
+        declared = compiler.library.skills.get(asked.name)
+    else:
+        declared = compiler.library.primitives.get(asked.name)
+    if declared is None:
+        return
+    names = [arg.variable.name for arg in declared.args]
+    given = dict(zip(names, asked.args, strict=False))
+    for thing in declared.uses:
+        yield substitute(thing, given)
+
+
+def _requests(method: nodes.Method) -> tuple[nodes.Pattern, ...]:
+    """Return what a method asks of the world: a request, or skills."""
+    if isinstance(method.body, nodes.Primitive):
+        return (method.body.request,)
+    if isinstance(method.body, nodes.Skills):
+        return method.body.enable
+    return method.skills
+
+
+class UsesPlan:
+    """What a skill uses, over the arguments of its declaration."""
+
+    __slots__ = ("args", "things")
+
+    def __init__(self, compiler: Compiler, name: str) -> None:
+        declared = compiler.library.skills.get(name)
+        #: The names of the declared arguments.
+        self.args: tuple[str, ...] = ()
+        #: The things, to be filled in with values for these.
+        self.things: tuple[RequestPlan, ...] = ()
+        if declared is not None:
+            self.args = tuple([arg.variable.name for arg in declared.args])
+            things = [compiler.assertion(one, "use") for one in declared.uses]
+            self.things = tuple(things)
+
+
+class ActivationPlan:
+    """A set of skills that are to be on together."""
+
+    __slots__ = ("background", "events", "skills", "uses", "waits")
+
+    def __init__(
+        self,
+        compiler: Compiler,
+        enabled: tuple[nodes.Skill, ...],
+        waits: tuple[nodes.WaitFor, ...],
+        background: bool,
+    ) -> None:
+        #: The skills to be filled in, in the order of the text.
+        self.skills = tuple([compiler.assertion(one, "skill") for one in enabled])
+        #: What each of them uses by its declaration, once that is filled in.
+        self.uses = tuple([UsesPlan(compiler, one.name) for one in enabled])
+        #: What ends the method: the first of these that matches a signal.
+        self.waits = tuple(
+            [WaitPlan(wait, compiler.place("wait-for", wait.span)) for wait in waits]
+        )
+        #: Whether it goes on beside the steps of its method: the `skills` of one.
+        self.background = background
+        #: The names of the events to be told: all that its skills may tell, for rules
+        #: hear what nobody awaits, then what is awaited besides.
+        self.events = _events(compiler, self.skills, self.waits)
+
+
+def _events(
+    compiler: Compiler, skills: tuple[RequestPlan, ...], waits: tuple[WaitPlan, ...]
+) -> tuple[str, ...]:
+    found: dict[str, None] = {}
+    for skill in skills:
+        declared = compiler.library.skills.get(skill.name)
+        if declared is not None:
+            found.update(dict.fromkeys(declared.events or ()))
+    found.update(dict.fromkeys(wait.signal for wait in waits))
+    return tuple(found)
+
+
+def activation_of(compiler: Compiler, method: nodes.Method) -> ActivationPlan | None:
+    """Return what a method switches on, or None if it switches nothing on."""
+    body = method.body
+    if isinstance(body, nodes.Skills):
+        return ActivationPlan(compiler, body.enable, body.waits, background=False)
+    if method.skills:
+        return ActivationPlan(compiler, method.skills, (), background=True)
+    return None
 
 
 class MethodPlan:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import msgspec
 import pytest
 
-from rapc.compiler.recursion import Recursion
+from rapc.compiler.compiler import Recursion
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.loader import load, load_text

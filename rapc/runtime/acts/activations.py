@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rapc.base.values import Fact
-from rapc.compiler.activation import ActivationPlan
 from rapc.compiler.compiler import RequestPlan
+from rapc.compiler.rap_plan import ActivationPlan
 from rapc.events import RequestRefused, SkillDisabled, SkillEnabled
 from rapc.runtime.acts.primitives import cancel, filled_in, ground, sensed
 from rapc.runtime.authors import is_refusal, wrong_type

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rapc.compiler.activation import ActivationPlan
-from rapc.compiler.rap_plan import MethodPlan
+from rapc.compiler.rap_plan import ActivationPlan, MethodPlan
 from rapc.errors import FactError
 from rapc.events import Cause, MethodChosen
 from rapc.runtime.acts.activations import activate
