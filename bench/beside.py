@@ -35,6 +35,7 @@ from bench.run import machine
 from bench.targets import table
 
 CHECKOUT = Path(__file__).parents[1]
+ADAPTER = CHECKOUT / "bench" / "rapc_adapter.py"
 PAGE = CHECKOUT / "docs" / "performance.md"
 FIGURES = CHECKOUT / "docs" / "figures"
 MARKERS = "<!-- {}: begin -->\n", "<!-- {}: end -->\n"
@@ -96,7 +97,7 @@ def main() -> None:
 def measured(script: Path, quick: bool) -> Results:
     """Measure what the peers' script cannot, then run it for each workload."""
     found = costs(quick)
-    parts = [_peers(script, workload, quick) for workload in PEERS]
+    parts = [compared(script, workload, quick) for workload in PEERS]
     baseline = script.with_name("baseline.json")
     elsewhere = json.loads(baseline.read_bytes()) if baseline.exists() else {}
 
@@ -126,12 +127,16 @@ def _made() -> str:
     return "in pure Python" if (crank.origin or "").endswith(".py") else "compiled"
 
 
-def _peers(script: Path, workload: str, quick: bool) -> Mapping[str, Any]:
-    """What the script tells of one workload; its own output is shown meanwhile."""
+def compared(script: Path, workload: str, quick: bool) -> Mapping[str, Any]:
+    """What the script reports of one workload; its own output is shown meanwhile.
+
+    Raises:
+        SystemExit: if the script leaves out a class of the adapter.
+    """
     paths = [str(CHECKOUT), os.environ.get("PYTHONPATH", "")]
     environment = {
         **os.environ,
-        "RAPC_ADAPTER": str(CHECKOUT / "bench" / "rapc_adapter.py"),
+        "RAPC_ADAPTER": str(ADAPTER),
         "PYTHONPATH": os.pathsep.join(filter(None, paths)),
     }
     with tempfile.TemporaryDirectory() as folder:
@@ -141,6 +146,10 @@ def _peers(script: Path, workload: str, quick: bool) -> Mapping[str, Any]:
         command += ["--quick"] if quick else ["--timeout", str(TIMEOUT)]
         subprocess.run(command, env=environment, cwd=folder, check=True)
         told: Mapping[str, Any] = json.loads(file.read_bytes())
+    names = PEERS[workload].split(",")
+    out = [n for n in names if n.startswith("rapc") and n not in told["peers"]]
+    if out:
+        raise SystemExit(f"{script.name} left out {', '.join(out)} in {workload}")
     return told
 
 

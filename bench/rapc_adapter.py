@@ -192,7 +192,7 @@ class Rapc(Peer):
     note = "everything real; no trace"
 
     def available(self) -> str:
-        for name in ("Interpreter", "JsonTrace", "TaskRequest", "compile"):
+        for name in ("Interpreter", "JsonTrace", "TaskRequest", "load"):
             getattr(rapc, name)  # each is imported when it is first asked for
         return rapc.__version__
 

@@ -6,11 +6,23 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
 
-from bench.beside import FIGURES, PAGE, told, with_section, written
+import rapc
+from bench.adapter_rows import classes
+from bench.beside import (
+    ADAPTER,
+    FIGURES,
+    PAGE,
+    PEERS,
+    compared,
+    told,
+    with_section,
+    written,
+)
 from bench.child import take
 from bench.profiles import LINES, text
 from bench.results import Measured, Results, from_script, noise
@@ -135,6 +147,94 @@ def test_every_target_has_a_row_of_its_own() -> None:
     rows = list(table(RESULTS))[2:]
     assert len(rows) == len(TARGETS)
     assert len({tuple(row.split(" | ")[:2]) for row in rows}) == len(rows)
+
+
+@pytest.fixture(scope="module")
+def adapter() -> dict[str, Any]:
+    """The classes of the adapter, by name."""
+    return classes(ADAPTER)
+
+
+ADAPTER_CLASSES = (
+    "Rapc",
+    "RapcTraced",
+    "RapcWritten",
+    "RapcInputs",
+    "RapcIr",
+    "RapcLoad",
+)
+
+
+@pytest.mark.parametrize("name", ADAPTER_CLASSES)
+def test_adapter_is_available(adapter: dict[str, Any], name: str) -> None:
+    assert adapter[name]().available() == rapc.__version__
+
+
+def test_adapter_classes_are_those_measured(adapter: dict[str, Any]) -> None:
+    names = {adapter[name].name for name in ADAPTER_CLASSES}
+    measured = {name for row in PEERS.values() for name in row.split(",")}
+    assert names == {name for name in measured if name.startswith("rapc")}
+
+
+@pytest.mark.parametrize("name", ["Rapc", "RapcIr", "RapcLoad"])
+def test_adapter_reads_all_definitions(adapter: dict[str, Any], name: str) -> None:
+    text = adapter["RapcLoad"]().w1_text(4)
+    words = 0 if name == "RapcLoad" else text.count("\n(") + 1 - 4
+    assert adapter[name]().w1(text) == 4 + words
+
+
+def test_adapter_answers_from_memory(adapter: dict[str, Any]) -> None:
+    made = adapter["Rapc"]()
+    made.w2_setup(
+        [
+            ("small", "here", "rock", "red", 3),
+            ("large", "here", "rock", "red", 4),
+            ("other", "here", "bush", "red", 9),
+            ("away", "there", "rock", "red", 9),
+        ]
+    )
+    assert (made.w2_first("here"), made.w2_all("here")) == ("large", 1)
+    assert (made.w2_first("nowhere"), made.w2_all("nowhere")) == (None, 0)
+
+
+@pytest.mark.parametrize("name", ["Rapc", "RapcTraced", "RapcWritten"])
+def test_adapter_wakes_one_monitor_again_and_again(
+    adapter: dict[str, Any], name: str
+) -> None:
+    made = adapter[name]()
+    made.fired = 0
+    made.w3_setup(5)
+    for count in (1, 2, 3):
+        made.w3_fire(2)
+        assert made.fired == count
+    _close(made)
+
+
+@pytest.mark.parametrize("name", ["Rapc", "RapcTraced", "RapcWritten", "RapcInputs"])
+def test_adapter_carries_out_a_tree_of_tasks(
+    adapter: dict[str, Any], name: str
+) -> None:
+    made = adapter[name]()
+    made.w4_setup(3, 2)
+    assert made.w4_run() == 1 + 3 + 9
+    _close(made)
+
+
+def _close(made: Any) -> None:
+    """Close the trace that `RapcWritten` writes."""
+    if made.name == "rapc-written":
+        made.trace.close()
+
+
+def test_comparison_without_rapc_is_refused(tmp_path: Path) -> None:
+    script = tmp_path / "peers.py"
+    script.write_text(
+        "import json, sys\n"
+        "file = sys.argv[sys.argv.index('--json') + 1]\n"
+        "open(file, 'w').write(json.dumps({'peers': {'hand': {}}, 'results': []}))\n"
+    )
+    with pytest.raises(SystemExit, match="left out rapc, rapc-ir, rapc-load"):
+        compared(script, "W1", quick=True)
 
 
 def test_a_section_goes_between_its_markers() -> None:
