@@ -269,7 +269,8 @@ def test_of_a_part_of_a_library_only_errors_are_reported(
     monkeypatch.chdir(tmp_path)
     texts = {
         "lit.rap": "(declare-primitive light () (okay))\n"
-        "(define-rap (go) (method (claims lamp) (primitive (light))))",
+        "(define-rap (go) (method (claims lamp) (primitive (light))))"
+        "(define-agenda day (task (go)))",
         "dark.rap": '(require "lit")'
         "(define-rap (stay) (method (claims lamp) (task-net (t1 (go)))))",
         "one.test.rap": '(require "lit") (define-test it (task (stay)))',

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sized
+from collections.abc import Iterable, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.close_names import Close
+from rapc.analysis.close_names import Close, is_row
 from rapc.analysis.index import INDEX, Occurrence
 from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions, plural
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.walk import steps
 
 UNUSED = Rule(
     code="RAP084",
     name="unused-claim",
-    severity=Severity.INFO,
-    summary="a method claims a thing that nothing uses and no other method claims",
-    why="""A claim keeps others from what they use or claim themselves. Things are not
-declared: one that nothing else names, with as many arguments, keeps nobody from
-anything, and is likely misspelt or left over.""",
+    severity=Severity.WARNING,
+    summary="a RAP that runs once claims a thing that nothing else uses or claims",
+    why="""A claim keeps other tasks from a thing that they use or claim. Things are not
+declared. Here one task of an agenda leads to the RAP, by one step each, so that no
+second task of the RAP claims the thing; no other RAP, primitive or skill names it with
+as many arguments. The claim has no effect: another name was meant, or another RAP or
+primitive lacks the thing.""",
     fix="unsafe: writes the thing that is spelled almost so, where there is one",
     ignore="where another library uses the thing, and runs beside this one",
     source="L 8",
@@ -28,13 +31,15 @@ anything, and is likely misspelt or left over.""",
 (declare-primitive drive (?to) (okay) :uses (wheels))
 (define-rap (go ?to) (method (primitive (drive ?to))))
 (define-rap (visit ?to)
-  (method (claims weels) (task-net (t1 (go ?to)))))
+  (method (claims robot) (task-net (t1 (go ?to)))))
+(define-agenda day (task (visit lab)))
 """,
     better="""\
 (declare-primitive drive (?to) (okay) :uses (wheels))
 (define-rap (go ?to) (method (primitive (drive ?to))))
 (define-rap (visit ?to)
   (method (claims wheels) (task-net (t1 (go ?to)))))
+(define-agenda day (task (visit lab)))
 """,
 )
 
@@ -69,50 +74,133 @@ _LEAST = 3
 _Sort = tuple[str, int]
 """A thing by its name and number of arguments."""
 
+_Places = Mapping[_Sort, Sequence[Occurrence[nodes.Thing]]]
+"""Where things are named, each once for each method or declaration."""
+
 
 def _run(run: Pass) -> None:
-    users: dict[_Sort, set[int]] = {}
-    claims: list[Occurrence[nodes.Thing]] = []
-    for thing in run.result(INDEX).of(nodes.Thing):
-        users.setdefault(_sort(thing), set()).add(id(thing.parent))
-        if isinstance(thing.parent, nodes.Method):
-            claims.append(thing)
-    told = _misspelt(run, users)
-    lone = [claim for claim in claims if len(users[_sort(claim)]) == 1]
-    lone = [claim for claim in lone if id(claim.node) not in told]
-    kept = users.keys() - {_sort(claim) for claim in lone}
-    near = Suggestions(sorted({name for name, _ in kept}))
+    places = _places(run.result(INDEX).of(nodes.Thing))
+    settled = _misspelt(run, places)
     users_known = not any(run.unsure(one.span) for one in _offers(run))
-    for claim in lone if run.complete and users_known else ():
-        run.report(_finding(run, claim.node, near, users))
+    if not run.complete or not users_known:
+        return
+    near = Suggestions(sorted({name for name, _ in places}))
+    callers = _callers(run)
+    for sort, named in places.items():
+        if sort not in settled and _is_unused(named, places, callers):
+            run.report(_finding(run, named[0].node, near, places))
 
 
-def _misspelt(run: Pass, users: Mapping[_Sort, Sized]) -> set[int]:
-    """Report things named once whose names are close; return the ids of their nodes."""
-    often: dict[int, list[str]] = {}
-    for (name, count), named in users.items():
-        if len(named) > 1:
-            often.setdefault(count, []).append(name)
-    close = {count: Close(sorted(names), _LEAST) for count, names in often.items()}
-    told = set()
-    for thing in run.result(INDEX).of(nodes.Thing):
-        name, count = _sort(thing)
-        if len(users[name, count]) == 1 and count in close:
-            other = close[count].to(name)
-            if other is not None:
-                told.add(id(thing.node))
-                run.report(_close(run, thing.node, other))
-    return told
+def _places(things: Iterable[Occurrence[nodes.Thing]]) -> _Places:
+    found: dict[_Sort, dict[int, Occurrence[nodes.Thing]]] = {}
+    for thing in things:
+        sort = thing.node.name, len(thing.node.args)
+        found.setdefault(sort, {}).setdefault(id(thing.parent), thing)
+    return {sort: list(named.values()) for sort, named in found.items()}
 
 
-def _close(run: Pass, thing: nodes.Thing, other: str) -> Diagnostic:
+def _misspelt(run: Pass, places: _Places) -> set[_Sort]:
+    """Report things named once whose names are close to another; return all of these.
+
+    What several name is meant by all of them. Of two that are named once each, a claim
+    is taken for the slip, and of two claims the one further down.
+    """
+    close: dict[int, Close] = {}
+    for count in {count for _, count in places}:
+        names = sorted(name for name, number in places if number == count)
+        close[count] = Close(names, _LEAST)
+    settled = set[_Sort]()
+    for (name, count), named in places.items():
+        others = [
+            places[other, count]
+            for other in close[count].all_to(name)
+            if not is_row(name, other) and _is_meant(places[other, count], named)
+        ]
+        if others:
+            settled |= {(name, count), _sort(others[0][0])}
+            run.report(_close(run, named[0].node, others[0][0].node))
+    return settled
+
+
+def _is_meant(
+    other: Sequence[Occurrence[nodes.Thing]], named: Sequence[Occurrence[nodes.Thing]]
+) -> bool:
+    """Whether a thing of a close name is what is meant by one that is named once."""
+    (this, *further), that = named, other[0]
+    if further or len(other) > 1:
+        return not further
+    if not isinstance(this.parent, nodes.Method):
+        return False
+    return not isinstance(that.parent, nodes.Method) or _is_above(that, this)
+
+
+def _is_above(one: Occurrence[nodes.Thing], other: Occurrence[nodes.Thing]) -> bool:
+    first, second = one.node.span, other.node.span
+    return (first.file, first.start) < (second.file, second.start)
+
+
+def _close(run: Pass, thing: nodes.Thing, other: nodes.Thing) -> Diagnostic:
     return Diagnostic(
         rule=MISSPELT.name,
         message=f"nothing else uses or claims `{format_formula(thing)}`",
         span=thing.span,
-        help=f"did you mean `{other}`?",
-        fix=renaming(run.library.files, thing.name, other, [thing.span]),
+        labels=(Label(other.span, "a thing with a close name"),),
+        help=f"did you mean `{other.name}`?",
+        fix=renaming(run.library.files, thing.name, other.name, [thing.span]),
     )
+
+
+# --- claims without effect ------------------------------------------------------------
+
+
+def _callers(run: Pass) -> Mapping[str, Sequence[str | None]]:
+    """Return by RAP the RAPs whose steps ask for it; None stands for an agenda."""
+    found: dict[str, list[str | None]] = {}
+    for agenda in run.library.agendas.values():
+        for task in agenda.tasks:
+            found.setdefault(task.goal.name, []).append(None)
+    for rap in run.library.raps.values():
+        for method in rap.methods:
+            for step in steps(method):
+                found.setdefault(step.goal.name, []).append(rap.name)
+    return found
+
+
+def _runs_once(name: str, callers: Mapping[str, Sequence[str | None]]) -> bool:
+    """Whether one task of an agenda leads to a RAP, by one step each.
+
+    A host may start any other RAP as often as it likes.
+    """
+    seen = set[str]()
+    here: str | None = name
+    while here is not None and here not in seen:
+        seen.add(here)
+        by = callers.get(here, ())
+        if len(by) != 1:
+            return False
+        here = by[0]
+    return here is None
+
+
+def _is_unused(
+    named: Sequence[Occurrence[nodes.Thing]],
+    places: _Places,
+    callers: Mapping[str, Sequence[str | None]],
+) -> bool:
+    """Whether nobody else names a thing, so that its claims have no effect.
+
+    One that is named with other arguments elsewhere is a slip, however often it runs.
+    """
+    first = named[0]
+    if any(
+        not isinstance(one.parent, nodes.Method) or one.owner is not first.owner
+        for one in named
+    ):
+        return False
+    assert isinstance(first.owner, nodes.DefineRap)
+    name, count = _sort(first)
+    elsewhere = any(other == name and number != count for other, number in places)
+    return elsewhere or _runs_once(first.owner.name, callers)
 
 
 def _offers(run: Pass) -> Iterable[nodes.DeclarePrimitive | nodes.DeclareSkill]:
@@ -125,10 +213,10 @@ def _sort(thing: Occurrence[nodes.Thing]) -> _Sort:
 
 
 def _finding(
-    run: Pass, thing: nodes.Thing, near: Suggestions, users: Mapping[_Sort, object]
+    run: Pass, thing: nodes.Thing, near: Suggestions, places: _Places
 ) -> Diagnostic:
     written = format_formula(thing)
-    others = sorted(count for name, count in users if name == thing.name)
+    others = sorted(count for name, count in places if name == thing.name)
     others.remove(len(thing.args))
     help_, meant = near.did_you_mean(thing.name), near.near(thing.name)
     if others:
