@@ -45,6 +45,8 @@ class Mended(msgspec.Struct, frozen=True):
     report: CheckReport
     #: How many fixes were carried out.
     fixed: int
+    #: The fixes that were tried and not kept.
+    refused: frozenset[Fix] = frozenset()
 
 
 def mend(check: _Check, allowed: Callable[[str], bool], *, unsafe: bool) -> Mended:
@@ -57,21 +59,33 @@ def mend(check: _Check, allowed: Callable[[str], bool], *, unsafe: bool) -> Mend
     """
     left = iter(range(_CHECKS))
 
+    def offered(report: CheckReport, of_parser: bool) -> list[Fix]:
+        findings = report.findings
+        some = (f for f in findings if (f.rule.name in _OF_PARSER) is of_parser)
+        return _applicable(some, allowed, unsafe)
+
     def rounds(now: Mended, of_parser: bool) -> Iterator[Mended]:
-        while True:
-            findings = now.report.findings
-            some = (f for f in findings if (f.rule.name in _OF_PARSER) is of_parser)
-            after = _round(check, left, now, list(_chosen(some, allowed, unsafe)))
+        fixes = offered(now.report, of_parser)
+        while fixes:
+            apart = list(_apart(fixes))
+            after = _round(check, left, now, apart)
             if after is now:
-                return
-            now = after
-            yield now
+                tried = frozenset(apart)
+                fixes = [fix for fix in fixes if fix not in tried]
+            else:
+                now = after
+                fixes = offered(now.report, of_parser)
+                yield now
 
     best = Mended({}, check({}), 0)
     for now in rounds(best, of_parser=True):
         if _is_better(best.report, now.report, _of_parser):
             best = now
-    return [best, *rounds(best, of_parser=False)][-1]
+    best = [best, *rounds(best, of_parser=False)][-1]
+    if next(left, None) is None:
+        return best
+    refused = frozenset(_applicable(best.report.findings, allowed, unsafe))
+    return msgspec.structs.replace(best, refused=refused)
 
 
 def _round(
@@ -101,25 +115,28 @@ def _round(
     return now
 
 
-def _applicable(fix: Fix | None, unsafe: bool) -> bool:
-    wanted = {Applicability.SAFE, *([Applicability.UNSAFE] if unsafe else [])}
-    return fix is not None and bool(fix.edits) and fix.applicability in wanted
-
-
-def _chosen(
+def _applicable(
     findings: Iterable[Finding], allowed: Callable[[str], bool], unsafe: bool
-) -> Iterator[Fix]:
-    """Yield fixes that do not touch each other, in the order of their findings."""
+) -> list[Fix]:
+    """Return the fixes that may be carried out, in the order of their findings."""
+    wanted = {Applicability.SAFE, *([Applicability.UNSAFE] if unsafe else [])}
+    fixes = (finding.diagnostic.fix for finding in findings)
+    return [
+        fix
+        for fix in fixes
+        if fix is not None
+        and fix.edits
+        and fix.applicability in wanted
+        and all(allowed(edit.span.file) for edit in fix.edits)
+    ]
+
+
+def _apart(fixes: Iterable[Fix]) -> Iterator[Fix]:
+    """Yield the fixes that touch none of those before them."""
     taken: dict[str, list[tuple[int, int]]] = {}
-    for finding in findings:
-        fix = finding.diagnostic.fix
-        if fix is None or not _applicable(fix, unsafe):
-            continue
+    for fix in fixes:
         spans = [edit.span for edit in fix.edits]
-        if all(
-            allowed(span.file) and _is_free(span, taken.get(span.file, []))
-            for span in spans
-        ):
+        if all(_is_free(span, taken.get(span.file, [])) for span in spans):
             for span in spans:
                 insort(taken.setdefault(span.file, []), (span.start, span.end))
             yield fix

@@ -6,7 +6,7 @@ looks in `rapc.console` (findings, formats); here the options are put together.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ from rapc.analysis.cache_file import file_for
 from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
-from rapc.base.diagnostics import Applicability
+from rapc.base.diagnostics import Applicability, Fix
 from rapc.base.files import lies_in, path_of, read_standard_input
 from rapc.base.later import later
 from rapc.base.names import plural
@@ -208,11 +208,13 @@ def _tell(
     chosen: Chosen,
     *,
     fixed: str = "",
+    refused: Container[Fix] = (),
     apart: bool = False,
 ) -> Done:
     """Print findings and the summary, on standard error if `apart`.
 
-    Findings as grave as the fail level decide the exit status.
+    Findings as grave as the fail level decide the exit status. The summary does not
+    offer the fixes that were `refused`.
     """
     known = ""
     if chosen.baseline is not None:
@@ -226,7 +228,8 @@ def _tell(
     else:
         print_findings(report, chosen.format, options.statistics, err=apart)
     if chosen.format in FOR_PEOPLE and not settings().quiet:
-        click.echo(_summary(report) + fixed + known + _fixable(report), err=apart)
+        said = _summary(report) + fixed + known + _fixable(report, refused)
+        click.echo(said, err=apart)
     worst = report.worst()
     return Done(report, worst is not None and worst >= chosen.fail_level)
 
@@ -271,7 +274,7 @@ def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
 
     mended = fixes.mend(check, allowed, unsafe=options.unsafe_fixes)
     changed = {n: t for n, t in mended.texts.items() if t != before[n]}
-    count = "1 fix" if mended.fixed == 1 else f"{mended.fixed} fixes"
+    count = _fixes(mended.fixed)
     if options.diff:
         for name, text in changed.items():
             click.echo(diff(name, before[name], text), nl=False)
@@ -289,9 +292,16 @@ def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
     for text in given.values():
         click.echo(text, nl=False)
     fixed = f", {count} carried out" if mended.fixed and not left else ""
+    if mended.refused:
+        fixed += f", {_fixes(len(mended.refused))} not kept"
     report = check(given) if left else mended.report
-    done = _tell(report, options, chosen, fixed=fixed, apart=bool(given))
+    refused, apart = mended.refused, bool(given)
+    done = _tell(report, options, chosen, fixed=fixed, refused=refused, apart=apart)
     return msgspec.structs.replace(done, left=bool(left))
+
+
+def _fixes(number: int) -> str:
+    return "1 fix" if number == 1 else f"{number} fixes"
 
 
 # --- the summary ------------------------------------------------------------------
@@ -310,10 +320,11 @@ def _summary(report: CheckReport) -> str:
     return f"{checked}: {', '.join(found)}"
 
 
-def _fixable(report: CheckReport) -> str:
+def _fixable(report: CheckReport, refused: Container[Fix]) -> str:
     """Words about the findings that --fix would mend; none if there are none."""
     fixes = [finding.diagnostic.fix for finding in report.findings]
-    kinds = [fix.applicability for fix in fixes if fix is not None and fix.edits]
+    offered = [fix for fix in fixes if fix is not None and fix.edits]
+    kinds = [fix.applicability for fix in offered if fix not in refused]
     safe, unsafe = (kinds.count(k) for k in (Applicability.SAFE, Applicability.UNSAFE))
     if safe:
         more = f", {unsafe} with --unsafe-fixes besides" if unsafe else ""

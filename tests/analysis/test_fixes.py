@@ -86,6 +86,7 @@ def test_a_fix_that_replaces_an_error_by_another_is_not_kept() -> None:
 
     text, mended = _mended("; x", say)
     assert (text, mended.fixed) == ("; x", 0)
+    assert {fix.edits[0].content for fix in mended.refused} == {"", "y"}
 
 
 def test_a_bad_fix_does_not_stop_the_good_ones() -> None:
@@ -100,6 +101,16 @@ def test_a_bad_fix_does_not_stop_the_good_ones() -> None:
     text, mended = _mended("; x x y x", say)
     assert (text, mended.fixed) == ("; ;  ;  y ; ", 3)
     assert [f.rule for f in mended.report.findings] == [WARNING]
+
+
+def test_a_second_fix_at_a_place_is_tried_if_the_first_is_not_kept() -> None:
+    def say(text: str) -> Sequence[tuple[Rule, int, int, str]]:
+        if "!" in text:
+            return [(ERROR, 0, 0, "")]
+        return [(WARNING, 2, 3, "!"), (WARNING, 2, 3, "y")] if "x" in text else []
+
+    text, mended = _mended("; x", say)
+    assert (text, mended.fixed, mended.refused) == ("; y", 1, frozenset())
 
 
 def test_checks_are_limited() -> None:

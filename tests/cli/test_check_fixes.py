@@ -59,6 +59,19 @@ def test_unsafe_fixes_only_if_asked_for(tmp_path: Path) -> None:
     assert file.read_text() == UNSAFE.replace("))))", ")))))")
 
 
+def test_fixes_that_improve_nothing_are_counted_and_not_offered(
+    tmp_path: Path,
+) -> None:
+    """The parenthesis hides a misplaced clause, an unknown fact and a primitive."""
+    file = tmp_path / "one.rap"
+    text = "(define-rap (go ?place)\n  (succeed (at ?place))\n  (context (at home))\n"
+    text += "  (method\n    (primitive (drive ?place)))\n"
+    file.write_text(text)
+    done = rapc("check", "--fix", "--unsafe-fixes", "one.rap", cwd=tmp_path)
+    assert done.stdout.endswith(": 1 error, 1 fix not kept\n")
+    assert (done.returncode, file.read_text()) == (1, text)
+
+
 def test_line_ends_mark_and_mode_of_a_file_stay(tmp_path: Path) -> None:
     file = tmp_path / "one.rap"
     file.write_bytes(b"\xef\xbb\xbf" + UNUSED.replace("\n", "\r\n").encode())
