@@ -42,6 +42,9 @@ def _rule(message: str, help: str = "") -> Misfit:
 
 
 _DEFAULTS = "it is `unknown`, `true`, `false` or the name of a function"
+_FIRST_VALUE = (
+    "another first value is an initial fact, of the world, a test or `--fact`"
+)
 _ON_RESULT = "write `:on (okay (fact ...) (not (fact ...)) (may (fact ...)))`"
 
 MISFITS: Mapping[str, Misfit] = {
@@ -52,7 +55,7 @@ MISFITS: Mapping[str, Misfit] = {
         "the arguments of a property end with its value",
         "a property without arguments has only that: `(?value)`",
     ),
-    "DEFAULT": _form("this is no default", _DEFAULTS),
+    "DEFAULT": _form("this is no default", f"{_DEFAULTS}; {_FIRST_VALUE}"),
     "results": _form("a list of results is wanted here, not {kind}"),
     "kind_values": _form("a list of values is wanted here, not {kind}"),
     "datum_effects": _form("a list of effects is wanted here, not {kind}"),

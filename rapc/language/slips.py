@@ -29,3 +29,9 @@ ELSEWHERE: Mapping[str, str] = {
     "`until-end`",
 }
 """What is said by other words than those that some expect here."""
+
+MISPLACED: Mapping[tuple[str, str], str] = {
+    ("option of `task`", ":at"): "a task that begins later stands in an `at`: "
+    "`(at 130 (task ...))`",
+}
+"""Help for a word that belongs elsewhere, by what it would be here and the word."""

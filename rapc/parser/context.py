@@ -15,7 +15,7 @@ from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
 from rapc.language.heads import ARROW
-from rapc.language.slips import SLIPS
+from rapc.language.slips import MISPLACED, SLIPS
 from rapc.parser.syntax import (
     Arrow,
     Datum,
@@ -204,7 +204,9 @@ class Context:
             rule,
             f"`{word.name}` is no {what}",
             word,
-            help=f"did you mean `{meant}`?" if meant else _listing(options),
+            help=f"did you mean `{meant}`?"
+            if meant
+            else MISPLACED.get((what, word.name)) or _listing(options),
             fix=self.replace(word, meant, sure=False) if meant else None,
         )
         return meant

@@ -79,6 +79,27 @@ def context(text: str) -> str:
             "did you mean `#1`?",
         ),
         (
+            "(define-test t (task (go-to hall) :at 130) (until 200))",
+            "unknown-clause",
+            "a task that begins later stands in an `at`: `(at 130 (task ...))`",
+        ),
+        (
+            "(declare-primitive leave () (okay) :on (okay (may (not (free hall)))))",
+            "malformed-proposition",
+            "write `(may (free hall))`: the fact may come, and it may go",
+        ),
+        (
+            "(declare-primitive leave () (okay) :on (okay (may (and (free hall)))))",
+            "malformed-proposition",
+            "only plain propositions can stand here",
+        ),
+        (
+            "(declare-memory-property count-of (?room ?number) 0)",
+            "malformed-form",
+            "it is `unknown`, `true`, `false` or the name of a function; another first "
+            "value is an initial fact, of the world, a test or `--fact`",
+        ),
+        (
             "//",
             "unknown-form",
             "a form is a list that begins with a word such as `define-rap`; a comment "

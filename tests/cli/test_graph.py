@@ -113,6 +113,13 @@ def test_claims_and_uses(folder: Path) -> None:
     ]
 
 
+def test_claims_keep_arguments_of_things(folder: Path) -> None:
+    text = LIBRARY.replace("(claims wheels)", "by-left (claims (arm left))", 1)
+    (folder / "lib.rap").write_text(text)
+    done = rapc("graph", "lib.rap", "--claims", "--format", "text", cwd=folder)
+    assert done.stdout == "go\n  claims by-left (arm left)\ndrive\n  uses wheels\n"
+
+
 def test_what_a_rap_may_do_is_told_of_all_below_it(folder: Path) -> None:
     told = "watch\n"
     told += "  asserts (busy), (at ?), (parked)\n"

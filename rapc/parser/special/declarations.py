@@ -91,10 +91,25 @@ def _effect(
         message = f"`{word}` goes with one effect; write one for each"
         ctx.report("malformed-clause", message, datum)
     for one in inner:
+        if word == "may" and head_of(one) == "not" and isinstance(one, List):
+            _no_contrary(ctx, one)
+            continue
         fact = proposition(ctx, one)
         if fact is not None:
             negated, possible = word == "not", word in wrappers and word == "may"
             yield nodes.DeclaredEffect(fact, negated, possible, ctx.span(datum))
+
+
+def _no_contrary(ctx: Context, datum: List) -> None:
+    """Report `not` in a `may`, which means both that a fact may come and may go."""
+    inner = datum.items[1:]
+    written = ctx.text(inner[0]) if len(inner) == 1 else "(fact)"
+    ctx.report(
+        "malformed-proposition",
+        "`not` heads no proposition",
+        datum,
+        help=f"write `(may {written})`: the fact may come, and it may go",
+    )
 
 
 def datum_effects(
