@@ -288,17 +288,19 @@ class RequestUnderWay(NamedTuple):
     """A request that is under way."""
 
     ticket: int
-    task: int | None
+    task: int
     request: str
 
 
 def requests(run: Interpreter) -> list[RequestUnderWay]:
-    """Return the requests that the world has not answered yet."""
+    """Return the requests that have neither ended nor been cancelled.
+
+    A world may answer what was cancelled once more, or never.
+    """
     return [
-        RequestUnderWay(
-            ticket, None if task is None else task.number, format_list(asked)
-        )
+        RequestUnderWay(ticket, task.number, format_list(asked))
         for ticket, (task, asked) in sorted(run.machine.state.pending.items())
+        if task is not None
     ]
 
 

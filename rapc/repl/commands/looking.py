@@ -184,7 +184,7 @@ def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
 
 @command("", ":requests")
 def _requests(shell: Shell, args: Arguments) -> ShownAnswer:
-    """List the requests that the world has not answered yet."""
+    """List the requests under way: sent, neither ended nor cancelled."""
     found = look.requests(shell.session.run)
     return table(("ticket", "task", "request"), found, none="no request is under way")
 
