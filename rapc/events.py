@@ -20,7 +20,7 @@ from typing import Any, ClassVar
 
 import msgspec
 
-from rapc.base.values import Atom, Fact, format_atom, format_list
+from rapc.base.values import Atom, Fact, format_atom, format_list, readable
 from rapc.base.visible import visible
 
 
@@ -532,7 +532,7 @@ class DeadlineMissed(Event, frozen=True, kw_only=True):
     deadline: int | float
 
     def line(self) -> str:  # noqa: D102  # see `Event`
-        return f"    ... deadline {format_atom(self.deadline)} missed [{self.task}]"
+        return f"    ... deadline {readable(self.deadline)} missed [{self.task}]"
 
 
 class SolverCalled(Event, frozen=True, kw_only=True):

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rapc.base.values import format_float
+from rapc.base.values import format_float, readable
 from tests.effort import examples
 
 
@@ -34,3 +34,22 @@ def test_a_number_read_again_is_the_same(value: float) -> None:
     assert float(text) == value
     assert "e" not in text
     assert "." in text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (49.440000000000005, "49.44"),
+        (2.7279999999999998, "2.728"),
+        (0.1 + 0.2, "0.3"),
+        (100 / 3, "33.333333"),
+        (-1e-25, "-0." + "0" * 24 + "1"),
+        (1.2345678e-9, "0.00000000123457"),
+        (7, "7"),
+        (7.0000000001, "7"),
+        (1e16, "10000000000000000"),
+        ("dock", "dock"),
+    ],
+)
+def test_a_number_for_people_has_no_noise(value: object, text: str) -> None:
+    assert readable(value) == text

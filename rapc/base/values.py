@@ -103,6 +103,21 @@ def format_float(value: float) -> str:
     return f"{sign}{(whole + part).ljust(power + 1, '0')}.0"
 
 
+_DECIMALS = 6
+"""How many decimals of a number are for people; sums of floats have noise behind."""
+
+
+def readable(value: object) -> str:
+    """Return a value for people: as RAP text, numbers with at most 6 decimals.
+
+    A number that would then be 0 and is not has 6 significant digits.
+    """
+    if type(value) is float and math.isfinite(value):
+        shown = round(value, _DECIMALS) or float(f"{value:.{_DECIMALS}g}")
+        return format_atom(number(shown))
+    return format_atom(value)
+
+
 def format_list(parts: Iterable[object]) -> str:
     """Values as a RAP list; nested tuples become nested lists."""
     words = [

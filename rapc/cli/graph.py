@@ -14,7 +14,7 @@ from rapc.analysis.selection import errors
 from rapc.base.graph import Graph
 from rapc.base.later import later
 from rapc.base.names import did_you_mean
-from rapc.base.values import format_atom, number
+from rapc.base.values import number, readable
 from rapc.cli.checked import load_checked
 from rapc.cli.common import print_findings, read_paths
 from rapc.cli.given import RunOptions, prepared, run_options
@@ -132,7 +132,7 @@ def _network(path: str, world_name: str, moment: float, given: RunOptions) -> Gr
     run.call_at(time, lambda: found.append(world.network()))
     reason = run.run(until=time)
     if not found:
-        fail(f"the run was over at time {format_atom(run.now)} ({reason})")
+        fail(f"the run was over at time {readable(run.now)} ({reason})")
     return found[0]
 
 

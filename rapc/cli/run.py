@@ -15,7 +15,7 @@ from rapc.analysis.endless import endless, reached
 from rapc.base.interrupts import interrupts_held
 from rapc.base.later import later
 from rapc.base.outputs import TRACE
-from rapc.base.values import format_atom, format_list, number
+from rapc.base.values import format_list, number, readable
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, refuse_output
@@ -160,7 +160,7 @@ def _tell_endless(asked: Sequence[TaskRequest], library: Library) -> None:
 def _tell_deadlock(event: Event) -> None:
     """Report on standard error a deadlock that has closed; the run goes on."""
     assert isinstance(event, Deadlock)
-    said = f"deadlock at time {format_atom(event.time)}: {'; '.join(event.waiting)}"
+    said = f"deadlock at time {readable(event.time)}: {'; '.join(event.waiting)}"
     click.echo(f"note: {visible(said)}", err=True)
 
 

@@ -12,7 +12,7 @@ import msgspec
 
 from rapc import events
 from rapc.base.names import hint
-from rapc.base.values import Fact, format_atom, is_variable, match_pattern
+from rapc.base.values import Fact, format_atom, is_variable, match_pattern, readable
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
@@ -241,7 +241,7 @@ class Breakpoints:
                 continue
             said = f"breakpoint {number} ({point}): {words}"
             if point.logs:
-                self.logged.append(f"{format_atom(self._session.now):>7} {said}")
+                self.logged.append(f"{readable(self._session.now):>7} {said}")
             elif stops is None and not (
                 point.before and self._session.cycle == self._stopped_before
             ):
@@ -272,7 +272,7 @@ class Breakpoints:
         for number, time in list(self._reached.items()):
             if self._session.now >= time:
                 del self._reached[number]
-                found.append((number, f"time {format_atom(self._session.now)}"))
+                found.append((number, f"time {readable(self._session.now)}"))
         return found
 
     def _holds(self, formula: str) -> bool:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from rapc import events
-from rapc.base.values import Fact, format_atom, format_list, match_pattern
+from rapc.base.values import Fact, format_atom, format_list, match_pattern, readable
 from rapc.debug.log import ToldEvent
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
@@ -134,7 +134,7 @@ def _of_item(told: ToldEvent) -> FactChange:
     if keys.get("with_") is not None:
         said += f", also {keys['with_']}"
         if keys.get("score") is not None:
-            said += f", score {format_atom(keys['score'])}"
+            said += f", score {readable(keys['score'])}"
     return FactChange(
         told.time, told.cycle, what.removeprefix("item-"), said, "handler"
     )

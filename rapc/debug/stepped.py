@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.base.values import format_atom
+from rapc.base.values import readable
 from rapc.debug.log import EventLog, ToldEvent
 from rapc.errors import PortError
 from rapc.events import TaskSelected
@@ -82,7 +82,7 @@ class Stepped(ABC):
 
     def stand(self) -> str:
         """Return where it stands, in a line."""
-        words = f"cycle {self.cycle}, time {format_atom(self.now)}"
+        words = f"cycle {self.cycle}, time {readable(self.now)}"
         return f"{words}, run over ({self.reason})" if self.over else words
 
     @abstractmethod

@@ -35,7 +35,7 @@ from prompt_toolkit.lexers import Lexer
 from prompt_toolkit.shortcuts import CompleteStyle
 from prompt_toolkit.styles import Style
 
-from rapc.base.values import format_atom
+from rapc.base.values import readable
 from rapc.base.visible import visible
 from rapc.debug.session import Session
 from rapc.language.heads import (
@@ -187,7 +187,7 @@ class Prompt:
         session = self._shell.subject
         if not isinstance(session, Session):
             return visible(session.stand())
-        words = [f"time {format_atom(session.now)}", f"cycle {session.cycle}"]
+        words = [f"time {readable(session.now)}", f"cycle {session.cycle}"]
         if session.branch.name != "main":
             words.append(session.branch.name)
         selected = session.selected

@@ -172,8 +172,8 @@ def laid_at(world: World, call: str) -> Iterator[None]:
         raise
     except BaseException as error:  # whatever the world's code may raise
         place = place_of_error(error).strip(" ()")
-        whose = f"the world `{world.name}` failed" + (f" at {place}" if place else "")
-        said = f"{whose}: {said_by(error)}; see {_method(world, call)}"
+        where = f" at {place}" if place else f" in {_method(world, call)}"
+        said = f"the world `{world.name}` failed{where}: {said_by(error)}"
         raise PortError(said) from error
 
 

@@ -14,7 +14,7 @@ import msgspec
 
 from rapc import events
 from rapc.base.source import SourceFile
-from rapc.base.values import Atom, Fact, Text, format_atom, format_list
+from rapc.base.values import Atom, Fact, Text, format_atom, format_list, readable
 from rapc.errors import StateError
 from rapc.ir.layout import laid_out
 from rapc.ir.nodes import DefineTest
@@ -132,9 +132,12 @@ class Exported(msgspec.Struct):
     def shorten(self, holds: Callable[[DefineTest], bool]) -> None:
         """Leave out changes of memory without which the test still holds.
 
+        Times lose the noise of floats, too.
+
         Args:
             holds: says whether a test comes to the same as the run.
         """
+        self._round_times(holds)
         size = max(self._size() // 2, 1)
         left = MOST_RUNS
         while left > 0:
@@ -147,6 +150,18 @@ class Exported(msgspec.Struct):
             if size == 1:
                 return
             size = max(size // 2, 1)
+
+    def _round_times(self, holds: Callable[[DefineTest], bool]) -> None:
+        """Write times without the noise of sums, unless one of them counts."""
+        exact = self.parts
+        self.parts = [
+            msgspec.structs.replace(part, head=readable(float(part.head)))
+            if part.kind == "at"
+            else part
+            for part in exact
+        ]
+        if self.parts != exact and not holds(self.node()):
+            self.parts = exact
 
     def _size(self) -> int:
         return sum(len(part.changes) for part in self.parts)

@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 
 from rapc import events
-from rapc.base.values import Fact, format_atom, format_list, match_pattern
+from rapc.base.values import Fact, format_atom, format_list, match_pattern, readable
 from rapc.ir import nodes, walk
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.events.trace import record
@@ -116,7 +116,7 @@ def _selected_before(node: nodes.SelectedBefore, scene: Evidence) -> Happened | 
                 event = scene.record.events[task.selected]
                 lines.append(
                     f"{task.text} [{task.number}] was first selected in cycle "
-                    f"{event.cycle}, at time {format_atom(event.time)}"
+                    f"{event.cycle}, at time {readable(event.time)}"
                 )
         if not scene.record.matching(goal):
             lines.extend(_tasks(goal, scene, ()))
@@ -187,7 +187,7 @@ def _never(node: nodes.Never, scene: Evidence) -> Happened | None:
             how = "enabled" if isinstance(event, events.SkillEnabled) else "requested"
             return (
                 f"{format_list(request)} was {how} at time "
-                f"{format_atom(event.time)} by {task.text} [{task.number}]",
+                f"{readable(event.time)} by {task.text} [{task.number}]",
             )
     return None
 
@@ -253,7 +253,7 @@ def _told(event: events.Event) -> str:
     shown = {k: v for k, v in keys.items() if k not in hidden}
     told = [f":{k} {'null' if v is None else format_atom(v)}" for k, v in shown.items()]
     words = " ".join((keys["event"], *told))
-    return f"({words}) at time {format_atom(keys['time'])}"
+    return f"({words}) at time {readable(keys['time'])}"
 
 
 _JUDGES: Mapping[type, Callable[[Any, Evidence], Happened | None]] = {

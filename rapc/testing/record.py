@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from io import StringIO
 
 from rapc import events
-from rapc.base.values import Fact, format_atom, format_list
+from rapc.base.values import Fact, format_list, readable
 from rapc.ir import nodes
 from rapc.runtime.events.trace import TextTrace
 from rapc.testing.patterns import goal_matches
@@ -54,7 +54,7 @@ class TaskStory:
 
     def state(self) -> str:
         """Return what has become of the task, in words."""
-        at = f" at time {format_atom(self.time)}"
+        at = f" at time {readable(self.time)}"
         if self.ended == "failed":
             return f"failed{at} ({self.reason}) - {self.result}"
         if self.ended == "removed":

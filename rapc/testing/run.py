@@ -13,7 +13,7 @@ import msgspec
 
 from rapc.analysis.driver import Finding
 from rapc.base.source import Span
-from rapc.base.values import Fact, format_atom
+from rapc.base.values import Fact, format_atom, readable
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
@@ -224,7 +224,7 @@ class _Run:
         if reason == "cycles" and (stated is None or stated.cycles is None):
             limit = f"after {MOST_CYCLES} cycles"
             if stated is not None:
-                more = f"it was only at time {format_atom(self.interpreter.now)}"
+                more = f"it was only at time {readable(self.interpreter.now)}"
         elif reason == "until" and stated is None:
             limit = f"at time {LATEST}"
         if limit:
@@ -291,7 +291,7 @@ class _Run:
         ]
         if self.interpreter.reason != "done" or not left:
             return ""
-        now = format_atom(self.interpreter.now)
+        now = readable(self.interpreter.now)
         return f"the test was over at time {now}: only background tasks were left"
 
     def _judge(self, expectations: Sequence[nodes.Expectation]) -> None:
@@ -304,7 +304,7 @@ class _Run:
 
     def _not_reached(self, at: nodes.At) -> None:
         if any(isinstance(action, nodes.Expect) for action in at.actions):
-            now = format_atom(self.interpreter.now)
+            now = readable(self.interpreter.now)
             reason = self.interpreter.reason
             self._fail(
                 at.span, f"never reached: the run was over at time {now} ({reason})"

@@ -54,7 +54,7 @@ def test_world_that_cannot_save_or_restore_is_blamed(case: str, faulty: bool) ->
     going = rapc.loads(LIBRARY).start(world, tasks="(compare)")
     with pytest.raises(rapc.PortError, match=said) as caught:
         going.restore(going.save())
-    assert f"see `{call}` ({HERE}:" in caught.value.message
+    assert f"{HERE}:" in caught.value.message
     assert going.run() == "done"
 
 
@@ -129,4 +129,4 @@ def test_world_without_a_true_picture_is_blamed(case: str) -> None:
     code, said = PICTURES[case]
     with pytest.raises(rapc.PortError, match=said) as caught:
         picture_of(with_(picture=code)(None, {}))  # type: ignore[call-arg]
-    assert f"see `picture` ({HERE}:" in caught.value.message
+    assert f"{HERE}:" in caught.value.message

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import msgspec
 from rich.text import Text
 
-from rapc.base.values import format_atom
+from rapc.base.values import format_atom, readable
 from rapc.console.lines import wrapped
 from rapc.console.show.beliefs import (
     Contents,
@@ -136,9 +136,9 @@ def _with_plan(
 
 
 def _head(picture: Picture, memory: MemoryView, doings: Activity) -> Text:
-    line = Text().append(f"time {format_atom(doings.time)}", "bold")
+    line = Text().append(f"time {readable(doings.time)}", "bold")
     for gauge in picture.gauges:
-        line.append(f"   {gauge.name} {format_atom(gauge.value)}")
+        line.append(f"   {gauge.name} {readable(gauge.value)}")
         believed = _otherwise(gauge, memory)
         if believed:
             line.append(f" ≠ {believed}", _WRONG)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from rapc.base.names import plural
 from rapc.base.resources import Value
-from rapc.base.values import format_atom, format_list
+from rapc.base.values import format_atom, format_list, readable
 from rapc.debug import clause, commitments, failures, why_not
 from rapc.debug.why import Choice, Origin, Why, why
 from rapc.debug.why_not import MethodAnswer, TaskAnswer
@@ -39,7 +39,7 @@ def _why(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 def _choice(choice: Choice) -> Iterator[str]:
-    at = f"in cycle {choice.cycle}, at time {format_atom(choice.time)}"
+    at = f"in cycle {choice.cycle}, at time {readable(choice.time)}"
     yield f"[{choice.task}] came up {at}:"
     if len(choice.candidates) == 1:
         yield "  it was the only task that could go on"
@@ -72,7 +72,7 @@ def _doing(found: Why) -> Iterator[str]:
 def _origin(origin: Origin) -> str:
     told = f"because of {format_list(origin.fact)}"
     if origin.time is not None:
-        told += f", asserted at {format_atom(origin.time)}"
+        told += f", asserted at {readable(origin.time)}"
     if origin.cycle is not None:
         told += f" in cycle {origin.cycle}"
     return f"{told} by {origin.by}" if origin.by else told
@@ -111,7 +111,7 @@ def _method(method: MethodAnswer) -> str:
 def _why_failed(shell: Shell, args: Arguments) -> ShownAnswer:
     number = shell.task(args) if args else None
     found = failures.why_failed(shell.session, number)
-    at = f"in cycle {found.cycle}, at time {format_atom(found.time)}"
+    at = f"in cycle {found.cycle}, at time {readable(found.time)}"
     said = {
         "failed": "failed",
         "method ended": "had a method that ended badly",
@@ -203,7 +203,7 @@ def _when(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 def _commitment(one: commitments.Commitment) -> Iterator[str]:
-    at = f"in cycle {one.cycle}, at time {format_atom(one.time)}"
+    at = f"in cycle {one.cycle}, at time {readable(one.time)}"
     yield f"[{one.task}] {one.goal} chose {one.method}{_with(one.bindings)} {at}"
     for fact in one.rested_on:
         mark = "no longer so" if fact in one.gone else "still so"

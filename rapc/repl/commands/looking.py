@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rapc.base.source import SourceFile, Span
-from rapc.base.values import format_atom, format_list
+from rapc.base.values import format_atom, format_list, readable
 from rapc.debug import look
 from rapc.debug.acts import live_task
 from rapc.debug.session import Session
@@ -225,7 +225,7 @@ def _world(shell: Shell, args: Arguments) -> ShownAnswer:
         )
         for spot in picture.spots
     ]
-    gauges = [f"{one.name}: {format_atom(one.value)}" for one in picture.gauges]
+    gauges = [f"{one.name}: {readable(one.value)}" for one in picture.gauges]
     said = "what is true in the world; the robot does not know it"
     return table(("place", "things", "besides"), rows, said, notes=gauges)
 

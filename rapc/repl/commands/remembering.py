@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rapc.base.values import Atom, Fact, format_atom, format_list, number
+from rapc.base.values import Atom, Fact, format_atom, format_list, number, readable
 from rapc.debug import history, timeline
 from rapc.debug.who import who
 from rapc.repl.answer import ShownAnswer, table
@@ -40,7 +40,7 @@ def _who(shell: Shell, args: Arguments) -> ShownAnswer:
         (
             "believed" if one.by != "notation" else "noted",
             format_list(one.fact),
-            f"since {'the beginning' if one.time is None else format_atom(one.time)}"
+            f"since {'the beginning' if one.time is None else readable(one.time)}"
             + (f", by {one.by}" if one.by else ""),
         )
         for one in found.believed
@@ -65,7 +65,7 @@ def _retries(shell: Shell, args: Arguments) -> ShownAnswer:
             one.goal,
             one.failed,
             one.times,
-            f"{format_atom(one.first)} to {format_atom(one.last)}",
+            f"{readable(one.first)} to {readable(one.last)}",
             ", ".join(f"{count} {result}" for result, count in one.results.items()),
             next(iter(one.causes)),
         )

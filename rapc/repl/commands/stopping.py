@@ -10,7 +10,7 @@ import msgspec
 
 from rapc.base.names import plural
 from rapc.base.outputs import BREAKPOINTS, TRACE
-from rapc.base.values import format_atom
+from rapc.base.values import readable
 from rapc.debug import differences, recorded
 from rapc.debug.breakpoints import KINDS, Breakpoint
 from rapc.debug.find import Finder, find_event, is_before
@@ -219,7 +219,7 @@ def _diff_of_runs(shell: Shell, path: Path) -> ShownAnswer:
 def _decision(event: dict[str, Any] | None) -> str:
     if event is None:
         return "nothing more"
-    at = f"at {format_atom(event['time'])}"
+    at = f"at {readable(event['time'])}"
     if event["event"] == "task-selected":
         return f"{event['goal']} [{event['task']}] came up {at}"
     bound = " ".join(f"{name} {value}" for name, value in event["bindings"].items())

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from rapc import events
-from rapc.base.values import format_atom
+from rapc.base.values import readable
 from rapc.world import OKAY
 
 _LEFT_OVER = 20
@@ -60,16 +60,15 @@ class RunReport:
         end = self._end
         why = end.reason if end.because is None else f"{end.reason}: {end.because}"
         yield (
-            f"Run over ({why}) at time {format_atom(end.time)} "
-            f"after {end.cycle} cycles."
+            f"Run over ({why}) at time {readable(end.time)} after {end.cycle} cycles."
         )
         for result in end.results:
             told = result.outcome
             if result.outcome == "failed":
                 told = f"failed: {result.result}"
             standing = " (background)" if result.background else ""
-            times = f"{format_atom(result.came)} to "
-            times += "the end" if result.ended is None else format_atom(result.ended)
+            times = f"{readable(result.came)} to "
+            times += "the end" if result.ended is None else readable(result.ended)
             yield f"  [{result.task}] {result.goal} {told}, {times}{standing}"
             for line in cause_lines(result.because):
                 yield f"      {line}"

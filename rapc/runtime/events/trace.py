@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Protocol, TextIO
 import msgspec
 
 from rapc import events
-from rapc.base.values import format_atom, format_list
+from rapc.base.values import format_list, readable
 from rapc.world import Time
 
 
@@ -198,6 +198,6 @@ class TextTrace:
         self._held.clear()
 
     def _write(self, event: events.Event, text: str) -> None:
-        stamp = "" if event.time == self._time else format_atom(event.time)
+        stamp = "" if event.time == self._time else readable(event.time)
         self._time = event.time
         self._stream.write(f"{stamp:>7} {text}\n")
