@@ -49,12 +49,7 @@ def test_times_are_short_in_the_debugger(tmp_path: Path) -> None:
     shell.answer(":show none")
     assert "time 0.3" in said(shell, ":step 2")
     shell.answer(":run")
-    for asked in (
-        ":timeline",
-        ":retries",
-        ":history (idle)",
-        ":find back fact-asserted",
-    ):
+    for asked in (":timeline", ":retries", ":history (idle)"):
         told = said(shell, asked)
         assert "0000000" not in told
         assert "0.3" in told or asked == ":retries"
