@@ -1,7 +1,7 @@
 """Buildings of long corridors and narrow doorways, made at random for `bench.journeys`.
 
 A corridor of 24 to 44 metres runs from west to east, with rooms on both sides and a
-cross corridor at one end or at both. Doorways are 0.7 to 0.9 m wide.
+cross corridor at one end or at both. Doorways are 0.7 to 0.9 m wide by default.
 
     +------+--------+------+  +--+
     |      |        |      |  |  |
@@ -43,13 +43,18 @@ WIDTHS = (1.6, 2.2)
 """Length and width of a corridor, in metres."""
 
 DOORWAYS = (0.7, 0.9)
-"""Width of a doorway, in metres."""
+"""Width of a doorway, in metres, unless another is given."""
 
 
-def corridors(seed: int) -> Map:
-    """Return the building of a seed."""
+def corridors(seed: int, doorways: tuple[float, float] = DOORWAYS) -> Map:
+    """Return the building of a seed.
+
+    Args:
+        seed: of all that is drawn.
+        doorways: the narrowest and the widest doorway, in metres.
+    """
     rng = Random(f"corridors {seed}")
-    builder = _Builder(rng)
+    builder = _Builder(rng, doorways)
     length, wide = rng.uniform(*LENGTHS), rng.uniform(*WIDTHS)
     spine = builder.space("spine", (0, 0, length, wide), "hall")
     rows: tuple[tuple[float, float, Side], ...] = (
@@ -88,8 +93,9 @@ def toml_text(map: Map) -> str:
 class _Builder:
     """A building under construction; it numbers tags in order."""
 
-    def __init__(self, rng: Random) -> None:
+    def __init__(self, rng: Random, doorways: tuple[float, float]) -> None:
         self.rng = rng
+        self.widths = doorways
         self.spaces: list[Space] = []
         self.doorways: list[Doorway] = []
         self.landmarks: list[Landmark] = []
@@ -145,9 +151,9 @@ class _Builder:
             self.landmark(made, wall, middle)
 
     def doorway(self, one: Space, other: Space, at: float, *, door: bool) -> None:
-        """Add a narrow doorway."""
-        width = round(self.rng.uniform(*DOORWAYS), 2)
-        apart = round(self.rng.uniform(width + 0.2, 1.4), 2)
+        """Add a doorway."""
+        width = round(self.rng.uniform(*self.widths), 2)
+        apart = round(self.rng.uniform(width + 0.1, 1.5), 2)
         name, joins = f"door-{len(self.doorways) + 1}", (one.name, other.name)
         tags = self._pair()
         self.doorways.append(

@@ -20,7 +20,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from bench.corridors import corridors, toml_text
+from bench.corridors import DOORWAYS, corridors, toml_text
 from rapc.base.values import Atom, Text, number
 from rapc.runtime.events.report import cause_lines
 from rapc.worlds.hallway.map import Map
@@ -49,6 +49,14 @@ def main() -> None:
         help="long corridors and narrow doorways, another building for each seed",
     )
     parser.add_argument(
+        "--doorways",
+        nargs=2,
+        type=float,
+        default=DOORWAYS,
+        metavar="METRES",
+        help="the narrowest and the widest doorway of --corridors",
+    )
+    parser.add_argument(
         "--set",
         nargs="*",
         default=[],
@@ -63,7 +71,7 @@ def main() -> None:
     start, journeys = time.process_time(), []
     for seed in range(given.first_seed, given.first_seed + given.pairs):
         if given.corridors:
-            map = corridors(seed)
+            map = corridors(seed, tuple(given.doorways))
             options = {"map": Text(toml_text(map))}
         journey = travel(seed, map, options | settings)
         journeys.append(journey)
