@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from rapc.base.values import Text
+from bench.corridors import corridors, toml_text
+from rapc.base.values import Atom, Text
 from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.map_text import read_map
 from rapc.worlds.hallway.state import HallwaySettings
@@ -71,6 +72,19 @@ def test_open_doorway_found_closed_is_passed_by_direction(seed: int) -> None:
     journey = travel(seed, _map("narrow-hall"), {"map": Text(text)})
     assert journey.arrived, journey
     assert journey.time < 300
+    assert journey.strays == []
+
+
+@pytest.mark.parametrize("seed", first(1, [2004, 2032, 2098, 2114]))
+def test_doorway_far_from_where_dead_reckoning_has_it_ends_the_search(
+    seed: int,
+) -> None:
+    """Somebody is in the way, and the robot swerves into a room of a long corridor."""
+    map = corridors(seed, (1.1, 1.3))
+    options: dict[str, Atom] = {"map": Text(toml_text(map))}
+    options |= {"drift": 3, "doors": 40}
+    journey = travel(seed, map, options)
+    assert journey.arrived, journey
     assert journey.strays == []
 
 
