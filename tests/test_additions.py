@@ -23,14 +23,9 @@ EDITS = (
     ("language/rap.lark", "monitor_state\n", "monitor_state | give_up\n"),
     (
         "language/rap.lark",
-        'repeat_while:  "("',
-        'give_up: "(" "give-up" formula ")"\nrepeat_while:  "("',
-    ),
-    (
-        "language/words.py",
-        '    "repeat_while": Words(',
-        '    "give_up": Words("when it fails", "one formula", "[T 4]"),\n'
-        '    "repeat_while": Words(',
+        "// [T 4.6]\n",
+        "//: when it fails\n//: takes: one formula\n"
+        'give_up: "(" "give-up" formula ")"\n// [T 4.6]\n',
     ),
     (
         "ir/nodes.py",

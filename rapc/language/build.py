@@ -17,8 +17,9 @@ from typing import Any
 from lark import Lark, Token, Tree
 from lark.lexer import PatternRE, PatternStr, TerminalDef
 from lark.load_grammar import load_grammar
+from msgspec.structs import replace
 
-from rapc.language.shapes import Shape
+from rapc.language.shapes import Production, Shape, leaves
 
 FOLDER = Path(__file__).parent
 SOURCE = FOLDER / "rap.lark"
@@ -33,7 +34,7 @@ MARKS = ("(", ")", "#|", "|#")
 """Quoted texts of the grammar that are no words."""
 
 HEAD = '''\
-"""The grammar of `rap.lark` as plain data: terminals, and the shape of each rule.
+"""The grammar of `rap.lark` as plain data: terminals, and all that is said of rules.
 
 Written by `python -m rapc.language.build`; a test holds it against `rap.lark`. How to
 read shapes is said in `rapc.language.shapes`.
@@ -43,7 +44,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rapc.language.shapes import Shape
+from rapc.language.shapes import Production, Shape
 
 # fmt: off
 # ruff: noqa: E501
@@ -97,12 +98,42 @@ def terminals() -> Mapping[str, str]:
     return {str(name): found[name] for name in named}
 
 
-def rules() -> dict[str, Shape]:
-    """The shape of each rule but those of bare data, in the order of the grammar."""
-    made = {str(name): _shape(tree) for name, _, tree, _ in _read().rule_defs}
-    for bare in ("data", "list", "_datum", "_block", "_inner"):
-        del made[bare]
-    return made
+def grammar() -> dict[str, Production]:
+    """The productions but those of bare data, in the order of the grammar."""
+    shapes = {str(name): _shape(tree) for name, _, tree, _ in _read().rule_defs}
+    said = _said()
+    found = {}
+    for name in (*shapes, *(name for name in said if name not in shapes)):
+        if name not in _OF_DATA:
+            found[name] = Production(shapes.get(name, name), **said.get(name, {}))
+    for group in [one for one in found.values() if one.breaks != _BREAKS]:
+        if group.shape[0] == "or":
+            for rule in filter(found.__contains__, leaves(group.shape)):
+                if found[rule].breaks == _BREAKS:
+                    found[rule] = replace(found[rule], breaks=group.breaks)
+    return found
+
+
+_OF_DATA = ("data", "list", "_datum", "_block", "_inner")
+_BREAKS = Production("").breaks
+
+
+def _said() -> dict[str, dict[str, Any]]:
+    """What the lines with `//:` say of the rule or terminal below them."""
+    found: dict[str, dict[str, Any]] = {}
+    rows: dict[str, Any] = {}
+    for line in SOURCE.read_text(encoding="utf-8").splitlines():
+        key, _, value = line.removeprefix("//: ").partition(": ")
+        if line.startswith("//: "):
+            if key == "page":
+                rows["pages"] = (*rows.get("pages", ()), value)
+            elif key in Production.__struct_fields__:
+                rows[key] = tuple(value.split()) if key == "slips" else value
+            else:
+                rows["says"] = line.removeprefix("//: ")
+        elif rows and (name := re.match(r"\w+", line)):
+            found[name[0]], rows = rows, {}
+    return found
 
 
 def _read() -> Any:
@@ -151,14 +182,31 @@ def _lists(items: list[Shape]) -> list[Shape]:
 
 def module() -> str:
     """The text of `grammar.py`."""
-    rows = [f"    {json.dumps(k)}: {json.dumps(v)}," for k, v in terminals().items()]
-    shapes = [f"    {json.dumps(k)}: {v!r}," for k, v in rules().items()]
+    patterns = [
+        f"    {json.dumps(k)}: {json.dumps(v)}," for k, v in terminals().items()
+    ]
+    rows = [f"    {json.dumps(k)}: {_row(v)}," for k, v in grammar().items()]
     return (
-        f"{HEAD}TERMINALS: Mapping[str, str] = {{\n{_lines(rows)}\n}}\n"
+        f"{HEAD}TERMINALS: Mapping[str, str] = {{\n{_lines(patterns)}\n}}\n"
         '"""What lark makes of the grammar\'s terminals."""\n\n'
-        f"RULES: Mapping[str, Shape] = {{\n{_lines(shapes)}\n}}\n"
+        f"GRAMMAR: Mapping[str, Production] = {{\n{_lines(rows)}\n}}\n"
+        '"""The productions, and terminals of which something is said."""\n\n'
+        "RULES: Mapping[str, Shape] = "
+        "{k: v.shape for k, v in GRAMMAR.items() if k.islower()}\n"
         '"""The shape of each rule, in the order of the grammar."""\n'
     )
+
+
+def _row(row: Production) -> str:
+    said = [
+        f", {field}={getattr(row, field)!r}"
+        for field, usual in zip(_SAID, row.__struct_defaults__, strict=True)
+        if getattr(row, field) != usual
+    ]
+    return f"Production({row.shape!r}{''.join(said)})"
+
+
+_SAID = Production.__struct_fields__[1:]
 
 
 def _lines(rows: list[str]) -> str:

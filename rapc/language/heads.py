@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 
-from rapc.language.grammar import RULES
+from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.shapes import Shape, is_list, is_rule, is_word, leaves
 
 
@@ -102,6 +102,9 @@ ALONE = {
 
 QUERIES = tuple([word for word in heads("formula") if word not in ALONE])
 """Words that head a formula and are no propositions."""
+
+SLIPS = {slip: heads(rule)[0] for rule, row in GRAMMAR.items() for slip in row.slips}
+"""Words that print has had, with those that are meant."""
 
 ARROW = "=>"
 """The symbol between the inputs and the outputs of an index or a goal."""

@@ -1,4 +1,4 @@
-"""What the shapes of `grammar.py` are made of.
+"""What the table of `grammar.py` is made of: productions with their shapes.
 
 A shape is a string or a tuple. A string is a word in double quotes (`'"and"'`), the
 name of a terminal (`TAG`) or of a rule (`goal`). A tuple begins with what it does:
@@ -14,7 +14,36 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import chain
 
+import msgspec
+
 Shape = str | tuple["Shape", ...]
+
+
+class Production(msgspec.Struct, frozen=True):
+    """A rule of the grammar, or a terminal, with all that is said of it."""
+
+    #: The shape; of a terminal, its name.
+    shape: Shape
+    #: The purpose of a list of this kind, as a phrase without a full stop.
+    says: str = ""
+    #: The operands, as a finding names them: "`believe` takes ...".
+    takes: str = ""
+    #: One operand of this kind, as a finding names it: "a time".
+    wanted: str = ""
+    #: The rule of the checker that a datum breaks which does not fit.
+    breaks: str = "malformed-clause"
+    #: The message about such a datum; `{kind}` stands for it, with its article.
+    wrong: str = ""
+    #: The advice that goes with the message.
+    help: str = ""
+    #: The rule as an operand in tables and messages.
+    short: str = ""
+    #: A remark of a page that has a table and no text of its own.
+    more: str = ""
+    #: The pages about the rule, as links from docs/language.
+    pages: tuple[str, ...] = ()
+    #: Words that printed programs have in place of the head.
+    slips: tuple[str, ...] = ()
 
 
 def is_word(shape: Shape) -> bool:

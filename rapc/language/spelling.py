@@ -1,62 +1,16 @@
 """How the lists of the grammar are written in short, one by one and as tables.
 
 Findings spell a rule to say what fits at a place, the pages of docs/language have a
-table for each group. What is said of a rule is in `rapc.language.words`.
+table for each group.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rapc.language.grammar import RULES
+from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.heads import heads, rules_by_head
 from rapc.language.shapes import Shape, is_rule, is_word, leaves
-from rapc.language.words import WORDS
-
-OPERANDS: Mapping[str, str] = {
-    "asked": "(goal)",
-    "given": "(goal)",
-    "required": "(request)",
-    "plain": "value",
-    "proposition": "(fact)",
-    "told": "(fact)",
-    "fact": "(fact)",
-    "signal": "(:signal argument...)",
-    "skill": "(:skill argument...)",
-    "event_pattern": "(event :key value...)",
-    "step": "(tag (goal) annotation...)",
-    "query_head": "(name ?argument...)",
-    "kind_values": "(value...)",
-    "_primitive_option": "option",
-    "_once_skill_option": "option",
-    "datum_effects": ":on (effect...)",
-    "_test_clause": "clause",
-    "argument": "?variable",
-    "answer": "((function argument...) value)",
-    "world_option": "(name value)",
-    "agenda_task": "(task (goal) option...)",
-    "cycles": "(cycles n)",
-    "resource": "(set|counter ?name [start])",
-    "negated": "(not (fact))",
-    "_once_method_clause": "clause",
-    "_rap_clause": "clause",
-    "_once_task_option": "option",
-    "_action": "action",
-    "index_clause": "(index index)",
-    "arguments": "(?argument...)",
-    "valued": "(?argument... ?value)",
-    "above": ":is kind",
-    "reads": ":reads (predicate...)",
-    "results": "(result...)",
-    "excludes": "[:excludes value (fact)]",
-    "script_row": "row",
-    "goal": "(goal)",
-    "request": "(request)",
-    "_acts": "body clause...",
-    "_spawns": "body clause...",
-    "index": "(name ?input... => ?output...)",
-}
-"""How operands are written in short; others by the name of their rule or terminal."""
 
 
 def spelling(rule: str) -> str:
@@ -72,10 +26,10 @@ def forms_table(group: str) -> str:
     once = [rule for name in leaves(RULES[group]) for rule in _once(name)]
     rules = [*dict.fromkeys(rules_by_head(group).values()) | _headless(group)]
     titles = [group.rpartition("_")[2], "what it says"]
-    paged = any(WORDS[rule].pages for rule in rules)
+    paged = any(GRAMMAR[rule].pages for rule in rules)
     rows = [titles + ["page"] * paged, ["---"] * (len(titles) + paged)]
     for rule in rules:
-        row = WORDS[rule]
+        row = GRAMMAR[rule]
         links = ", ".join(f"[{page[0]}]({page})" for page in row.pages)
         spelt = spelling(rule).replace("|", "\\|")
         said = f"{row.says}; {row.more}" if row.more else row.says
@@ -105,7 +59,7 @@ def _spelt(shape: Shape) -> str:
     if is_word(shape):
         return shape[1:-1]
     name = shape.replace("_", "-").lower()
-    return OPERANDS.get(shape, name) if is_rule(shape) else name
+    return (GRAMMAR[shape].short if is_rule(shape) else "") or name
 
 
 _JOINED: Mapping[Shape, str] = {

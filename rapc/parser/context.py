@@ -14,8 +14,7 @@ import msgspec
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
-from rapc.language.heads import ARROW
-from rapc.language.slips import MISPLACED, SLIPS
+from rapc.language.heads import ARROW, SLIPS
 from rapc.parser.syntax import (
     Arrow,
     Datum,
@@ -40,6 +39,12 @@ _KINDS = {
     List: "a list",
 }
 
+
+_MISPLACED = {
+    ("option of `task`", ":at"): "a task that begins later stands in an `at`: "
+    "`(at 130 (task ...))`",
+}
+"""Help for a word that belongs elsewhere, by what it would be here and the word."""
 
 ANY_CLAUSE = "*"
 """Stands among the names of clauses for any of them."""
@@ -206,7 +211,7 @@ class Context:
             word,
             help=f"did you mean `{meant}`?"
             if meant
-            else MISPLACED.get((what, word.name)) or _listing(options),
+            else _MISPLACED.get((what, word.name)) or _listing(options),
             fix=self.replace(word, meant, sure=False) if meant else None,
         )
         return meant

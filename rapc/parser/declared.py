@@ -15,7 +15,6 @@ import msgspec
 
 from rapc.ir import nodes, productions
 from rapc.language.heads import heads, often
-from rapc.language.misfits import MISSING
 from rapc.language.shapes import is_word, leaves
 from rapc.parser.context import Context, Read, head_of, kind_of
 from rapc.parser.fields import Slots, filled, slots
@@ -191,6 +190,37 @@ def _add_operands(
         given[one.field] = value
     if data:
         _surplus(ctx, form, data)
+
+
+class MissingOperand(msgspec.Struct, frozen=True):
+    """A row: what is reported of an operand that is missing, and assumed of it."""
+
+    #: The message; `{name}` stands for the name of what is declared.
+    message: str
+    help: str
+    #: What is offered to be written there.
+    written: str
+    assumed: Any
+
+
+MISSING: Mapping[str, MissingOperand] = {
+    "arguments": MissingOperand(
+        "the arguments of `{name}` are missing", "without any, write `()`", "()", ()
+    ),
+    "results": MissingOperand(
+        "the results of `{name}` are missing",
+        "list `okay` and what else the world may answer: `(okay blocked)`",
+        "",
+        ("okay",),
+    ),
+    "DEFAULT": MissingOperand(
+        "the property `{name}` has no default",
+        "it is `unknown`, `true`, `false` or the name of a function",
+        "unknown",
+        "unknown",
+    ),
+}
+"""The operands of declarations that may not be left out, by rule or terminal."""
 
 
 def _missing(ctx: Context, place: Datum, name: str, leaf: str, last: Datum) -> None:

@@ -23,14 +23,13 @@ import msgspec
 
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.language.grammar import RULES
+from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.heads import heads, rules_by_head, words_of_shape
-from rapc.language.misfits import MISFITS
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
-from rapc.parser.findings import FINDINGS, finding, wrong
+from rapc.parser.findings import finding, wrong
 from rapc.parser.syntax import Datum, List, Symbol
-from rapc.parser.terminals import WANTED, OperandWanted, is_string, one_word, terminal
+from rapc.parser.terminals import OperandWanted, is_string, one_word, terminal
 from rapc.parser.terms import NAMED, REFUSED, term, with_arguments
 
 
@@ -171,7 +170,7 @@ class GrammarReaders(dict[str, Read]):
         part = self.part(inner)
         one = _wanted(rule, inner, part)
         nested = is_list(RULES.get(next(leaves(inner)), ""))
-        what = "a list of lists" if nested else WANTED.get(rule, "a list")
+        what = "a list of lists" if nested else GRAMMAR[rule].wanted or "a list"
 
         def read(ctx: Context, datum: Datum) -> tuple[Any, ...]:
             items = datum.items if isinstance(datum, List) else ()
@@ -192,7 +191,7 @@ class GrammarReaders(dict[str, Read]):
     def _choice(self, rule: str) -> Read:
         """The reader of a group of lists, told apart by their heads."""
         readers = self.group(rule)
-        what = WANTED[rule]
+        what = GRAMMAR[rule].wanted
 
         def read(ctx: Context, datum: Datum) -> Any:
             name = head_of(datum)
@@ -200,7 +199,7 @@ class GrammarReaders(dict[str, Read]):
                 message = f"{what} is wanted here, not {kind_of(datum)}"
                 plural = what.split(" ", 1)[1] + "s"
                 help = f"{plural} begin with " + ", ".join(f"`{n}`" for n in readers)
-                ctx.report(FINDINGS[rule], message, datum, help=help)
+                ctx.report(finding(rule), message, datum, help=help)
                 return None
             if name in readers:
                 return readers[name](ctx, datum)
@@ -268,7 +267,7 @@ def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
     """The reader of a list with a fixed number of operands."""
     count = len(parts) + 1
     reads = [(at, part.read) for at, part in enumerate(parts, 1)]
-    told = rule in MISFITS and MISFITS[rule].whole
+    told = bool(GRAMMAR[rule].wrong) and rule in ("enabled", "disabled")
     strict = [(at, p.fits) for at, p in enumerate(parts, 1) if p.strict or told]
     own = _own_word(rule)
 
@@ -379,12 +378,13 @@ def _wanted(rule: str, shape: Shape, part: OperandWanted) -> Read:
     """Return what reads a datum as a part, and reports what cannot be one."""
     if not part.strict:
         return part.read
-    what = WANTED.get(next(leaves(shape)), "a name")
+    leaf = next(leaves(shape))
+    what = (leaf in GRAMMAR and GRAMMAR[leaf].wanted) or "a name"
 
     def read(ctx: Context, datum: Datum) -> Any:
         if part.fits(datum):
             return part.read(ctx, datum)
-        if rule in MISFITS:
+        if rule in GRAMMAR and GRAMMAR[rule].wrong:
             wrong(ctx, rule, datum)
             return None
         message = f"{what} is wanted here, not {kind_of(datum)}"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import msgspec
 
 from rapc.base.values import Number
-from rapc.language.grammar import TERMINALS
+from rapc.language.grammar import GRAMMAR, TERMINALS
 from rapc.parser.context import Context, Read
 from rapc.parser.syntax import Datum, Keyword, Numeral, String, Symbol, Variable
 from rapc.parser.terms import term
@@ -23,26 +23,6 @@ class OperandWanted(msgspec.Struct, frozen=True):
     read: Read
     #: Whether `read` is for data that fit only; lists tell by themselves what is wrong.
     strict: bool
-
-
-WANTED: Mapping[str, str] = {
-    "expectation": "an expectation",
-    "resource": "a resource",
-    "TIME": "a time",
-    "PERIOD": "a time above 0",
-    "COUNT": "a whole number",
-    "POSITIVE": "a whole number above 0",
-    "INTEGER": "a whole number",
-    "SIGNAL": "a name with a colon",
-    "told_signal": "a signal",
-    "KIND": "the name of a kind",
-    "COMPARATOR": "the name of a comparator",
-    "reads": "a list of predicates",
-    "tells": "a list of data",
-    "uses": "a list of things",
-    "skill_events": "a list of events",
-}
-"""What is wanted where something else stands, by rule or terminal."""
 
 
 def one_word(word: str) -> Fits:
@@ -132,7 +112,7 @@ def _number(name: str) -> Read:
     def read(ctx: Context, datum: Datum) -> Number | None:
         if isinstance(datum, Numeral) and _NUMBERS[name](datum.value):
             return datum.value
-        ctx.report("malformed-clause", f"{WANTED[name]} is wanted here", datum)
+        ctx.report("malformed-clause", f"{GRAMMAR[name].wanted} is wanted here", datum)
         return None
 
     return read

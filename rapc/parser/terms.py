@@ -8,9 +8,8 @@ from typing import Any, TypeVar
 from rapc.base.source import Span
 from rapc.base.values import Atom, Text
 from rapc.ir import nodes
-from rapc.language.grammar import RULES
+from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.heads import ARROW, CALLS, QUERIES, rules_by_head
-from rapc.language.words import WORDS
 from rapc.parser.context import Context, Read, head_of, kind_of
 from rapc.parser.syntax import (
     Arrow,
@@ -101,7 +100,7 @@ def _call(ctx: Context, datum: List) -> nodes.Call | None:
     if rule is not None:
         count, least = len(args), _LEAST[name]
         if count < least or (count > least and name not in _REPEATS):
-            message = f"`{name}` takes {WORDS[rule].takes}, not {count}"
+            message = f"`{name}` takes {GRAMMAR[rule].takes}, not {count}"
             ctx.report("malformed-term", message, datum)
             return None
     return nodes.Call(name, args, ctx.span(datum))

@@ -21,7 +21,7 @@ from tests.parser.reading import parsed, reading
 def test_grammar_py_is_what_build_makes() -> None:
     """`python -m rapc.language.build` writes it anew."""
     assert build.module() == (build.FOLDER / "grammar.py").read_text(encoding="utf-8")
-    assert build.rules() == grammar.RULES
+    assert build.grammar() == grammar.GRAMMAR
 
 
 @pytest.mark.parametrize("share", first(1, range(8)))

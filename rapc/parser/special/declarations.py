@@ -128,8 +128,7 @@ def result_effects(ctx: Context, option: List) -> nodes.ResultEffects | None:
     datum = option.items[1]
     first = datum.items[0] if isinstance(datum, List) and datum.items else None
     if not isinstance(first, Symbol) or not isinstance(datum, List):
-        rule = "result_effects" if isinstance(datum, List) else "_result_effects"
-        wrong(ctx, rule, first or datum)
+        wrong(ctx, "result_effects", first or datum)
         return None
     found = effects(ctx, datum.items[1:])
     return nodes.ResultEffects(first.name, found, ctx.span(datum))

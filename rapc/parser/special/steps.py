@@ -7,8 +7,7 @@ from typing import Literal, cast
 
 from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.language.heads import ANNOTATIONS, CALLS, METHOD_CLAUSES
-from rapc.language.slips import ELSEWHERE, GROUPS, SLIPS
+from rapc.language.heads import ANNOTATIONS, CALLS, METHOD_CLAUSES, SLIPS
 from rapc.parser.context import Context, head_of
 from rapc.parser.findings import wrong
 from rapc.parser.special.formulas import formula
@@ -16,6 +15,17 @@ from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol, Variable
 from rapc.parser.terms import goal, signal
 
 _MODES = ("proceed", "succeed", "fail")
+
+GROUPS = ("sequence", "parallel")
+"""Words that group steps in other languages."""
+
+ELSEWHERE = {
+    "priority": "a priority is a number behind the tag: `(t1 2 (rap args...))`",
+    "after": "the step that comes before says so: `(for t1)`",
+    "timeout": "a time to end at is a second step, `(window now 30 30)`, and "
+    "`until-end`",
+}
+"""What is said by other words than those that some expect here."""
 
 
 def task_net(ctx: Context, datum: Datum) -> nodes.TaskNet:
@@ -83,7 +93,7 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
         if isinstance(items[0].value, int):
             priority = items[0].value
         else:
-            wrong(ctx, "_priority", items[0])
+            ctx.report("malformed-step", "a priority is an integer", items[0])
         items = items[1:]
     if not items:
         ctx.report("malformed-step", f"the step `{tag}` asks for nothing", datum)
