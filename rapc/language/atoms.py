@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from math import isfinite
 
 from rapc.base.values import Text
 from rapc.language.grammar import TERMINALS
 
-_PLAIN = re.compile(r"[a-z][a-z0-9-]*")
-"""Most symbols: what this matches needs no other look."""
+MAX_NAME = 1000
+"""How many characters a symbol, variable or keyword may have."""
 
 _SYMBOL = re.compile(f"(?:{TERMINALS['SYMBOL']}|{TERMINALS['KEYWORD']})")
 
@@ -17,13 +18,15 @@ _HALF_CHARACTER = re.compile("[\ud800-\udfff]")
 """A surrogate: it has no place in a file, nor in saved bytes."""
 
 
+@lru_cache(maxsize=4096)
 def is_symbol(text: str) -> bool:
-    """Whether a text is a symbol or keyword as the reader returns it, folded."""
-    if _PLAIN.fullmatch(text):
-        return True
-    if not _SYMBOL.fullmatch(text) or _HALF_CHARACTER.search(text):
+    """Whether a text is a symbol or keyword as the reader returns it, folded.
+
+    Handlers assert the same names again and again, so answers are kept.
+    """
+    if len(text) > MAX_NAME or _HALF_CHARACTER.search(text):
         return False
-    return text == text.lower()
+    return bool(_SYMBOL.fullmatch(text)) and text == text.lower()
 
 
 def is_atom(value: object) -> bool:

@@ -18,6 +18,7 @@ from typing import Any
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix
 from rapc.base.source import SourceFile
 from rapc.base.values import Number, format_atom, number
+from rapc.language.atoms import MAX_NAME
 from rapc.language.heads import ARROW
 from rapc.parser.syntax import (
     Arrow,
@@ -34,9 +35,6 @@ from rapc.parser.syntax import (
 
 MAX_DEPTH = 100
 """How deep lists may nest."""
-
-MAX_NAME = 1000
-"""How many characters a symbol, variable or keyword may have."""
 
 MAX_NUMBER = 100
 """How many characters a number may have: well within the range of floats."""

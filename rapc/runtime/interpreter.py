@@ -65,7 +65,7 @@ class Interpreter:
         solvers: problem solvers by RAP name; each gets the goal and a `MemoryView`
             and returns methods (T 7.4.1).
         comparators: comparators of descriptions by registered name (T A.5), besides
-            those of the world: see `World.comparators`.
+            those of the world: see `rapc.world.Kit`.
         fast: see `Machine`; for tests.
 
     Raises:

@@ -138,26 +138,28 @@ class Gate(MemoryView):
         Raises:
             FactError: as `assert_for`, and for a property without its value.
         """
-        relation = self._memory.signatures.relations.get(str(fact[0]) if fact else "")
-        if relation is not None and relation.leaves_value_out(len(fact) - 1):
-            at = source.place(relation.span, self._files)
-            said = f"{format_list(fact)} lacks the value of `{relation.written}`"
-            raise FactError(f"{said}, declared at {at}; a handler states all arguments")
-        self.assert_for("handler", fact)
+        self.assert_for("handler", fact, whole=True)
 
     def erase(self, *prefix: Atom) -> None:
         """Erase every fact that starts so. Raises FactError as `erase_for`."""
         self.erase_for("handler", prefix)
 
-    def assert_for(self, by: str, fact: Fact) -> None:
+    def assert_for(self, by: str, fact: Fact, *, whole: bool = False) -> None:
         """Assert a fact now, on behalf of `by`: a handler or the host.
+
+        With `whole` the value `true` of a property may not be left out.
 
         Raises:
             FactError: if the declarations do not allow it, or for an item's place
                 and introducing class.
         """
-        memory = self._memory
-        fact = memory.checked(fact)
+        memory, given = self._memory, fact
+        fact = memory.checked(given)
+        if whole and len(fact) != len(given):
+            relation = memory.signatures.relations[str(fact[0])]
+            at = source.place(relation.span, self._files)
+            said = f"{format_list(given)} lacks the value of `{relation.written}`"
+            raise FactError(f"{said}, declared at {at}; a handler states all arguments")
         if self._of_kinds:
             self._check_kinds(fact)
         if fact[0] in _BY_HANDLERS:
