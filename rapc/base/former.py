@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 MODULES: Mapping[str, str] = {
     "rapc.api": "`rapc`",
+    "rapc.runtime.events.events": "`rapc.events`",
     "rapc.runtime.submission": "`rapc.TaskRequest`",
     "rapc.runtime.trace": "`rapc.JsonTrace` and `rapc.TextTrace`",
     "rapc.runtime.world": "`rapc.world`",
