@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import (
@@ -16,6 +18,7 @@ from rapc.base.diagnostics import (
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.walk import subformulas, variable_names
 
 TWICE = Rule(
     code="RAP117",
@@ -49,9 +52,9 @@ argument or another fact was meant, and that is not asked.""",
 def _run(run: Pass) -> None:
     index = run.result(INDEX)
     for conjunction in index.of(nodes.And):
-        _look(run, conjunction.node.parts)
+        _look(run, conjunction.node.parts, joined=True)
     for choice in index.of(nodes.Or):
-        _look(run, choice.node.parts)
+        _look(run, choice.node.parts, joined=False)
 
 
 ANALYZER = Analyzer(
@@ -63,13 +66,13 @@ ANALYZER = Analyzer(
 )
 
 
-def _look(run: Pass, parts: tuple[nodes.Formula, ...]) -> None:
+def _look(run: Pass, parts: tuple[nodes.Formula, ...], *, joined: bool) -> None:
     if len({_head(part) for part in parts}) == len(parts):
         return
     first: dict[nodes.Formula, nodes.Formula] = {}
     for at, part in enumerate(parts):
         other = first.setdefault(part, part)
-        if other is part:
+        if other is part or (joined and _is_about_less(run, parts[:at], part)):
             continue
         whole = Span(part.span.file, parts[at - 1].span.end, part.span.end)
         fix = Fix(Applicability.SAFE, "take it away", (Edit(whole, ""),))
@@ -82,6 +85,32 @@ def _look(run: Pass, parts: tuple[nodes.Formula, ...]) -> None:
                 fix=fix,
             )
         )
+
+
+def _is_about_less(
+    run: Pass, before: Sequence[nodes.Formula], part: nodes.Formula
+) -> bool:
+    """Whether a `not` may be about one thing, and the same one before it about all.
+
+    A default, or a query, may hold of that one though it holds of none [L 2.21].
+    """
+    if not isinstance(part, nodes.Not):
+        return False
+    at = before.index(part)
+    late = set(_bound(before[at:])) - set(_bound(before[:at]))
+    relations = run.signatures.relations
+    return not late.isdisjoint(variable_names(part)) and any(
+        isinstance(one, nodes.SensorName)
+        or (
+            isinstance(one, nodes.Proposition)
+            and (one.name not in relations or relations[one.name].is_property)
+        )
+        for one in subformulas(part)
+    )
+
+
+def _bound(parts: Sequence[nodes.Formula]) -> Sequence[str]:
+    return variable_names(*[one for one in parts if not isinstance(one, nodes.Not)])
 
 
 def _head(part: nodes.Formula) -> object:

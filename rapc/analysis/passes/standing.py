@@ -23,6 +23,7 @@ from rapc.base.diagnostics import (
 )
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
+from rapc.ir.walk import variable_names
 from rapc.library.library import Library
 
 _GARDEN = """\
@@ -175,7 +176,7 @@ def _run(run: Pass) -> set[int]:
                     unheard.add(id(rap.monitor_state))
                     run.report(found)
             for found in (
-                *_unready(library, rap, changed),
+                *_unready(library, rap, changed, always),
                 *_failing(library, rap, changed, always),
             ):
                 run.report(found)
@@ -249,7 +250,7 @@ def _told(index: Index) -> Iterator[tuple[str, Form]]:
 
 
 def _unready(
-    library: Library, rap: nodes.DefineRap, changed: _Changed
+    library: Library, rap: nodes.DefineRap, changed: _Changed, always: Always
 ) -> Iterator[Diagnostic]:
     """Yield a fact that all methods ask for, though the monitor does not."""
     if rap.monitor_state is None or rap.succeed is None or not is_never(rap.succeed):
@@ -257,8 +258,13 @@ def _unready(
     waking = [rap.monitor_state, rap.repeat_while]
     asked = {n for one in waking if one is not None for n in asked_by(library, one)}
     every = [list(literals(method.context)) for method in rap.methods]
+    given = {variable.name for variable in rap.inputs}
+    if rap.repeat_while is not None:
+        given.update(variable_names(rap.repeat_while))
     for one in every[0] if every else ():
         if not all(one in there for there in every):
+            continue
+        if one.holds and always.holds(one.formula, given):
             continue
         name = fact_name(one)
         if name in changed and name not in asked and not is_computed(library, name):
