@@ -87,12 +87,20 @@ def done_by_method(library: Library, method: nodes.Method) -> list[Literal]:
     """Return what surely holds when a method has ended well.
 
     Of a task-net that is what its steps bring about, without facts of which more than
-    one step has something to say.
+    one step has something to say, and without steps that may be ended before.
     """
     if isinstance(method.body, nodes.Primitive):
         return _of_request(library, method.body.request)
-    found = [one for step in steps(method) for one in done(library, step.goal)]
+    whole = [step for step in steps(method) if not any(map(_ends, step.annotations))]
+    found = [one for step in whole for one in done(library, step.goal)]
     often: dict[str, set[bool]] = {}
     for one in found:
         often.setdefault(fact_name(one), set()).add(one.holds)
     return [one for one in found if len(often[fact_name(one)]) == 1]
+
+
+def _ends(note: nodes.Annotation) -> bool:
+    """Whether an annotation may end its step well before its work is done."""
+    if isinstance(note, nodes.WaitFor):
+        return note.mode == "succeed"
+    return isinstance(note, nodes.UntilStart | nodes.UntilEnd)
