@@ -3,6 +3,9 @@
     python -m bench.beside --peers PEERS.PY     measure, judge, write
     python -m bench.beside                      write again what was measured last
 
+On a machine that others use, set the clock of PEERS.PY to processor time and add
+`--shared`: then only ratios are judged.
+
 PEERS.PY is a script that measures other systems and `bench/rapc_adapter.py` on five
 workloads; it is not part of rapc. It is run by the Python that runs this, which has to
 have the peers installed, and matplotlib. A file `baseline.json` beside it has figures
@@ -56,6 +59,8 @@ ELSEWHERE = {
 }
 """Whose figures from elsewhere are shown, and what they are scaled by."""
 
+SHARED = "Ratios of processor time: other jobs ran on the machine."
+
 SLOWNESS = (
     "The yardstick of W3 took {:.2g} times as long as in the figures from elsewhere."
 )
@@ -73,6 +78,9 @@ def main() -> None:
     parser.add_argument("--peers", type=Path, help="the script that measures peers")
     parser.add_argument("--quick", action="store_true", help="small sizes, to try it")
     parser.add_argument(
+        "--shared", action="store_true", help="judge only ratios: other jobs run, too"
+    )
+    parser.add_argument(
         "--out", type=Path, help="folder for figures and table instead of docs/"
     )
     args = parser.parse_args()
@@ -85,6 +93,7 @@ def main() -> None:
         results = msgspec.json.decode(kept.read_bytes(), type=Results)
     else:
         results = measured(args.peers.resolve(), args.quick)
+        results = msgspec.structs.replace(results, shared=args.shared)
         told_all = msgspec.json.format(msgspec.json.encode(results), indent=1)
         kept.write_bytes(told_all + b"\n")
     print(told(results))
@@ -164,6 +173,7 @@ def told(results: Results) -> str:
     where = [
         f"Taken on {results.day} with {results.machine}, beside {names}.",
         f"Samples of one figure lie {results.noise:.0%} apart (median of all).",
+        *([SHARED] if results.shared else []),
         *([] if slowness is None else [SLOWNESS.format(slowness)]),
     ]
     return "\n".join([fill(" ".join(where), WIDTH), "", *table(results), ""])

@@ -53,6 +53,8 @@ class Results(msgspec.Struct, frozen=True):
     elsewhere: tuple[Measured, ...]
     costs: dict[str, float]
     profiles: str
+    #: Whether other jobs ran on the machine: then only ratios say something.
+    shared: bool = False
 
     def sizes(self, workload: str, peer: str, figure: str) -> list[int]:
         """The sizes at which a peer has this figure, ascending."""

@@ -143,6 +143,13 @@ def test_targets_are_judged_at_the_worst_size(area: str, what: str, cells: str) 
     assert _row(area, what) == f"| {area} | {what} | {cells} |"
 
 
+def test_times_of_a_shared_machine_have_no_row() -> None:
+    shared = msgspec.structs.replace(RESULTS, shared=True)
+    units = {row.split(" | ")[4].split()[-1] for row in list(table(shared))[2:]}
+    assert units == {"x", "bytes", "MB"}
+    assert "other jobs ran on the machine" in told(shared).replace("\n", " ")
+
+
 def test_every_target_has_a_row_of_its_own() -> None:
     rows = list(table(RESULTS))[2:]
     assert len(rows) == len(TARGETS)
