@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from bench.child import take
 from bench.common import Figure, compiled, seconds
 from rapc.analysis import driver, suite
 from rapc.analysis.selection import Selection, errors
@@ -58,6 +63,18 @@ def _compiled(text: str) -> Program:
     return made
 
 
+def _command(raps: int) -> float:
+    """The least CPU time of `rapc check` as a command, the start of Python in it."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "generated.rap")
+        file.write_text(library(raps), encoding="utf-8")
+        start = "from rapc.cli.start import main; main()"
+        command = [sys.executable, "-c", start, "check", "-q", str(file)]
+        environment = {**os.environ, "PYTHONPYCACHEPREFIX": str(Path(folder, "pyc"))}
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)
+        return min(take(command, environment)["cpu"] for _ in range(3))
+
+
 def figures(quick: bool = False) -> Iterator[Figure]:
     """Read, read to IR, link, check, compile: each with all that comes before it."""
     size = 100 if quick else 5000
@@ -91,6 +108,9 @@ def figures(quick: bool = False) -> Iterator[Figure]:
     for what, work in stages:
         rate = size / seconds(work, rounds=3)
         yield Figure("parse", what, f"{size} RAPs", rate, "definitions/s")
+    for raps in (100,) if quick else (500, 5000):
+        used = _command(raps)
+        yield Figure("parse", "`rapc check`, CPU time", f"{raps} RAPs", used, "s")
     megabytes = len(text.encode()) / 1e6
     rate = megabytes / seconds(lambda: read(source), rounds=3)
     yield Figure("parse", "text to data", f"{megabytes:.1f} MB", rate, "MB/s")

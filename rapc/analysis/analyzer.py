@@ -44,19 +44,6 @@ class Analyzer(msgspec.Struct, Generic[T], frozen=True, eq=False):
     needs: tuple[Analyzer[Any], ...] = ()
     rules: tuple[Rule, ...] = ()
     needs_whole: Whole = "node"
-    #: Whether it may have something to say of any form whatever form is changed; what
-    #: it looks at is always checked as a whole.
-    of_all: bool = False
-    #: Whether its findings depend on agendas, wherever they are.
-    by_agendas: bool = False
-
-
-class Spanned(Protocol):
-    """What has a place in a text."""
-
-    @property
-    def span(self) -> Span:
-        """Return where it stands."""
 
 
 def never(place: Span) -> bool:
@@ -100,10 +87,6 @@ class Pass:
         self.complete = complete
         self.unsure = unsure
         self.found: list[Diagnostic] = []
-        #: The forms that are to be checked each time, by file and beginning.
-        self.watched: set[tuple[str, int]] = set()
-        #: The files of which all forms are to be checked if one is.
-        self.watched_files: set[str] = set()
         self._analyzer = analyzer
         self._ask = ask
         self._rules = frozenset(rule.name for rule in analyzer.rules)
@@ -119,14 +102,6 @@ class Pass:
                 f"pass `{self._analyzer.name}` does not own rule `{diagnostic.rule}`"
             )
         self.found.append(diagnostic)
-
-    def watch(self, form: Spanned) -> None:
-        """Have a form checked each time, for what is told of it depends on others."""
-        self.watched.add((form.span.file, form.span.start))
-
-    def watch_file(self, name: str) -> None:
-        """Have all forms of a file checked if one is, for they share a finding."""
-        self.watched_files.add(name)
 
     def result(self, analyzer: Analyzer[T]) -> T:
         """Return what a needed analyzer returns; it runs when it is asked first.

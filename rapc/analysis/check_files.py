@@ -9,22 +9,17 @@ errors count, for they keep the test from being run.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import partial
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rapc.analysis import grave, suppressions
 from rapc.analysis.driver import CheckReport, Finding, check_library, order_of
 from rapc.analysis.selection import Selection
 from rapc.base.files import TEST_SUFFIX, lies_in, path_of
-from rapc.base.source import SourceFile, Span
+from rapc.base.source import Span
 from rapc.library import loader
 from rapc.library.loader import Loaded, Names, Parse
 from rapc.library.test_files import alike, load_tests
 from rapc.parser.parse import parse
-
-if TYPE_CHECKING:
-    from rapc.analysis.cache import Cache
 
 
 def check_files(
@@ -33,7 +28,6 @@ def check_files(
     texts: Mapping[str, str] | None = None,
     *,
     parser: Parse = parse,
-    cache: Cache | None = None,
 ) -> CheckReport:
     """Check files and folders; test files are checked as they are run.
 
@@ -41,46 +35,29 @@ def check_files(
         paths: files, folders (all `.rap` files below), `-` for standard input.
         selection: the rules that may report; those that are not opt-in if None.
         texts: what stands for the texts of some files, by name.
-        parser: what makes units of files, unless there is a cache, which has its own.
-        cache: what earlier checks of these paths came to, and where this one is kept.
+        parser: what makes units of files.
 
     Raises:
         LoadError: for what cannot be read.
     """
-    check = partial(check_library, selection=selection)
-    reports: list[CheckReport] = []
     given = list(paths)
-    for load in _loads(given, texts, parser):
-        if cache is None:
-            reports += map(check, load(parser))
-        else:
-            reports += cache.reports(load)
-    if cache is not None:
-        cache.save()
+    loaded = _loads(given, texts, parser)
+    reports = [check_library(library, selection) for library in loaded]
     return _judged(reports[0] if len(reports) == 1 else _joined(reports), given)
 
 
 def _loads(
     paths: Iterable[str], texts: Mapping[str, str] | None, parser: Parse
-) -> Iterator[Callable[[Parse], Sequence[Loaded]]]:
-    """Yield what loads the libraries: the one of all files, then those of tests."""
+) -> Iterator[Loaded]:
+    """Yield the libraries: the one of all files, then those of tests."""
     given = list(dict.fromkeys(paths))
     named = [path for path in given if path.endswith(TEST_SUFFIX)]
     others = [path for path in given if path not in named]
     folders = [path for path in others if os.path.isdir(path_of(path))]
     names: Names = {}
-    yield lambda parser: [loader.load(others, texts=texts, parser=parser, names=names)]
+    yield loader.load(others, texts=texts, parser=parser, names=names)
     for sources in alike(loader.read_tests([*named, *folders], texts), parser):
-        yield partial(_of_tests, sources, texts, names)
-
-
-def _of_tests(
-    sources: Sequence[SourceFile],
-    texts: Mapping[str, str] | None,
-    names: Names,
-    parser: Parse,
-) -> Sequence[Loaded]:
-    return load_tests(sources, texts, parser, names).libraries
+        yield from load_tests(sources, texts, parser, names).libraries
 
 
 def _judged(report: CheckReport, given: Sequence[str]) -> CheckReport:

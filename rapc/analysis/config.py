@@ -48,7 +48,7 @@ class Config(
     output_format: str | None = None
     #: The file of findings that are known, as seen from the configuration.
     baseline: str | None = None
-    #: The folder of caches, likewise.
+    #: A key without effect, accepted in configurations of earlier versions.
     cache_dir: str | None = None
     #: The modules of which tests may name worlds; `rapc check` imports none.
     world_modules: tuple[str, ...] = ()

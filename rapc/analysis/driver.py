@@ -12,7 +12,6 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
@@ -20,7 +19,6 @@ import msgspec
 from rapc.analysis import grave, suppressions
 from rapc.analysis.analyzer import Analyzer, Pass, T, never
 from rapc.analysis.damage import Damage
-from rapc.analysis.file_census import FormKey
 from rapc.analysis.selection import Selection, by_default
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.gc_paused import gc_paused
@@ -31,9 +29,7 @@ from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library
 from rapc.library.loader import Loaded
 from rapc.library.requiring import UNRESOLVED
-from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
-from rapc.parser.unit import SourceUnit
 
 if TYPE_CHECKING:
     from rapc.analysis import suite
@@ -80,22 +76,7 @@ def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckRe
         loaded: what `rapc.library.loader` made of the files.
         selection: the rules that may report; those that are not opt-in if None.
     """
-    return examined(loaded, selection or Selection(by_default())).report
-
-
-class Examined(msgspec.Struct, frozen=True):
-    """A library that was checked, with all that was found out on the way."""
-
-    report: CheckReport
-    loaded: Loaded
-    #: What the passes found, no matter who may report; suppressed findings, too.
-    analysis: Analysis
-    written: Written
-
-
-@gc_paused()
-def examined(loaded: Loaded, chosen: Selection) -> Examined:
-    """Check a loaded library; see `check_library`."""
+    chosen = selection or Selection(by_default())
     damage = Damage(loaded.units)
     complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
     analysis = Analysis(loaded.library, complete, damage.reaches, loaded.required)
@@ -105,36 +86,42 @@ def examined(loaded: Loaded, chosen: Selection) -> Examined:
         for analyzer, diagnostic in analysis.found
         if not damage.silences(diagnostic, analyzer.needs_whole)
     ]
-    written = Written.of(loaded.units, _rules(chosen.enabled))
-    found = [*loaded.diagnostics, *sure]
-    left = written.applied(found, loaded.files, chosen, damage.lies_in)
-    forms = loaded.library.forms
-    raps = Counter(f.span.file for f in forms if isinstance(f, nodes.DefineRap))
-    report = reported(left, loaded.files, raps, chosen)
-    return Examined(report, loaded, analysis, written)
-
-
-def reported(
-    found: Iterable[Diagnostic],
-    files: Mapping[str, SourceFile],
-    raps: Mapping[str, int],
-    chosen: Selection,
-) -> CheckReport:
-    """Return the report on what was found, as far as it is chosen, in order.
-
-    Args:
-        found: what suppressions have left.
-        files: the files, first read first.
-        raps: how many RAPs stand in each file that has some.
-        chosen: the rules that may report.
-    """
     rules = _rules(chosen.enabled)
-    order = {name: at for at, name in enumerate(files)}
+    found = _unsuppressed(loaded, [*loaded.diagnostics, *sure], rules, chosen, damage)
     findings = [
         Finding(chosen.graded(rules[d.rule]), d) for d in found if chosen.chooses(d)
     ]
+    order = {name: at for at, name in enumerate(loaded.files)}
     findings.sort(key=lambda finding: order_of(order, finding))
-    return CheckReport(tuple(findings), files, raps)
+    forms = loaded.library.forms
+    raps = Counter(f.span.file for f in forms if isinstance(f, nodes.DefineRap))
+    return CheckReport(tuple(findings), loaded.files, raps)
+
+
+def _unsuppressed(
+    loaded: Loaded,
+    found: Iterable[Diagnostic],
+    rules: Mapping[str, Rule],
+    chosen: Selection,
+    damage: Damage,
+) -> list[Diagnostic]:
+    """Return the findings left, with those about suppressions wrong or unused.
+
+    A suppression is not unused if a form lies in it that could not be read whole.
+    """
+    units = {unit.file.name: unit for unit in loaded.units}
+    written = [
+        suppressions.find_suppressions(units[name], rules)
+        for name in loaded.files
+        if name in units
+    ]
+    every = [one for right, _ in written for one in right]
+    left, unused = suppressions.apply(found, every)
+    left += [one for _, wrong in written for one in wrong]
+    for one in unused:
+        if one.rule in chosen.enabled and not damage.lies_in(one.covers):
+            left.append(suppressions.unused(one, loaded.files[one.comment.file]))
+    return left
 
 
 def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
@@ -222,8 +209,6 @@ class Analysis:
         complete: whether every file that the library requires was found.
         unsure: whether a slip of the pen may have to do with what is at a place.
         required: the files that files require themselves, by their names.
-        known: the results of passes that need not run, by their names.
-        raps: the signatures of all RAPs, where the library is a part of another.
     """
 
     def __init__(
@@ -232,22 +217,16 @@ class Analysis:
         complete: bool,
         unsure: Callable[[Span], bool],
         required: Mapping[str, tuple[str, ...]],
-        known: Mapping[str, object] = MappingProxyType({}),
-        raps: Mapping[str, Signature] | None = None,
     ) -> None:
         #: Each finding with the pass that made it; what a file says of all its tests
         #: is part of each, and reported once.
         self.found: list[tuple[Analyzer[Any], Diagnostic]] = []
-        #: The forms that are to be checked each time, by file and beginning.
-        self.watched: set[FormKey] = set()
-        #: The files of which all forms are to be checked if one is.
-        self.watched_files: set[str] = set()
         self._library = library
         self._complete = complete
         self._unsure = unsure
         self._required = required
-        self._signatures = Signatures.of(library, raps)
-        self._results = dict(known)
+        self._signatures = Signatures.of(library)
+        self._results: dict[str, object] = {}
         self._seen: set[tuple[str, Span, str]] = set()
 
     def run(self, wanted: Iterable[Analyzer[Any]]) -> Analysis:
@@ -277,56 +256,12 @@ class Analysis:
             self._required,
         )
         result = analyzer.run(run)
-        self.watched |= run.watched
-        self.watched_files |= run.watched_files
         for one in run.found:
             key = (one.rule, one.span, one.message)
             if key not in self._seen:
                 self._seen.add(key)
                 self.found.append((analyzer, one))
         return result
-
-
-class Written(msgspec.Struct, frozen=True):
-    """The suppressions in the comments of some files, and what is wrong with them."""
-
-    right: Mapping[str, Sequence[suppressions.Suppression]]
-    wrong: Mapping[str, Sequence[Diagnostic]]
-
-    @classmethod
-    def of(cls, units: Iterable[SourceUnit], rules: Mapping[str, Rule]) -> Written:
-        """Return what is written in some files; `rules` are those that are known."""
-        found = {
-            unit.file.name: suppressions.find_suppressions(unit, rules)
-            for unit in units
-        }
-        return cls(
-            {name: right for name, (right, _) in found.items() if right},
-            {name: wrong for name, (_, wrong) in found.items() if wrong},
-        )
-
-    def applied(
-        self,
-        found: Iterable[Diagnostic],
-        files: Mapping[str, SourceFile],
-        chosen: Selection,
-        damaged: Callable[[Span], bool],
-    ) -> list[Diagnostic]:
-        """Return the findings left, with those about suppressions wrong or unused.
-
-        Args:
-            found: all findings in the files.
-            files: the files.
-            chosen: the rules that may report.
-            damaged: whether a form that could not be read whole lies in a stretch.
-        """
-        every = [one for name in files for one in self.right.get(name, ())]
-        left, unused = suppressions.apply(found, every)
-        left += [one for name in files for one in self.wrong.get(name, ())]
-        for one in unused:
-            if one.rule in chosen.enabled and not damaged(one.covers):
-                left.append(suppressions.unused(one, files[one.comment.file]))
-        return left
 
 
 def order_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:

@@ -78,9 +78,6 @@ def _run(run: Pass) -> InferredKinds:
         if not learning.learn(scopes):
             break
     clashes = [one for rap, there in scopes for one in learning.clashes(rap, there)]
-    for clash in clashes:
-        if clash.no_items is not None:
-            run.watch(clash.form)  # another one like it takes it for no slip
     often = Counter(one.no_items for one in clashes)
     return InferredKinds(
         learning.inputs,

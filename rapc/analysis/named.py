@@ -60,7 +60,6 @@ def _run(run: Pass) -> Misuses:
             within = owner.name
         fault = faults(used.use, used.name, used.count, used.outputs, within)
         if fault is not None:
-            run.watch(used.owner)  # what is said of it depends on all other names
             found.append(Misuse(used, fault))
     return Misuses(found, partial(run.result, USES))
 
@@ -150,7 +149,6 @@ class UnknownNames:
     def __init__(self, rule: Rule) -> None:
         self._rule = rule
         self._uses: dict[tuple[str, int], list[tuple[Fault, Span]]] = {}
-        self._owners: list[Form] = []
 
     def add(self, fault: Fault, span: Span, owner: Form) -> None:
         """Note one more use of an unknown name, in the top-level form `owner`.
@@ -159,14 +157,11 @@ class UnknownNames:
         """
         test = id(owner) if type(owner) is nodes.DefineTest else 0
         self._uses.setdefault((fault.message, test), []).append((fault, span))
-        self._owners.append(owner)
 
     def report(self, run: Pass) -> None:
         """Report them, unless names may be unknown for want of a file."""
         if not run.complete:
             return
-        for owner in self._owners:
-            run.watch(owner)  # of one name there is one finding for all forms
         for uses in self._uses.values():
             sure = [(fault, span) for fault, span in uses if not run.unsure(span)]
             if sure:

@@ -14,7 +14,6 @@ import click
 import msgspec
 
 from rapc.analysis import driver
-from rapc.analysis.cache_file import file_for
 from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
@@ -43,12 +42,10 @@ from rapc.library.units import Units
 
 if TYPE_CHECKING:
     from rapc.analysis import baseline, fixes
-    from rapc.analysis import cache as caches
     from rapc.cli import watch
 else:
     baseline = later("rapc.analysis.baseline")
     fixes = later("rapc.analysis.fixes")
-    caches = later("rapc.analysis.cache")
     watch = later("rapc.cli.watch")
 
 EXAMPLES = """\b
@@ -103,7 +100,7 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
 @click.option(
     "--stdin-filename", metavar="NAME", help="What to call the text on standard input."
 )
-@click.option("--no-cache", is_flag=True, help="Keep nothing for the next check.")
+@click.option("--no-cache", is_flag=True, help="No effect (kept for older scripts).")
 @click.option("--watch", is_flag=True, help="Check again whenever a file changes.")
 @click.option("--config", **FILE, help="The configuration to use.")
 @click.option("--isolated", is_flag=True, help="Use no configuration.")
@@ -186,19 +183,10 @@ def _run(options: Options, units: Units) -> Done:
 
 
 def _checked(options: Options, chosen: Chosen, units: Units) -> CheckReport:
-    """Check, with the help of what was found before."""
-    paths, selection = options.paths, chosen.selection
-    cache = None
-    if not options.no_cache and not options.texts:
-        file = file_for(chosen.caches, paths, selection)
-        if file is not None:
-            cache = caches.Cache(file, paths, selection, units)
-            say(f"keeps what is found in {file}")
-    report = check_files(paths, selection, options.texts, parser=units, cache=cache)
+    report = check_files(options.paths, chosen.selection, options.texts, parser=units)
     for name in report.files:
         say(f"read {name}")
-    if cache is None:
-        say(f"ran {len(driver.passes())} passes")
+    say(f"ran {len(driver.passes())} passes")
     return report
 
 

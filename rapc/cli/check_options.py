@@ -60,8 +60,6 @@ class Chosen(msgspec.Struct, frozen=True):
     fail_level: Severity
     #: The file of findings that are known, if any.
     baseline: Path | None
-    #: The folder of caches; that of the user if None.
-    caches: Path | None
     #: The file that the configuration was read from, if any.
     configured_by: Path | None
 
@@ -102,7 +100,6 @@ def settle(options: Options) -> Chosen:
         shape,
         Severity[level.upper()],
         baseline,
-        found.beside(said.cache_dir),
         found.file,
     )
 

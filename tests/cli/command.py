@@ -23,9 +23,6 @@ COMMAND = Path(sys.executable).with_name("rapc")
 HOME = {k: v for k, v in os.environ.items() if k == "PYTHONPATH"}
 """Has the command import the same package as the tests."""
 
-NOWHERE = {"RAPC_CACHE_DIR": os.devnull}
-"""Keeps the command from keeping anything for the next test."""
-
 BARE = {"PATH": "", "LANG": "C.UTF-8", **HOME}
 """An environment with nothing in it but where rapc is."""
 
@@ -42,10 +39,9 @@ def rapc(
     environment tells Python itself something: then it begins as it does in a shell.
     No run may show a traceback, whatever it is given.
     """
-    changed = {**NOWHERE, **environment}
-    to_python = any(name.startswith(("PYTHON", "LANG", "LC_")) for name in changed)
+    to_python = any(name.startswith(("PYTHON", "LANG", "LC_")) for name in environment)
     run = from_the_beginning if to_python else _forked
-    done = run([str(COMMAND), *args], cwd or Path.cwd(), {**BARE, **changed}, stdin)
+    done = run([str(COMMAND), *args], cwd or Path.cwd(), {**BARE, **environment}, stdin)
     assert "Traceback" not in done.stderr
     assert "rapc itself is at fault" not in done.stderr
     return done

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -153,46 +152,16 @@ def test_what_is_no_baseline_is_refused(text: str, folder: Path) -> None:
     assert "`object`" not in done.stderr
 
 
-# --- what is kept for the next check --------------------------------------------------
-
-LARGE = "".join(f"(define-rap (r{n}) (succeed (p {n:060})))\n" for n in range(600))
+# --- the cache of earlier versions ----------------------------------------------------
 
 
-def test_a_large_library_is_kept_where_caches_are(folder: Path) -> None:
-    caches = folder / "caches"
-    (folder / "lib" / "go.rap").write_text(LARGE)
-    args = ("check", "lib", "--output-format", "concise")
-    plain = rapc(*args, "--no-cache", cwd=folder, RAPC_CACHE_DIR=str(caches))
-    assert not caches.exists()
-    for _ in range(2):
-        done = rapc(*args, cwd=folder, RAPC_CACHE_DIR=str(caches))
-        assert (done.stdout, done.returncode) == (plain.stdout, 1)
-    names = [path.suffix or path.name for path in caches.iterdir()]
-    assert sorted(names) == [".checked", ".gitignore"]
-
-
-def test_a_project_says_where_it_is_kept(folder: Path) -> None:
-    (folder / "lib" / "go.rap").write_text(LARGE)
+@pytest.mark.parametrize("options", [(), ("--no-cache",)])
+def test_cache_options_have_no_effect(folder: Path, options: tuple[str, ...]) -> None:
+    large = "".join(f"(define-rap (r{n}) (succeed (p {n:060})))\n" for n in range(600))
+    (folder / "lib" / "go.rap").write_text(large)
+    plain = rapc("check", "lib", cwd=folder)
     (folder / "rapc.toml").write_text('cache-dir = ".rapc_cache"')
-    done = rapc("check", "lib", "-v", cwd=folder)
-    (kept,) = (folder / ".rapc_cache").glob("*.checked")
-    assert f"keeps what is found in {kept}" in done.stderr
-
-
-def test_a_small_library_is_not_kept(folder: Path) -> None:
-    caches = folder / "caches"
-    rapc("check", "lib", cwd=folder, RAPC_CACHE_DIR=str(caches))
-    assert not caches.exists()
-
-
-@pytest.mark.slow
-def test_processes_that_share_a_cache_find_the_same(folder: Path) -> None:
-    (folder / "lib" / "go.rap").write_text(LARGE)
-
-    def found(number: int) -> str:
-        # with a hash seed: a process of its own from the beginning, beside the others
-        own = {"RAPC_CACHE_DIR": str(folder / "caches"), "PYTHONHASHSEED": str(number)}
-        return rapc("check", "lib", cwd=folder, **own).stdout
-
-    with ThreadPoolExecutor(4) as pool:
-        assert len(set(pool.map(found, range(8)))) == 1
+    before = sorted(folder.rglob("*"))
+    done = rapc("check", "lib", *options, cwd=folder, XDG_CACHE_HOME=str(folder))
+    assert (done.stdout, done.returncode) == (plain.stdout, 1)
+    assert sorted(folder.rglob("*")) == before

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from .command import COMMAND, HOME, NOWHERE, PATIENCE, rapc
+from .command import COMMAND, HOME, PATIENCE, rapc
 
 UNUSED = "; rapc: ignore[unknown-rap] nothing to ignore\n(define-rap (wait))\n"
 FIXED = "\n(define-rap (wait))\n"
@@ -156,7 +156,7 @@ def test_a_library_is_watched_until_ctrl_c(tmp_path: Path) -> None:
     child = subprocess.Popen(
         [COMMAND, "check", "--watch", "."],
         cwd=tmp_path,
-        env={"PATH": "", **HOME, **NOWHERE},
+        env={"PATH": "", **HOME},
         stdout=subprocess.PIPE,
         encoding="utf-8",
     )

@@ -13,7 +13,7 @@ import rapc
 from rapc.base import files
 from rapc.library.saved import encode
 
-from .command import BARE, NOWHERE, from_the_beginning
+from .command import BARE, from_the_beginning
 
 PACKAGE = Path(rapc.__file__).parent
 
@@ -98,7 +98,7 @@ def _told(folder: Path, package: Path) -> dict[str, str]:
     texts = {"order.rap": ORDER, "order.test.rap": TESTS, "clash.rap": CLASHING}
     for name, text in texts.items():
         (folder / name).write_text(text)
-    environment = {**BARE, **NOWHERE, "PYTHONPATH": str(package.parent)}
+    environment = {**BARE, "PYTHONPATH": str(package.parent)}
     run = "import sys; from rapc.cli.start import main; sys.exit(main())"
     found = {}
     for name, words in COMMANDS.items():

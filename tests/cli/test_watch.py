@@ -8,7 +8,9 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from click.testing import CliRunner
 
+from rapc.cli.check import check
 from rapc.cli.watch import watch
 
 NOW = 10**18
@@ -107,3 +109,38 @@ def test_a_file_that_is_new_in_a_folder_is_a_change(
         return number == 1
 
     assert times(_nothing, add) == 2
+
+
+EDITS = (
+    "(define-rap (go) (method (task-net (t1 (walk)))))",
+    "(define-rap (go) (method (task-net (t1 (walk))))",
+    "(define-rap (walk))\n(define-rap (go) (method (task-net (t1 (walk)))))",
+    "(define-rap (go ?x) (method (task-net (t1 (walk)))))",
+)
+
+
+def test_watched_findings_are_those_of_a_plain_check(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts = iter(enumerate((*EDITS, *EDITS), 1))
+    plain = ""
+
+    def edit(seconds: float) -> None:
+        nonlocal plain
+        number, text = next(texts, (0, ""))
+        if not number:
+            raise KeyboardInterrupt
+        Path("lib/a.rap").write_text(text)
+        os.utime("lib/a.rap", ns=(number, number))
+        plain += CliRunner().invoke(check, ["lib"]).stdout
+
+    clock = SimpleNamespace(sleep=edit, time_ns=lambda: NOW)
+    monkeypatch.setattr("rapc.cli.watch.time", clock)
+    monkeypatch.chdir(tmp_path)
+    Path("lib").mkdir()
+    Path("lib/b.rap").write_text("(define-rap (home) (method (task-net (t1 (go)))))")
+    edit(0)
+    watched = CliRunner().invoke(check, ["--watch", "lib"])
+    assert (watched.exit_code, watched.stdout) == (0, plain)
+    assert plain.count("checked 2 files") == 2 * len(EDITS)
+    assert len(set(plain.split("checked 2 files"))) > len(EDITS)

@@ -18,7 +18,7 @@ from rapc.experiments.measures import Measures
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store
 from rapc.host import load
-from tests.cli.command import COMMAND, HOME, NOWHERE
+from tests.cli.command import COMMAND, HOME
 
 CHECKOUT = Path(__file__).parents[2]
 LIBRARY = CHECKOUT / "examples" / "rock-order.rap"
@@ -103,7 +103,7 @@ def watched(*args: str, cwd: Path) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(
         [COMMAND, *args],
         cwd=cwd,
-        env={"PATH": "", "LANG": "C.UTF-8", **HOME, **NOWHERE},
+        env={"PATH": "", "LANG": "C.UTF-8", **HOME},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -122,7 +122,7 @@ def on_a_terminal(*args: str, cwd: Path, columns: int) -> str:
     with subprocess.Popen(
         [COMMAND, *args],
         cwd=cwd,
-        env={"PATH": "", "LANG": "C.UTF-8", "TERM": "xterm", **HOME, **NOWHERE},
+        env={"PATH": "", "LANG": "C.UTF-8", "TERM": "xterm", **HOME},
         stdin=follower,
         stdout=follower,
         stderr=follower,

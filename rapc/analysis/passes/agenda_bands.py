@@ -133,7 +133,6 @@ ANALYZER = Analyzer(
     doc="Finds tasks of an agenda whose priorities or goals defeat its standing tasks.",
     run=_run,
     rules=(LOW, REACHES, ENDS),
-    by_agendas=True,
 )
 
 

@@ -159,8 +159,6 @@ def _run(run: Pass) -> Mapping[tuple[int, str], FormKey]:
         if found is not None:
             unmarked[id(one.form), f"?{one.const.value}"] = form_key(one.form)
             run.report(found)
-            if found.rule == MIXED.name:
-                run.watch(one.form)  # the finding tells how many others there are
     return unmarked
 
 

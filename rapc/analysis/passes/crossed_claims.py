@@ -103,7 +103,6 @@ ANALYZER = Analyzer(
     doc="Finds tasks of an agenda that take two things in opposite orders.",
     run=_run,
     rules=(CROSSED,),
-    by_agendas=True,
 )
 
 

@@ -112,7 +112,6 @@ def _run(run: Pass) -> None:
         if declared is None or used.count + 1 != declared.most or not used.count:
             continue
         if used.use in _FACTS and used.use != "erased":
-            run.watch(used.owner)
             if _never_true(run, declared):
                 run.report(_missing(run, used, declared))
             else:

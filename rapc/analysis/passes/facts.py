@@ -96,7 +96,6 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(UNREAD, UNASSERTED),
-    of_all=True,
 )
 
 

@@ -63,7 +63,6 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(ALIKE,),
-    of_all=True,
     needs_whole="form",
 )
 

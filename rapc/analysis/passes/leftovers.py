@@ -83,7 +83,6 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(INPUT, UNREACHED),
-    of_all=True,
     needs_whole="form",
 )
 

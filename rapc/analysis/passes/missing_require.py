@@ -70,7 +70,6 @@ def _run(run: Pass) -> None:
             continue
         if form.span.file in brought.by(here):
             continue
-        run.watch_file(here)  # of a file there is one finding, at the first place
         known = first.setdefault((here, form.span.file), (use, form))
         if use.span.start < known[0].span.start:
             first[here, form.span.file] = use, form

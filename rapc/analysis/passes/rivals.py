@@ -103,7 +103,6 @@ ANALYZER = Analyzer(
     doc="Finds standing tasks of an agenda that get in each other's way.",
     run=_run,
     rules=(RIVALS, UNDOING),
-    by_agendas=True,
 )
 
 

@@ -104,7 +104,6 @@ ANALYZER = Analyzer(
     run=_run,
     needs=(INDEX,),
     rules=(SINGLE, UNUSED),
-    of_all=True,
     needs_whole="form",
 )
 
