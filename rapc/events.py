@@ -152,7 +152,7 @@ class Event(msgspec.Struct, frozen=True, tag_field="event", tag=_kebab, kw_only=
         return None
 
 
-class RunStarted(Event, frozen=True, kw_only=True):
+class RunStarted(Event, frozen=True, kw_only=True, omit_defaults=True):
     """The first event; `format` is the version of the trace format."""
 
     format: int
@@ -160,8 +160,10 @@ class RunStarted(Event, frozen=True, kw_only=True):
     #: What tells the texts of the library from others, wherever they lie.
     digest: str
     world: str
+    #: `module:Class`, if the world was named so; empty for an installed world.
+    world_class: str = msgspec.field(name="world-class", default="")
     options: Mapping[str, str | int | float | bool]
-    settings: Mapping[str, int | float]
+    settings: Mapping[str, int | float | bool]
     seed: int
     tasks: tuple[str, ...]
     faults: tuple[str, ...]

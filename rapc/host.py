@@ -185,6 +185,7 @@ class CheckedLibrary:
             settings=settings,
             tasks=[*first, *requests],
             facts=known,
+            world=world if isinstance(world, str) else "",
             options=chosen,
             functions=functions,
             solvers=solvers,

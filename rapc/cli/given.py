@@ -130,6 +130,7 @@ def prepared(
         settings=read_option("--set", read_settings, own),
         tasks=[*first, *tasks],
         facts=facts,
+        world=world_name or "",
         options=options,
         faults=asked.faults,
     )

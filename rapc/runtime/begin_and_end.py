@@ -22,6 +22,7 @@ def tell_start(
     tasks: Sequence[str],
     faults: Sequence[str],
     facts: Sequence[str],
+    world_class: str = "",
 ) -> None:
     """Tell the first event of a run: what is run, and with which settings."""
     if not (machine.recorder.on and machine.recorder.wants(RunStarted)):
@@ -33,6 +34,7 @@ def tell_start(
         library=machine.library.name,
         digest=digest(machine.library.library),
         world=machine.world.name,
+        world_class=world_class,
         options=dict(options),
         settings={
             name.replace("_", "-"): getattr(settings, name)

@@ -373,6 +373,7 @@ class Interpreter:
         tasks: Sequence[str] = (),
         faults: Sequence[str] = (),
         facts: Sequence[str] = (),
+        world_class: str = "",
     ) -> None:
         """Begin the run: emit `run-started` and assert the world's first facts.
 
@@ -383,12 +384,14 @@ class Interpreter:
             tasks: the tasks to come, for the trace.
             faults: the faults put into the world, for the trace.
             facts: the facts given besides those of the world, for the trace.
+            world_class: `module:Class`, if the world was named so, for the trace.
         """
         if self._machine.state.started:
             return
         machine = self._machine
         machine.state.started = True
-        tell_start(machine, self.seed, options or {}, tasks, faults, facts)
+        given = (tasks, faults, facts, world_class)
+        tell_start(machine, self.seed, options or {}, *given)
         try:
             for fact in first_facts(machine.world):
                 self.assert_fact(*fact)

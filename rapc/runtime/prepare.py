@@ -34,6 +34,9 @@ class Given(msgspec.Struct, frozen=True, kw_only=True):
     later: Sequence[TaskRequest] = ()
     #: What memory holds besides the facts of the world.
     facts: Sequence[Fact] = ()
+    #: The name by which the world was given, for the trace: an installed name, or
+    #: `module:Class`.
+    world: str = ""
     #: The options that the world was made with, for the trace.
     options: Mapping[str, Atom | bool] = {}
     #: The faults put into the world, as texts, for the trace.
@@ -60,7 +63,8 @@ class PreparedRun(msgspec.Struct, frozen=True):
         run, given = self.interpreter, self.given
         tasks = [as_text(task) for task in given.tasks]
         facts = [format_list(fact) for fact in given.facts]
-        run.start(given.options, tasks, given.faults, facts)
+        named = given.world if ":" in given.world else ""
+        run.start(given.options, tasks, given.faults, facts, named)
         for fact in given.facts:
             run.assert_fact(*fact)
         for task in given.tasks:

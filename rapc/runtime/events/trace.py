@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any, NamedTuple, Protocol, TextIO
+from typing import Any, NamedTuple, Protocol
 
 import msgspec
 
@@ -100,7 +100,7 @@ def _text(value: object) -> str:
 class JsonTrace:
     """Writes each event as one line of JSON; the same events give the same bytes."""
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: Writable) -> None:
         self._stream = stream
         self._encode = msgspec.json.Encoder(enc_hook=_text).encode
         #: How lines of each kind of event begin, how many keys can be written as they
