@@ -358,13 +358,19 @@ def exported(
 
 def _begun(event: events.RunStarted) -> str:
     """Return the clauses that say what a run is begun with."""
-    clauses = [f"(world {event.world})"] if event.world != "scripted" else []
+    clauses = [f"(world {_world(event)})"] if event.world != "scripted" else []
     if event.options:
         pairs = [f"({name} {_option(value)})" for name, value in event.options.items()]
         clauses.append(f"(options {' '.join(pairs)})")
     clauses.append(f"(seed {event.seed})")
     clauses += map(_given, event.tasks)
     return " ".join(clauses)
+
+
+def _world(event: events.RunStarted) -> str:
+    """Return the name of a world; that of a class in quotes, which keep capitals."""
+    named = event.world_class
+    return format_atom(Text(named)) if named else event.world
 
 
 def _given(task: str) -> str:

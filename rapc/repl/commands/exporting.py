@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 from rapc.base.values import format_list
@@ -15,6 +15,7 @@ from rapc.ir.nodes import DefineTest
 from rapc.repl.answer import ShownAnswer, say
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Shell, command
+from rapc.events import Event, RunStarted
 from rapc.runtime.task_request import as_text
 from rapc.testing.discover import find
 from rapc.testing.exported import exported
@@ -58,16 +59,21 @@ def _export_test(shell: Shell, args: Arguments) -> ShownAnswer:
         not_atomic=[name for name, one in declared.items() if not one.atomic],
     )
 
+    begun = told[0]
+    world = begun.world_class if isinstance(begun, RunStarted) else ""
+    modules = [world.partition(":")[0]] if world else []  # imported for this run
+
     def run(node: DefineTest) -> Outcome:
-        return run_case(Case(node, program))
+        return run_case(Case(node, program), modules=modules)
 
     _agree(run(test.node()))
     test.shorten(lambda node: run(node).status is Status.PASSED)
     if wanted:
         test.want()
     text = f"{_requires(shell.paths, path)}\n\n{test.text()}"
-    passes = _write(path, text, wanted=wanted)
-    return say(f"{path}: {test.name}, which {'passes' if passes else 'fails'} now")
+    passes = _write(path, text, modules, wanted=wanted)
+    written = f"{path}: {test.name}, which {'passes' if passes else 'fails'} now"
+    return say(written, *[f"`rapc test` needs `--world-module {m}`" for m in modules])
 
 
 def _acts(shell: Shell, told: Sequence[Event]) -> Iterator[tuple[Time, str]]:
@@ -101,7 +107,7 @@ def _agree(outcome: Outcome) -> None:
         )
 
 
-def _write(path: Path, text: str, *, wanted: bool) -> bool:
+def _write(path: Path, text: str, modules: Collection[str], *, wanted: bool) -> bool:
     """Write a file and run the test in it; return whether the test passes.
 
     Raises:
@@ -114,7 +120,7 @@ def _write(path: Path, text: str, *, wanted: bool) -> bool:
             stream.write(text)
     except OSError as error:
         raise LoadError(f"cannot write `{path}`: {error.strerror}") from error
-    outcomes = [run_case(case) for case in find([path]).cases]
+    outcomes = [run_case(case, modules=modules) for case in find([path]).cases]
     passes = [one.status is Status.PASSED for one in outcomes]
     if not outcomes or outcomes[0].status is Status.ERROR or not (wanted or passes[0]):
         path.unlink()
