@@ -17,7 +17,8 @@ from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import command, fail, settings
 from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
-from rapc.debug.recorded import Beginnings, beginnings, follow
+from rapc.debug.recorded import Replay
+from rapc.debug.recording import Beginnings, Recording
 from rapc.debug.session import Session
 from rapc.debug.tape import Tape
 from rapc.debug.texts import TYPED
@@ -90,7 +91,7 @@ def repl(
         world = ScriptedWorld([], declared=library.program.library)
         shell = Shell(Session.open(library, world, seed=asked.seed), commands())
     elif path.endswith(RECORDED):
-        shell = _recorded(Path(path))
+        shell = _recorded(Path(path), world_name, asked)
     else:
         program = load_checked(path)
         if world_name is None and _asks_a_world(program.library):
@@ -116,44 +117,58 @@ def _asks_a_world(library: Library) -> bool:
     return bool(library.primitives or library.skills)
 
 
-def _recorded(path: Path) -> Shell:
-    """Begin a recorded run again and follow it, or have it only to look at."""
-    begun = beginnings(path)
-    found = _at_hand(begun)
+def _recorded(path: Path, world_name: str | None, asked: RunOptions) -> Shell:
+    """Begin a recorded run again, or have it only to look at."""
+    if any(asked):
+        fail(
+            "a recorded run begins as it was recorded",
+            "only --world, -c and --json go with it",
+        )
+    recording = Recording(path)
+    begun = recording.begun
+    found = _at_hand(begun, world_name, path)
     if isinstance(found, str):
         _tell(f"only to look at: {found}")
-        return Shell(Tape.open(path), commands())
+        return Shell(Tape(recording), commands(), recording=str(recording))
     if begun.digest not in ("", digest(found.library)):
         _tell("the library is not the one that was recorded: its text is another")
-    session = _session(_again(found, begun))
-    parted = follow(session, path)
-    if parted is not None:
-        _tell(
-            f"the run is not the one that was recorded, from cycle {parted.cycle} on: "
-            "its library, its world or what was done in it was another"
-        )
-    return Shell(session, commands(), [begun.library])
+    session = _session(_again(found, begun, world_name or begun.world))
+    Replay(session, recording)
+    return Shell(session, commands(), [begun.library], str(recording))
 
 
 def _tell(text: str) -> None:
     click.echo(text, err=True)
 
 
-def _at_hand(begun: Beginnings) -> Program | str:
-    """Return the library of a recorded run, or why it or the world is not at hand."""
+def _at_hand(begun: Beginnings, world_name: str | None, path: Path) -> Program | str:
+    """Return the library of a recorded run, or why it or the world is not at hand.
+
+    A recording may come from anywhere, so the module of a world that was named
+    `module:Class` is imported only if the user names it. Another world than the
+    recorded one ends the command.
+    """
+    if world_name is not None and find_world(world_name).name != begun.world:
+        named = begun.world_class or begun.world
+        fail(f"`{path}` was recorded in the world `{named}`, not in `{world_name}`")
+    if world_name is None and begun.world_class:
+        return (
+            f"the module of the world `{begun.world_class}` is imported only with "
+            f"`--world {begun.world_class}`"
+        )
     try:
-        find_world(begun.world)
+        find_world(world_name or begun.world)
         return load(begun.library).program
     except Error as error:
         return error.message
 
 
-def _again(library: Program, begun: Beginnings) -> PreparedRun:
+def _again(library: Program, begun: Beginnings, world_name: str) -> PreparedRun:
     """Return a run that can be begun as a recorded one was."""
     values = [f"{begun.world}.{name}={typed(v)}" for name, v in begun.options.items()]
     values += [f"rapc.{name}={typed(v)}" for name, v in begun.settings.items()]
     given = (begun.tasks, None, begun.seed, begun.facts, values, begun.faults)
-    return prepared(library, begun.world, RunOptions(*given))
+    return prepared(library, world_name, RunOptions(*given))
 
 
 def _session(ready: PreparedRun) -> Session:

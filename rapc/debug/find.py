@@ -85,18 +85,4 @@ def find_event(
         if found is not None:
             session.goto(found.cycle)
         return found
-    met: list[ToldEvent] = []
-
-    def watch(told: ToldEvent) -> None:
-        if not met and finder.fits(told):
-            met.append(told)
-
-    start, over = session.cycle, session.over
-    before, session.log.watcher = session.log.watcher, watch
-    try:
-        session.go(lambda: "" if met else None, heed=False)
-    finally:
-        session.log.watcher = before
-    if not (met or over or session.no_way_back):
-        session.goto(start)
-    return met[0] if met else None
+    return session.seek(finder.kind, want=finder.fits)

@@ -65,6 +65,8 @@ class EventLog:
         self.opening: list[ToldEvent] = []
         #: Called with each event besides, if set: what stops a run.
         self.watcher: Watcher | None = None
+        #: Called with each event too, if set: what compares a run with a recording.
+        self.follower: Watcher | None = None
         #: Gets the events while a run is replayed for a question; then nothing is kept.
         self.elsewhere: Watcher | None = None
 
@@ -88,6 +90,8 @@ class EventLog:
             self.elsewhere(told)
             return
         (self._kept if cycle else self.opening).append(told)
+        if self.follower is not None:
+            self.follower(told)
         if self.watcher is not None:
             self.watcher(told)
 

@@ -80,6 +80,15 @@ def _in_families(
         stack += [(depth + 1, one) for one in reversed(below.get(task, ()))]
 
 
+_ENDS = (events.TaskSucceeded, events.TaskFailed, events.TaskRemoved)
+
+TOLD_OF_TREES = (
+    *(events.TaskCreated, events.TaskSelected, *_ENDS),
+    *(events.MethodChosen, events.MethodEnded, events.TaskBlocked, events.TaskWoken),
+)
+"""The events that `tree_told` needs."""
+
+
 def tree_told(told: Iterable[ToldEvent]) -> list[FamilyMember]:
     """Return the live tasks that events tell of, each behind its parent, by number.
 
@@ -94,7 +103,7 @@ def tree_told(told: Iterable[ToldEvent]) -> list[FamilyMember]:
                 0, one.keys["task"], one.keys["goal"], "made", "", None, "", None
             )
             below.setdefault(one.keys["parent"], []).append(one.keys["task"])
-        elif one.kind in (events.TaskSucceeded, events.TaskFailed, events.TaskRemoved):
+        elif one.kind in _ENDS:
             nodes.pop(one.keys["task"], None)
         elif number in nodes:
             nodes[number] = replace(nodes[number], **_changed_by(one))

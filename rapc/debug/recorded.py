@@ -1,4 +1,4 @@
-"""Recorded runs: traces that are written, followed by replay, and compared."""
+"""Recorded runs: traces that are written, run again, and compared."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ import msgspec
 
 from rapc import events
 from rapc.debug.log import ToldEvent
+from rapc.debug.recording import UNREADABLE, Recording
+from rapc.debug.saves import Moment
 from rapc.debug.session import Session
 from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError
-from rapc.runtime.events.trace import JsonTrace, record
+from rapc.runtime.events.trace import JsonTrace
 
-_DECISIONS = ("task-selected", "method-chosen")
+_DECISIONS = (events.TaskSelected, events.MethodChosen)
 """The events in which a run decides something."""
 
 _BROKEN_OFF = ("until", "cycles", "cancelled")
@@ -36,66 +38,16 @@ def write_trace(session: Stepped, path: Path) -> int:
         LoadError: if the file cannot be written.
         StateError: if events are gone and the run cannot be taken back in time.
     """
-    told = session.scan()
+    count = 0
     try:
         with path.open("w", encoding="utf-8") as stream:
             trace = JsonTrace(stream)
-            for one in told:
-                trace(one.event())
+            for one in session.scan():
+                trace.raw(*one)
+                count += 1
     except OSError as error:
         raise LoadError(f"cannot write `{path}`: {error.strerror}") from error
-    return len(told)
-
-
-def read_events(path: Path) -> Iterator[_Event]:
-    """Iterate over the events of a trace in the form jsonl.
-
-    Raises:
-        LoadError: for what cannot be read, and for what is no trace.
-    """
-    try:
-        with path.open("rb") as stream:
-            for row, line in enumerate(stream, 1):
-                event = msgspec.json.decode(line)
-                if not isinstance(event, dict) or "event" not in event:
-                    raise LoadError(f"`{path}` is no trace: line {row} is no event")
-                yield event
-    except OSError as error:
-        raise LoadError(f"cannot read `{path}`: {error.strerror}") from error
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise LoadError(f"`{path}` is no trace: {error}") from error
-
-
-class Beginnings(msgspec.Struct, frozen=True):
-    """The library, world, seed and tasks with which a recorded run began."""
-
-    library: str
-    world: str
-    options: dict[str, str | int | float | bool]
-    settings: dict[str, int | float | bool]
-    seed: int
-    tasks: tuple[str, ...]
-    faults: tuple[str, ...]
-    #: A trace that an earlier rapc wrote does not have them.
-    facts: tuple[str, ...] = ()
-    #: Tells the texts of the library from others; nor does it have that.
-    digest: str = ""
-
-
-def beginnings(path: Path) -> Beginnings:
-    """Return what a recorded run was begun with: its first event says it.
-
-    Raises:
-        LoadError: for what is no trace, or one that lacks its beginning.
-    """
-    for event in read_events(path):
-        if event["event"] == "run-started":
-            try:
-                return msgspec.convert(event, Beginnings)
-            except msgspec.ValidationError as error:
-                raise LoadError(f"`{path}` is no trace: {error}") from error
-        break
-    raise LoadError(f"`{path}` is no trace of a run from its beginning")
+    return count
 
 
 class Parting(msgspec.Struct, frozen=True):
@@ -106,73 +58,126 @@ class Parting(msgspec.Struct, frozen=True):
     there: _Event | None
 
 
-def follow(session: Session, path: Path) -> Parting | None:
-    """Run on as a recorded run went; return where it parts from it, None if nowhere.
+class Replay:
+    """A run that is begun again as it was recorded, and compared with the recording.
 
-    The session then stands at the end of the last cycle in which they agree.
+    The session stands before its first cycle; `goto(session.seen)` goes to the end of
+    the recording. Acts before that end begin another branch, which is not compared.
 
-    Raises:
-        LoadError: for what is no trace.
-        StateError: if the run cannot be taken back in time and has to be.
+    Args:
+        session: the run, begun with what `recording.begun` says.
+        recording: the recording.
     """
-    last = 0
-    for event in read_events(path):
-        last = max(last, event.get("cycle", 0))
-    session.goto(last)
-    ends = [event for event in read_events(path) if event["event"] == "run-ended"]
-    broken_off = bool(ends) and ends[0]["reason"] in _BROKEN_OFF
-    if ends and not broken_off:
-        session.step()
-    found = parting(session, path)
-    if found is not None and not session.no_way_back:
-        session.goto(max(found.cycle - 1, 0))
-    # a run that is broken off may have done less in its last cycle, or more behind it
-    return None if broken_off and found and found.cycle >= last else found
+
+    def __init__(self, session: Session, recording: Recording) -> None:
+        self._session, self._recording = session, recording
+        self._lines = recording.lines()
+        self._written = _Lines()
+        self._trace = JsonTrace(self._written)
+        #: The serial number of the next event to be compared; None if none is any more.
+        self._next: int | None = 0
+        #: The first cycle that differs; None while none does.
+        self.parted: int | None = None
+        self._to_tell = ""
+        #: Whether the run could have gone on: then its last cycle may not be whole.
+        self._cut = recording.reason in ("", *_BROKEN_OFF)
+        self._last = Moment(max(recording.last_cycle - self._cut, 0))
+        self._main = session.branch
+        self._main.end = self._last
+        for told in session.log.since(0):
+            self._compare(told)
+        session.log.follower = self._compare
+        session.checks["recording"] = self._stops
+        session.notes.append(self.note)
+
+    def note(self) -> str:
+        """Return in words where the run differs from the recording, once."""
+        text, self._to_tell = self._to_tell, ""
+        return text
+
+    def _stops(self) -> str | None:
+        """Return why a run stops after a cycle, if the recording is a reason."""
+        if self._to_tell:
+            return self.note()
+        at_end = self._session.moment == self._last
+        if self._cut and self._is_recorded and at_end:
+            return f"the recording ends here ({self._recording.reason or 'cut off'})"
+        return None
+
+    @property
+    def _is_recorded(self) -> bool:
+        """Whether nothing was done to the run that the recording cannot have."""
+        return self._session.branch is self._main and not self._main.acts
+
+    def _compare(self, told: ToldEvent) -> None:
+        """Compare an event with its line, if no event before it differs."""
+        if told.serial != self._next or not self._is_recorded:
+            return
+        self._next += 1
+        line = next(self._lines, b"")
+        self._trace.raw(*told)
+        if not line.endswith(b"\n"):  # the recording was cut off
+            self._next = None
+        elif told.kind is not events.RunStarted and line != self._written.text.encode():
+            self._differs(told, line)
+
+    def _differs(self, told: ToldEvent, line: bytes) -> None:
+        """Take note of a line that is another, but for folders of files."""
+        if self._cut and told.cycle >= self._recording.last_cycle:
+            self._next = None
+            return
+        try:
+            there = msgspec.json.decode(line)
+        except UNREADABLE:
+            there = None
+        if _anywhere(msgspec.json.decode(self._written.text)) != _anywhere(there):
+            self._next = None
+            self.parted = told.cycle
+            self._to_tell = (
+                f"the run differs from the recording from cycle {told.cycle} on (line "
+                f"{told.serial + 1}): the library, the world or acts by hand differ"
+            )
 
 
-def parting(session: Stepped, path: Path, *, decisions: bool = False) -> Parting | None:
-    """Return the first event in which the run differs from a recorded one.
+class _Lines:
+    """A stream that keeps what was written last."""
+
+    text = ""
+
+    def write(self, text: str) -> None:
+        """Keep a line."""
+        self.text = text
+
+
+def parting(session: Stepped, path: Path) -> Parting | None:
+    """Return the first decision in which the run differs from a recorded one.
 
     Args:
         session: the run, as far as it has gone.
         path: the trace of the other.
-        decisions: whether only choices of tasks and methods are compared.
 
     Raises:
-        LoadError: for what is no trace.
+        LoadError: for what is not a trace.
     """
-    mine = _mine(session, decisions)
-    others = (e for e in read_events(path) if not decisions or e["event"] in _DECISIONS)
-    for here, there in zip_longest(mine, others):
-        one, other = _bare(here, decisions), _bare(there, decisions)
-        if one != other and _anywhere(one) != _anywhere(other):
-            either = here or there or {}
-            return Parting(either.get("cycle", 0), here, there)
+    others = Recording(path).written(_DECISIONS)
+    for here, there in zip_longest(_mine(session), others):
+        if _bare(here) != _bare(there):
+            return Parting((here or there or {})["cycle"], here, there)
     return None
 
 
-def _mine(session: Stepped, decisions: bool) -> Iterator[_Event]:
-    kinds = (events.TaskSelected, events.MethodChosen) if decisions else ()
-    told: list[ToldEvent] = session.scan(*kinds)
-    return (_as_read(record(one.event())) for one in told)
+def _mine(session: Stepped) -> Iterator[_Event]:
+    """Iterate over the decisions of a run as a trace has them."""
+    written = _Lines()
+    trace = JsonTrace(written)
+    for one in session.scan(*_DECISIONS):
+        trace.raw(*one)
+        yield msgspec.json.decode(written.text)
 
 
-def _as_read(event: _Event) -> _Event:
-    """Return an event as it is read from a file."""
-    found: _Event = msgspec.json.decode(msgspec.json.encode(event, enc_hook=str))
-    return found
-
-
-def _bare(event: _Event | None, decisions: bool) -> _Event | None:
-    """Return an event without what says only where it stands, for decisions.
-
-    How a run was begun is no part of how it went.
-    """
-    if event is not None and event["event"] == "run-started":
-        return {"event": "run-started"}
-    if event is None or not decisions:
-        return event
-    return {key: value for key, value in event.items() if key != "n"}
+def _bare(event: _Event | None) -> _Event | None:
+    """Return an event without its serial number."""
+    return event and {key: value for key, value in event.items() if key != "n"}
 
 
 def _anywhere(told: Any) -> Any:

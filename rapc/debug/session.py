@@ -81,12 +81,15 @@ class Session(Course):
         if goes_on:
             self.goto(self.cycle)
         branch, moment = self.branch, self.moment
+        follower, self.log.follower = self.log.follower, None
         try:
             run = act.do(self.run)
         except Error:
             if goes_on:
                 self.step()  # to its end again
             raise
+        finally:
+            self.log.follower = follower
         if moment < branch.end or moment.acts < len(branch.acts):
             branch = self._branch_off(moment)
         branch.acts.append((moment.cycle, act))

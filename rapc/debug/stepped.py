@@ -6,7 +6,7 @@ How a cycle is gone forth, and how the way back is found, is for those who inher
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import msgspec
@@ -40,6 +40,8 @@ class Stepped(ABC):
         self.no_way_back = ""
         #: Asked after each cycle: text to stop with, or nothing.
         self.checks: dict[str, Callable[[], str | None]] = {}
+        #: Asked after each stop: a line to be told, or nothing.
+        self.notes: list[Callable[[], str]] = []
         self._paused = False
 
     # --- where it stands ----------------------------------------------------------
@@ -91,7 +93,7 @@ class Stepped(ABC):
         *kinds: type[Any],
         first: int = 0,
         want: Callable[[ToldEvent], bool] | None = None,
-    ) -> list[ToldEvent]:
+    ) -> Iterable[ToldEvent]:
         """Return events up to now, in order, from a cycle on.
 
         Args:
@@ -113,7 +115,34 @@ class Stepped(ABC):
         """
         kept = (told for told in self.log.backwards() if told.kind in kinds)
         found = next((told for told in kept if want(told)), None)
-        return found or next(reversed(self.scan(*kinds, want=want)), None)
+        return found or next(reversed([*self.scan(*kinds, want=want)]), None)
+
+    def seek(
+        self, *kinds: type[Any], want: Callable[[ToldEvent], bool]
+    ) -> ToldEvent | None:
+        """Go to the cycle of the next event of some kinds that is wanted.
+
+        Breakpoints do not matter meanwhile. Where there is none it stands where it
+        stood, or at the end of the run if there is no way back.
+
+        Returns:
+            The event, or None.
+        """
+        met: list[ToldEvent] = []
+
+        def watch(told: ToldEvent) -> None:
+            if not met and told.kind in kinds and want(told):
+                met.append(told)
+
+        start, over = self.cycle, self.over
+        before, self.log.watcher = self.log.watcher, watch
+        try:
+            self.go(lambda: "" if met else None, heed=False)
+        finally:
+            self.log.watcher = before
+        if not (met or over or self.no_way_back):
+            self.goto(start)
+        return met[0] if met else None
 
     # --- what inherits ------------------------------------------------------------
 
@@ -206,7 +235,8 @@ class Stepped(ABC):
         """
         if time < self.now:
             later = self.scan(want=lambda told: told.time > time)
-            return self.goto(later[0].cycle - 1 if later else self.cycle)
+            found = next(iter(later), None)
+            return self.goto(self.cycle if found is None else found.cycle - 1)
         stop = self._as_far(lambda: "" if self.now > time else None, heed)
         if stop.kind == "asked" and not self.no_way_back:
             return self.goto(self.cycle - 1)

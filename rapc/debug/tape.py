@@ -1,55 +1,37 @@
 """Recorded runs without what they ran: only to look at, forth and back.
 
-A trace has words where a run has values. Goals, facts and requests are read again, as
-far as searching and telling needs them.
+Nothing of a recording is kept but where it stands; what is asked for is read again.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from itertools import islice
 from typing import Any
 
-import msgspec
-
-from rapc import events
-from rapc.base.values import Fact, number
-from rapc.debug.log import EventLog, ToldEvent, Wanted
-from rapc.debug.recorded import read_events
-from rapc.debug.stepped import Stepped
-from rapc.errors import LoadError, TextError
-from rapc.events import Cause, Goal, TaskResult, kinds
-from rapc.parser.parse import parse_fact
+from rapc.debug.log import MOST, EventLog, ToldEvent
+from rapc.debug.recording import Recording
+from rapc.debug.stepped import Stepped, Stop
+from rapc.events import Event
 from rapc.world import Time
 
 
 class Tape(Stepped):
     """A recorded run that is only looked at; it stands before its first cycle.
 
+    What reads the recording raises LoadError where that is damaged.
+
     Args:
-        told: all its events, in order.
+        recording: the file.
     """
 
-    def __init__(self, told: Iterable[ToldEvent]) -> None:
-        self._all = list(told)
-        super().__init__(EventLog(most=max(len(self._all), 1)))
-        self._end = _beginning_of_end(self._all)
-        self._at = 0
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self._log = _TapeLog(recording)
+        super().__init__(self._log)
         self._number = 0
-        self._feed(0)
-
-    @classmethod
-    def open(cls, path: Path) -> Tape:
-        """Read a recorded run from a file.
-
-        Raises:
-            LoadError: for what cannot be read, and for what is no trace.
-        """
-        known = kinds()
-        return cls(
-            _told(path, row, one, known) for row, one in enumerate(read_events(path))
-        )
+        self._over = False
+        self._put(0)
 
     @property
     def cycle(self) -> int:
@@ -59,170 +41,104 @@ class Tape(Stepped):
     @property
     def now(self) -> Time:
         """The time of the last event up to here."""
-        return self._all[self._at - 1].time if self._at else 0
+        return self._recording.time_of(self._log.at - 1) if self._log.at else 0
 
     @property
     def reason(self) -> str:
         """The reason why the run was over, at its end; empty before."""
-        if self._at < len(self._all):
-            return ""
-        last = self._all[-1] if self._all else None
-        ended = last is not None and last.kind is events.RunEnded
-        return str(last.keys["reason"]) if ended and last else "no more is recorded"
+        return (self._recording.reason or "no more is recorded") if self._over else ""
 
     @property
     def serial(self) -> int:
-        """The place of the next event."""
-        return self._at
+        """The row of the next event."""
+        return self._log.at
 
     @property
     def seen(self) -> int:
         """The last cycle that was recorded."""
-        return self._all[-1].cycle if self._all else 0
+        return self._recording.last_cycle
 
     def scan(
         self,
         *kinds: type[Any],
         first: int = 0,
         want: Callable[[ToldEvent], bool] | None = None,
-    ) -> list[ToldEvent]:
-        """Return events up to here: see `Stepped.scan`."""
-        wanted = Wanted(kinds, first, want)
-        return [told for told in self._all[: self._at] if wanted.fits(told)]
+    ) -> Iterator[ToldEvent]:
+        """Iterate over events up to here: see `Stepped.scan`."""
+        row = self._recording.row_after(first - 1)
+        told = self._recording.scan(row, self._log.at, kinds)
+        return told if want is None else filter(want, told)
+
+    def last(
+        self, *kinds: type[Any], want: Callable[[ToldEvent], bool]
+    ) -> ToldEvent | None:
+        """Return the last event up to here of some kinds that is wanted, or None."""
+        told = self._recording.backwards(self._log.at, kinds)
+        return next(filter(want, told), None)
+
+    def seek(
+        self, *kinds: type[Any], want: Callable[[ToldEvent], bool]
+    ) -> ToldEvent | None:
+        """Go to the cycle of the next event of some kinds: see `Stepped.seek`."""
+        told = self._recording.scan(self._log.at, self._recording.rows, kinds)
+        found = next(filter(want, told), None)
+        if found is not None:
+            before_end = found.serial < self._recording.row_after(found.cycle)
+            self.goto(found.cycle + (not before_end))
+        return found
+
+    def goto(self, cycle: int, *, heed: bool = False) -> Stop:
+        """Go to the end of a cycle: see `Stepped.goto`; nothing stops it."""
+        if cycle > self.seen:
+            self._put(self.seen, over=True)
+            return Stop("over", self.reason)
+        self._put(max(cycle, 0))
+        return Stop("asked")
+
+    def goto_time(self, time: Time, *, heed: bool = False) -> Stop:
+        """Go to the last moment at or before a time: see `Stepped.goto_time`."""
+        row = self._recording.row_later(time)
+        if row == self._recording.rows:
+            return self.goto(self.seen + 1)
+        cycle = self._recording.cycle_of(row)
+        return self.goto(
+            cycle if row == self._recording.row_after(cycle) else cycle - 1
+        )
 
     def _cycle(self) -> bool:
-        if self._at < self._end:
-            self._number += 1
-            self._feed(self._number)
+        if self._number < self.seen:
+            self._put(self._number + 1)
             return True
-        self._hand_over(len(self._all))
+        self._put(self.seen, over=True)
         return False
 
-    def _feed(self, cycle: int) -> None:
-        """Hand over all events up to the end of a cycle, but for those of the end."""
-        until = self._at
-        while until < self._end and self._all[until].cycle <= cycle:
-            until += 1
-        self._hand_over(until)
-
-    def _hand_over(self, until: int) -> None:
-        for told in self._all[self._at : until]:
-            self.log.raw(*told)
-        self._at = until
-
     def _go_back(self, cycle: int) -> None:
-        self._number = cycle
-        self._at = 0
-        self.log.forget_from(0)
-        watcher, self.log.watcher = self.log.watcher, None
-        self._feed(cycle)
-        self.log.watcher = watcher
+        self._put(cycle)
+
+    def _put(self, cycle: int, *, over: bool = False) -> None:
+        """Stand at the end of a cycle, or of the run."""
+        recording = self._recording
+        at = recording.rows if over else recording.row_after(cycle)
+        self._number, self._over, self._log.at = cycle, over, at
 
 
-def _beginning_of_end(told: list[ToldEvent]) -> int:
-    """Return the place of the first event of the end of a run, where it is removed."""
-    at = len(told)
-    while at and (
-        told[at - 1].kind is events.RunEnded
-        or (
-            told[at - 1].kind is events.TaskRemoved
-            and told[at - 1].keys["cause"] == "run-over"
-        )
-    ):
-        at -= 1
-    return at
+class _TapeLog(EventLog):
+    """The events of a recorded run up to a row."""
 
+    def __init__(self, recording: Recording) -> None:
+        super().__init__(most=0)
+        self._recording = recording
+        #: The row before which it stands.
+        self.at = 0
 
-# --- words into values ----------------------------------------------------------------
+    def backwards(self) -> Iterator[ToldEvent]:
+        """Iterate over the events up to here, the last one first."""
+        return self._recording.backwards(self.at)
 
+    def since(self, serial: int) -> list[ToldEvent]:
+        """Return the events from a row on, the last of them if there are too many."""
+        return list(self._recording.scan(max(serial, self.at - MOST), self.at))
 
-def _told(
-    path: Path, row: int, event: Mapping[str, Any], known: Mapping[str, type[Any]]
-) -> ToldEvent:
-    """Return an event of a trace as a run would have told it. Raises LoadError."""
-    kind = known.get(str(event["event"]))
-    if kind is None:
-        said = f"line {row + 1} is an event `{event['event']}`, which is not known"
-        raise LoadError(f"`{path}` is no trace: {said}")
-    keys = {}
-    try:
-        for field in msgspec.structs.fields(kind):
-            if field.encode_name in event:
-                value = event[field.encode_name]
-            elif not field.required:
-                value = field.default
-            else:
-                raise LoadError(
-                    f"`{path}` is no trace: line {row + 1} has no `{field.encode_name}`"
-                )
-            read_it = _READ.get(field.name)
-            keys[field.name] = value if read_it is None else read_it(value)
-        serial, cycle, time = (keys.pop(name) for name in ("n", "cycle", "time"))
-        return (
-            ToldEvent(kind, row, int(cycle), number(time), keys)
-            if serial == row
-            else (_out_of_order(path, row))
-        )
-    except (TypeError, ValueError, msgspec.ValidationError) as error:
-        raise LoadError(f"`{path}` is no trace: line {row + 1}: {error}") from error
-
-
-def _out_of_order(path: Path, row: int) -> ToldEvent:
-    raise LoadError(f"`{path}` is no trace: line {row + 1} is out of order")
-
-
-_WORD = re.compile(r'"(?:[^"\\]|\\.)*"|[^\s()"]*\([^()]*\)|[^\s()"]+')
-
-
-def _words(text: object) -> tuple[Any, ...]:
-    """Return the words of a list; what it was made of cannot be told any more."""
-    return tuple(_WORD.findall(str(text)[1:-1]))
-
-
-def _fact(text: object) -> Fact:
-    """Return a fact, request or signal; one that is none is left as its words."""
-    try:
-        return parse_fact(str(text))
-    except TextError:
-        return _words(text)
-
-
-def _facts(texts: object) -> object:
-    """Return the data of a result, or the one datum that came by itself."""
-    if isinstance(texts, str):
-        return _fact(texts)
-    return tuple(map(_fact, texts)) if isinstance(texts, list) else texts
-
-
-def _goal(text: object) -> Goal:
-    words = _words(text)
-    at = words.index("=>") if "=>" in words else len(words)
-    return Goal(str(words[0]), words[1:at], words[at + 1 :])
-
-
-def _because(value: object) -> object:
-    return msgspec.convert(value, Cause) if isinstance(value, dict) else value
-
-
-def _results(value: object) -> tuple[TaskResult, ...]:
-    return msgspec.convert(
-        value, tuple[TaskResult, ...], dec_hook=lambda _, text: _goal(text)
-    )
-
-
-def _what(value: object) -> object:
-    """Return a signal or skill; what became of a resource stays words."""
-    return _fact(value) if str(value).startswith("(") else value
-
-
-_READ: Mapping[str, Callable[[Any], Any]] = {
-    "goal": _goal,
-    "fact": _fact,
-    "request": _fact,
-    "sent": _fact,
-    "data": _facts,
-    "what": _what,
-    "because": _because,
-    "results": _results,
-}
-"""How the values of a key are read; those of any other stay as they are."""
+    def last(self, *kinds: type[Event]) -> ToldEvent | None:
+        """Return the last event of some kinds."""
+        return next(islice(self._recording.backwards(self.at, kinds), 1), None)

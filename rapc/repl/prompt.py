@@ -163,6 +163,9 @@ class Prompt:
 
     def _answer_inputs(self, fresh: Callable[[], None]) -> None:
         shell = self._shell
+        if shell.recording:
+            told = f"recorded run: {shell.recording}; `:goto end` goes to its end"
+            sys.stdout.write(f"{visible(told)}\n")
         sys.stdout.write(f"{shell.subject.stand()}; {GREETING}\n")
         interrupted = False
         while not shell.left:

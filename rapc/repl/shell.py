@@ -99,6 +99,7 @@ class Shell:
         subject: what is debugged, or only looked at.
         commands: what there is to be typed.
         paths: the files and folders that the library was read from.
+        recording: how far the recording of the run goes, if there is one, in words.
     """
 
     def __init__(
@@ -106,10 +107,12 @@ class Shell:
         subject: Stepped,
         commands: Sequence[Command],
         paths: Sequence[str] = (),
+        recording: str = "",
     ) -> None:
         #: What is debugged, or a recorded run that is only looked at.
         self.subject = subject
         self.paths = tuple(paths)
+        self.recording = recording
         self.commands = {command.name: command for command in commands}
         #: The last answers to queries, the newest first: `*1`, `*2`, `*3`.
         self.answers: list[list[dict[str, Value]]] = []
@@ -248,10 +251,11 @@ class Shell:
             self.watches.append(text)
 
     def watched(self) -> list[str]:
-        """Return what is to be shown after every stop: watches, what was logged."""
+        """Return what is to be shown after every stop: notes, logs, watches."""
         if self._breakpoints is None:
             return []
-        lines = self._breakpoints.logged[self._told_of :]
+        lines = [text for note in self.subject.notes if (text := note())]
+        lines += self._breakpoints.logged[self._told_of :]
         self._told_of = len(self._breakpoints.logged)
         for number, text in enumerate(self.watches, 1):
             said = self._watched_answers(text)

@@ -47,6 +47,7 @@ ACTS: Mapping[str, str] = {
     "Session.last": "reads `scan`, which is asked",
     "Session.open": "begins a run",
     "Session.pause": "stops the run",
+    "Session.seek": "goes to a cycle, as `goto` does",
     "Session.step": "runs on",
     "Session.switch": "goes on in another branch",
     "Session.take_up": "changes the library",

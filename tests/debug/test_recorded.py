@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 from pathlib import Path
 
 import pytest
 
 from rapc.debug import recorded
+from rapc.debug.recorded import Replay
+from rapc.debug.recording import Recording
 from rapc.debug.tape import Tape
 from rapc.errors import LoadError
 from rapc.repl.commands.table import commands
@@ -27,7 +31,18 @@ def test_a_trace_is_that_of_rapc_run(tmp_path: Path) -> None:
     assert " events in " in said(shell, f":record {mine}", width=200)
     told, expected = mine.read_text().splitlines(), other.read_text().splitlines()
     assert told[1:] == expected[1:]
-    assert recorded.parting(shell.session, mine) is None
+    assert _parted(mine) is None
+
+
+def _parted(trace: Path) -> int | None:
+    """Return the first cycle in which a truck's run differs from its recording."""
+    recording = Recording(trace)
+    options = dict(recording.begun.options)
+    replay = Replay(truck(options=options), recording)
+    session = replay._session
+    session.go(heed=False)
+    assert session.over
+    return replay.parted
 
 
 @pytest.mark.parametrize(
@@ -37,17 +52,21 @@ def test_a_trace_from_elsewhere_is_the_same_run(folder: str, tmp_path: Path) -> 
     mine, other = tmp_path / "mine.jsonl", tmp_path / "other.jsonl"
     options = {"arm1-drops": 90, "arm2-drops": 90}
     shell = Shell(truck(options=options), commands())
-    shell.answer(":to at 300")
+    shell.answer(":run")
     said(shell, f":record {mine}", width=200)
-    told = mine.read_text()
+    told = mine.read_text().replace(
+        '"options":{}', '"options":{"arm1-drops":90,"arm2-drops":90}'
+    )
     assert told.count("rapc:truck/") > 1
     other.write_text(told.replace("rapc:truck/", folder))
-    assert recorded.parting(shell.session, other) is None
+    assert _parted(other) is None
     other.write_text(told.replace("rapc:truck/grasping", "rapc:truck/moving"))
-    assert recorded.parting(shell.session, other) is not None
+    assert _parted(other) is not None
 
 
-def test_a_recorded_run_is_opened_and_can_be_taken_back(tmp_path: Path) -> None:
+def test_a_recorded_run_begins_at_its_beginning_and_goes_to_its_end(
+    tmp_path: Path,
+) -> None:
     trace = tmp_path / "run.jsonl"
     rapc(
         "run",
@@ -55,9 +74,42 @@ def test_a_recorded_run_is_opened_and_can_be_taken_back(tmp_path: Path) -> None:
         *("-q", "--seed", "7", "--set", "truck.fuel=20"),
         *("--set", "rapc.futile-limit=3", "--trace", str(trace)),
     )
-    done = rapc("repl", str(trace), "-c", ":back 5", "-c", "(truck-location ?x)")
+    done = rapc(
+        *("repl", str(trace), "-c", ":show none", "-c", ":step", "-c", ":goto end"),
+        *(
+            "-c",
+            ":back 5",
+            "-c",
+            "(truck-location ?x)",
+            "-c",
+            ":goto end",
+            "-c",
+            ":step",
+        ),
+    )
     assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    assert lines[1] == "cycle 1, time 0"
+    last = Recording(trace).last_cycle
+    assert lines[2].startswith(f"cycle {last},")
+    assert lines[3].startswith(f"cycle {last - 5},")
     assert "factory-1" in done.stdout
+    assert lines[-1].endswith("run over (done)")
+
+
+def test_act_before_the_end_of_a_recording_begins_a_branch(tmp_path: Path) -> None:
+    trace = tmp_path / "run.jsonl"
+    rapc("run", *RUN, "-q", "--seed", "7", "--trace", str(trace))
+    recording = Recording(trace)
+    replay = Replay(truck(), recording)
+    shell = Shell(replay._session, commands())
+    shell.answer(":show none")
+    assert "on branch-1" in said(shell, ":step 5", ":assert (truck-fuel 1)")
+    assert "over" in said(shell, ":run")
+    assert said(shell, ":branch main", ":goto end").startswith(
+        f"cycle {recording.last_cycle},"
+    )
+    assert replay.parted is None
 
 
 def test_facts_that_were_given_are_given_again(tmp_path: Path) -> None:
@@ -73,7 +125,7 @@ def test_facts_that_were_given_are_given_again(tmp_path: Path) -> None:
 def test_facts_that_a_program_gave_are_told_too(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     recorded.write_trace(truck(facts=["(truck-fuel 3)"]), trace)
-    assert recorded.beginnings(trace).facts == ("(truck-fuel 3)",)
+    assert Recording(trace).begun.facts == ("(truck-fuel 3)",)
 
 
 def test_a_run_that_parts_from_the_recorded_one_says_where(tmp_path: Path) -> None:
@@ -83,8 +135,16 @@ def test_a_run_that_parts_from_the_recorded_one_says_where(tmp_path: Path) -> No
     at = next(i for i, line in enumerate(lines) if '"cycle":30,' in line)
     lines[at] = lines[at].replace('"event":"', '"event":"x-')
     trace.write_text("\n".join(lines) + "\n")
-    done = rapc("repl", str(trace), "-c", ":show")
-    assert "is not the one that was recorded, from cycle 30 on" in done.stderr
+    where = "the run differs from the recording from cycle 30 on (line"
+    run = ("-c", ":show none", "-c", ":run", "-c", ":run")
+    told = rapc("repl", str(trace), *run).stdout.splitlines()
+    assert told[1].startswith(f"stopped: {where}")
+    assert told[-2].startswith("cycle 30,")
+    assert told[-1].endswith("run over (done)")
+    told = rapc(
+        "repl", str(trace), "-c", ":goto end", "-c", ":back"
+    ).stdout.splitlines()
+    assert [line.startswith(where) for line in told] == [True, False, False]
 
 
 def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
@@ -103,18 +163,23 @@ def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("hello", "is no trace"),
-        ("[]", "line 1 is no event"),
-        ('{"event":"signal"}', "no trace of a run from its beginning"),
-        ('{"event":"run-started"}', "is no trace"),
-        ("", "no trace of a run from its beginning"),
+        ("hello", "is not a trace: line 1: "),
+        ("[]", "is not a trace: line 1: expected `object`, got `array`"),
+        ('{"event":"signal"}', "not a trace of a run from its beginning"),
+        ('{"event":"run-started"}', "line 1: object missing required field `library`"),
+        ("", "not a trace of a run from its beginning"),
+        ("[" * 100_000, "line 1: "),
+        (
+            '{"event":"run-started","x":' + "[" * 100_000,
+            "line 1: lists nested too deep",
+        ),
     ],
 )
 def test_what_is_no_trace_is_said(text: str, why: str, tmp_path: Path) -> None:
     file = tmp_path / "run.jsonl"
     file.write_text(text)
     with pytest.raises(LoadError, match=why):
-        recorded.beginnings(file)
+        Recording(file)
 
 
 def test_what_cannot_be_begun_is_refused(tmp_path: Path) -> None:
@@ -122,7 +187,7 @@ def test_what_cannot_be_begun_is_refused(tmp_path: Path) -> None:
     file.write_text("hello")
     done = rapc("repl", str(file))
     assert done.returncode == 2
-    assert "is no trace" in done.stderr
+    assert "is not a trace" in done.stderr
     assert rapc("repl", str(tmp_path / "none.jsonl")).returncode == 2
     assert "a world is missing" in rapc("repl", "examples/rock-order.rap").stderr
     for given in (("--world", "truck"), ("--task", "(a)"), ("--fact", "(a)")):
@@ -156,9 +221,66 @@ SAY = """
 def test_a_run_that_was_broken_off_is_opened_where_it_was(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     rapc("run", *RUN, "-q", "--seed", "7", "--until", "90", "--trace", str(trace))
-    done = rapc("repl", str(trace), "-c", ":show none", "-c", ":step")
+    done = rapc("repl", str(trace), "-c", ":show none", "-c", ":run", "-c", ":step")
     assert (done.returncode, done.stderr) == (0, "")
+    assert "stopped: the recording ends here (until)\ncycle 41, time 70" in done.stdout
     assert "cycle 42, time " in done.stdout
+
+
+@pytest.fixture
+def lamps(tmp_path: Path) -> Path:
+    """A folder with the lamps of the manual, and a recording of them."""
+    for file in (*Path("tests/worlds/lamps").glob("lamps.*"),):
+        shutil.copy(file, tmp_path)
+    run = ("run", "lamps.rap", "--world", "lamps:LampWorld", "--task", "(light-all)")
+    rapc(*run, "-q", "--trace", "l.jsonl", cwd=tmp_path)
+    return tmp_path
+
+
+def test_world_of_a_module_is_imported_only_if_the_user_names_it(lamps: Path) -> None:
+    assert '"world-class":"lamps:LampWorld"' in (lamps / "l.jsonl").read_text()
+    done = rapc("repl", "l.jsonl", "-c", ":step", "-c", "(room ?x)", cwd=lamps)
+    assert done.stderr == (
+        "only to look at: the module of the world `lamps:LampWorld` is imported only "
+        "with `--world lamps:LampWorld`\n"
+    )
+    assert (done.returncode, "cycle 1, time 0" in done.stdout) == (1, True)
+    again = ("repl", "l.jsonl", "--world", "lamps:LampWorld")
+    done = rapc(*again, "-c", ":goto end", "-c", "(room ?x)", cwd=lamps)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "room-3" in done.stdout
+
+
+def test_recorded_run_of_a_module_becomes_a_test(lamps: Path) -> None:
+    again = ("repl", "l.jsonl", "--world", "lamps:LampWorld", "-c", ":goto end")
+    done = rapc(*again, "-c", ":export-test x.test.rap", cwd=lamps)
+    assert done.stdout.splitlines()[1:] == [
+        "x.test.rap: x, which passes now",
+        "`rapc test` needs `--world-module lamps`",
+    ]
+    assert '(world "lamps:LampWorld")' in (lamps / "x.test.rap").read_text()
+    done = rapc("test", "x.test.rap", "--world-module", "lamps", cwd=lamps)
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (
+            ("--world", "truck"),
+            "was recorded in the world `lamps:LampWorld`, not in `tr",
+        ),
+        (("--world", "lamps:Lamp"), "the world `lamps:Lamp` cannot be loaded"),
+        (("--task", "(light-all)"), "a recorded run begins as it was recorded"),
+        (("--seed", "3"), "a recorded run begins as it was recorded"),
+    ],
+)
+def test_recording_with_other_options_is_refused(
+    lamps: Path, given: tuple[str, ...], message: str
+) -> None:
+    done = rapc("repl", "l.jsonl", *given, "-c", ":step", cwd=lamps)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert message in done.stderr
 
 
 def _looked_at(tmp_path: Path) -> tuple[Shell, Shell]:
@@ -168,7 +290,7 @@ def _looked_at(tmp_path: Path) -> tuple[Shell, Shell]:
     shell.answer(":run")
     shell.answer(f":record {trace}")
     shell.answer(":goto 0")
-    return shell, Shell(Tape.open(trace), commands())
+    return shell, Shell(Tape(Recording(trace)), commands())
 
 
 def test_what_is_only_looked_at_tells_what_the_run_tells(tmp_path: Path) -> None:
@@ -218,20 +340,78 @@ def test_what_needs_the_run_is_refused_in_a_line(tmp_path: Path) -> None:
     assert candidates(tape, ":source ") == []
 
 
+def _all(recording: Recording) -> list[object]:
+    return list(recording.scan(0, recording.rows))
+
+
 @pytest.mark.parametrize(
     ("line", "why"),
     [
-        ('{"event":"frob","n":1}', "line 2 is an event `frob`, which is not known"),
-        ('{"event":"task-selected","n":1}', "line 2 has no `cycle`"),
-        ('{"event":"task-removed","n":7,"cycle":1,"time":0}', "line 2 has no `task`"),
+        (
+            '{"event":"frob","n":1,"cycle":1,"time":0}',
+            "an event `frob`, which is not kn",
+        ),
+        (
+            '{"event":"task-selected","n":1}',
+            "line 2: object missing required field `cy",
+        ),
+        ('{"event":"task-removed","n":7,"cycle":1,"time":0}', "line 2 is out of order"),
+        (
+            '{"event":"task-removed","n":1,"cycle":"x","time":0}',
+            "got `str` - at `$.cycle`",
+        ),
+        (
+            '{"event":"task-removed","n":1,"cycle":1,"time":0}',
+            "missing required field `tas",
+        ),
+        (
+            '{"event":"run-started","n":1,"cycle":1,"time":0,"x":' + "[" * 99_999,
+            "line 2: ",
+        ),
     ],
 )
-def test_a_trace_that_makes_no_sense_is_not_looked_at(
+def test_a_damaged_line_is_told_once_it_is_read(
     line: str, why: str, tmp_path: Path
 ) -> None:
     trace = tmp_path / "run.jsonl"
     recorded.write_trace(truck(), trace)
     first = trace.read_text().splitlines()[0]
-    trace.write_text(f"{first}\n{line}\n")
-    with pytest.raises(LoadError, match=why):
-        Tape.open(trace)
+    end = '{"event":"run-ended","n":2,"cycle":1,"time":0,"reason":"done","results":[],'
+    end += '"waiting":[],"because":null}'
+    trace.write_text(f"{first}\n{line}\n{end}\n")
+    with pytest.raises(LoadError, match=re.escape(why)):
+        _all(Recording(trace))
+
+
+def test_a_recording_is_read_as_far_as_is_asked(tmp_path: Path) -> None:
+    """What stands far behind a damaged line or in front of it can be looked at."""
+    trace = tmp_path / "run.jsonl"
+    run = truck("(rock-order red 4)")
+    run.go()
+    count = recorded.write_trace(run, trace)
+    lines = trace.read_text().splitlines(keepends=True)
+    damaged = count // 2
+    lines[damaged] = "damaged\n"
+    trace.write_text("".join(lines).replace('"world":"truck"', '"world":"gone"', 1))
+    done = rapc("repl", str(trace), "-c", ":goto 100", "-c", ":tree", "-c", ":goto end")
+    told = done.stdout.splitlines()
+    assert told[0].startswith("cycle 100, time ")
+    assert "rock-order red 4" in done.stdout
+    assert f"is not a trace: line {damaged + 1}: " in " ".join(told[-2:])
+    assert done.returncode == 1
+
+
+def test_a_recording_that_was_cut_off_in_a_line_ends_before_it(tmp_path: Path) -> None:
+    trace = tmp_path / "run.jsonl"
+    run = truck()
+    run.go()
+    recorded.write_trace(run, trace)
+    text = trace.read_text()
+    trace.write_text(text[: len(text) * 2 // 3])
+    done = rapc("repl", str(trace), "-c", ":show none", "-c", ":run")
+    last = Recording(trace).last_cycle
+    assert "stopped: the recording ends here (cut off)" in done.stdout
+    assert f"cycle {last - 1}, " in done.stdout
+    tape = Shell(Tape(Recording(trace)), commands())
+    assert f"cycle {last}, time " in said(tape, ":show none", ":run")
+    assert said(tape, ":step").endswith("run over (no more is recorded)\n")

@@ -10,12 +10,11 @@ from pathlib import Path
 from rapc.base.values import format_list
 from rapc.debug.acts import CancelTasks, SubmitTask
 from rapc.errors import LoadError, StateError, TextError
-from rapc.events import Event
+from rapc.events import Event, RunStarted
 from rapc.ir.nodes import DefineTest
 from rapc.repl.answer import ShownAnswer, say
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Shell, command
-from rapc.events import Event, RunStarted
 from rapc.runtime.task_request import as_text
 from rapc.testing.discover import find
 from rapc.testing.exported import exported

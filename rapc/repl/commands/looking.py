@@ -46,7 +46,7 @@ def _tree(shell: Shell, args: Arguments) -> ShownAnswer:
     if isinstance(subject, Session):
         nodes = look.tree(subject.run)
     else:
-        nodes = look.tree_told(subject.scan())
+        nodes = look.tree_told(subject.scan(*look.TOLD_OF_TREES))
     rows = [
         (
             "  " * one.depth + f"[{one.task}] {one.goal}",

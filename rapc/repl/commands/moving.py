@@ -85,11 +85,12 @@ def _parent(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("", ":primitive")
 def _primitive(shell: Shell, args: Arguments) -> ShownAnswer:
     """Run until the next primitive has been carried out."""
-    session, begun = shell.subject, shell.subject.serial
+    session, heard = shell.subject, shell.subject.serial
 
     def answered() -> str | None:
-        told = session.log.last(PrimitiveEnded)
-        return "" if told is not None and told.serial >= begun else None
+        nonlocal heard
+        told, heard = session.log.since(heard), session.serial
+        return "" if any(one.kind is PrimitiveEnded for one in told) else None
 
     return _went(shell, lambda: session.go(answered))
 

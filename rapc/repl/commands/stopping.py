@@ -186,7 +186,8 @@ def _not_found(
     """Yield what to say of a search in vain, with what lies the other way."""
     yield f"no {said} is found {'before' if back else 'after'} this cycle"
     if not (back or session.no_way_back):
-        count = len(session.scan(finder.kind, want=is_before(session, finder)))
+        found = session.scan(finder.kind, want=is_before(session, finder))
+        count = sum(1 for _ in found)
         if count:
             yield f"{plural(count, 'event')} before it: `:find back {said}`"
 
@@ -206,7 +207,7 @@ def _record(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 def _diff_of_runs(shell: Shell, path: Path) -> ShownAnswer:
-    found = recorded.parting(shell.subject, path, decisions=True)
+    found = recorded.parting(shell.subject, path)
     if found is None:
         return say("all decisions are the same, as far as both have gone")
     return say(

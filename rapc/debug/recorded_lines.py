@@ -1,0 +1,141 @@
+"""Lines of a trace as a debugger reads them: typed, and their words made values again.
+
+A trace has words where a run has values. Goals, facts and requests are read again, as
+far as searching and telling needs them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from functools import cache, lru_cache
+from typing import Annotated, Any, Union
+
+import msgspec
+from msgspec.json import Decoder
+
+from rapc.base.values import Atom, Fact, number
+from rapc.debug.log import ToldEvent
+from rapc.errors import TextError
+from rapc.events import Event, Goal, ResourceChange, TaskResult, kinds
+from rapc.parser.parse import parse_fact
+
+Int = Annotated[int, msgspec.Meta(ge=-(2**63), le=2**63 - 1)]
+Count = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
+Number = Int | Annotated[float, msgspec.Meta(ge=-1e300, le=1e300)]
+"""Numbers that Python can write and add up without an overflow."""
+
+# --- the types of lines ---------------------------------------------------------------
+
+_WRITTEN: Mapping[Any, Any] = {
+    Goal: str,
+    Fact: str,
+    ResourceChange: str,
+    Atom: str,
+    str | Fact: str,
+    tuple[Fact, ...]: tuple[str, ...],
+    Mapping[str, Any]: dict[str, str],
+    int: Int,
+    int | None: Int | None,
+    int | float: Number,
+    int | float | None: Number | None,
+    tuple[int, ...]: tuple[Int, ...],
+}
+"""How a trace has values, by the types of the fields of events."""
+
+
+def _line_type(kind: type[msgspec.Struct]) -> type[msgspec.Struct]:
+    """Return the type of the lines of an event, or of a part of them."""
+    fields = []
+    for field in msgspec.structs.fields(kind):
+        written = _WRITTEN.get(field.type, field.type)
+        if field.type == tuple[TaskResult, ...]:
+            written = tuple[_line_type(TaskResult), ...]  # type: ignore[misc]
+        default = {} if field.required else {"default": field.default}
+        made = msgspec.field(name=field.encode_name, **default)
+        fields.append((field.name, written, made))
+    config = kind.__struct_config__
+    return msgspec.defstruct(
+        f"{kind.__name__}Line",
+        fields,
+        tag=config.tag,
+        tag_field=config.tag_field,
+        kw_only=True,
+    )
+
+
+@cache
+def event_lines() -> Decoder[Any]:
+    """Return what decodes the line of any event."""
+    lines = tuple(_line_type(kind) for kind in kinds().values())
+    return Decoder(Union[lines])  # noqa: UP007  # there is no other way to say it
+
+
+# --- words into values ----------------------------------------------------------------
+
+
+def as_told(row: int, line: Any) -> ToldEvent:
+    """Return an event of a trace as a run would have told it."""
+    kind = kinds()[line.__struct_config__.tag]
+    keys = {}
+    for name in kind.__struct_fields__[len(Event.__struct_fields__) :]:
+        value, read_it = getattr(line, name), _READ.get(name)
+        keys[name] = value if read_it is None else read_it(value)
+    return ToldEvent(kind, row, line.cycle, number(line.time), keys)
+
+
+_WORD = re.compile(r'"(?:[^"\\]|\\.)*"|[^\s()"]*\([^()]*\)|[^\s()"]+')
+
+_REMEMBERED = 4096
+"""How many texts are read once: a trace says the same over and over."""
+
+
+def _words(text: str) -> tuple[str, ...]:
+    """Return the words of a list; what it was made of cannot be told any more."""
+    return tuple(_WORD.findall(text[1:-1]))
+
+
+@lru_cache(_REMEMBERED)
+def _fact(text: str) -> Fact:
+    """Return a fact, request or signal; one that is none is left as its words."""
+    try:
+        return parse_fact(text)
+    except TextError:
+        return _words(text)
+
+
+def _facts(texts: str | tuple[str, ...]) -> object:
+    """Return the data of a result, or the one datum that came by itself."""
+    return _fact(texts) if isinstance(texts, str) else tuple(map(_fact, texts))
+
+
+@lru_cache(_REMEMBERED)
+def _goal(text: str) -> Goal:
+    words = _words(text) or ("",)
+    at = words.index("=>") if "=>" in words else len(words)
+    goal = Goal(words[0], words[1:at], words[at + 1 :])
+    goal.text = text
+    return goal
+
+
+def _results(lines: tuple[Any, ...]) -> tuple[TaskResult, ...]:
+    names = TaskResult.__struct_fields__
+    found = [{name: getattr(line, name) for name in names} for line in lines]
+    return tuple([TaskResult(**{**o, "goal": _goal(o["goal"])}) for o in found])
+
+
+def _what(value: str) -> object:
+    """Return a signal or skill; what became of a resource stays words."""
+    return _fact(value) if value.startswith("(") else value
+
+
+_READ: Mapping[str, Callable[[Any], Any]] = {
+    "goal": _goal,
+    "fact": _fact,
+    "request": _fact,
+    "sent": _fact,
+    "data": _facts,
+    "what": _what,
+    "results": _results,
+}
+"""How the values of a key are read; those of any other stay as they are."""
